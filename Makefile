@@ -1,0 +1,55 @@
+# make demo: the whole job on a simulated object.  make test: Python and C tests.
+# make check: format, lint, types, C tests under sanitizers with every compiler found.
+PYTHON ?= python3
+BIN := .venv/bin
+STAMP := .venv/installed
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
+C_TESTS := $(wildcard tests/c/test_*.c)
+COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
+
+include runtime_c/flags.mk
+
+.PHONY: demo test check format lint types ns test-c clean
+
+$(STAMP): requirements.lock pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+demo: $(STAMP)
+	$(BIN)/springpot demo --out demo
+
+test: $(STAMP) test-c
+	$(BIN)/pytest
+
+check: format lint types
+	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized
+
+format: $(STAMP)
+	$(BIN)/ruff format --check --quiet .
+	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
+
+lint: $(STAMP)
+	$(BIN)/ruff check --quiet .
+
+types: $(STAMP) ns
+	$(BIN)/mypy
+
+# mypy and pyright do not see packages mapped by an editable install: a tree of links shows them.
+ns:
+	@mkdir -p build/ns/springpot
+	@for floor in runtime_c codegen trainer host; do ln -sfn ../../../$$floor build/ns/springpot/$$floor; done
+
+C_BUILD ?= build/c
+C_EXTRA ?=
+test-c:
+	@set -e; for cc in $(COMPILERS); do for test in $(C_TESTS); do for real in float double; do \
+	  out=$(C_BUILD)/$$cc/$$real/$$(basename $$test .c); mkdir -p $$(dirname $$out); \
+	  $$cc $(SP_CFLAGS) $(SP_STRICT) $(C_EXTRA) -D_POSIX_C_SOURCE=200809L -Iruntime_c/include/$$real \
+	    -Iruntime_c/include -Iruntime_c/src -Iruntime_c/sim -Itests/c $$test -o $$out -lm; \
+	  $$out; done; done; done
+	@echo "C tests: $(words $(C_TESTS)) programs x float, double x $(COMPILERS) $(C_EXTRA)"
+
+clean:
+	rm -rf build .venv demo

@@ -1,0 +1,1 @@
+"""Floor 4: build, load, devices, validation, reports, command line."""

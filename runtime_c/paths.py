@@ -1,0 +1,19 @@
+"""Where the C sources lie, and the flags they are built with."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+INCLUDE = ROOT / "include"
+SOURCE = ROOT / "src"
+SIM = ROOT / "sim"
+PORT_HOST = ROOT / "port" / "host"
+FLAGS_FILE = ROOT / "flags.mk"
+
+
+def flags(name: str) -> list[str]:
+    """Return the flags that `flags.mk` assigns to `name` (SP_CFLAGS, SP_STRICT, SP_SHARED)."""
+    found = re.search(rf"^{name} = (.*)$", FLAGS_FILE.read_text(), re.MULTILINE)
+    if found is None:
+        raise KeyError(name)
+    return found.group(1).split()

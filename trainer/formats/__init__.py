@@ -1,0 +1,1 @@
+"""Readers of files from outside: text and binary formats -> recordings."""
