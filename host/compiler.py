@@ -1,0 +1,101 @@
+"""Find a C compiler and build shared libraries on first use, into a cache keyed by content."""
+
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from springpot.runtime_c.errors import SpringpotError
+from springpot.runtime_c.paths import flags
+
+
+class CompilerError(SpringpotError):
+    """No C compiler, or one that refuses our sources."""
+
+
+def cache_folder() -> Path:
+    """Folder of built libraries: $XDG_CACHE_HOME/springpot, else ~/.cache/springpot."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "springpot"
+
+
+@cache
+def find_compiler() -> str:
+    """Return the path of $CC, gcc, clang or cc, the first that exists.
+
+    Raises CompilerError with what to install where there is none.
+    """
+    asked = os.environ.get("CC")
+    if asked:
+        found = shutil.which(asked)
+        if found is None:
+            raise CompilerError(f"CC={asked}: no such compiler on PATH: unset CC or install it")
+        return found
+    for name in ("gcc", "clang", "cc"):
+        if found := shutil.which(name):
+            return found
+    raise CompilerError(
+        "no C compiler on PATH (looked for gcc, clang, cc): install one, "
+        "for example with `apt-get install gcc`, or set CC"
+    )
+
+
+@cache
+def compiler_version(compiler: str) -> str:
+    """First line of `compiler --version`."""
+    result = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False)
+    return (result.stdout or result.stderr).splitlines()[0].strip()
+
+
+def run_compiler(arguments: Sequence[str]) -> None:
+    """Run the compiler; raise CompilerError with its first error line where it fails."""
+    compiler = find_compiler()
+    result = subprocess.run([compiler, *arguments], capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        lines = [line for line in result.stderr.splitlines() if "error" in line]
+        first = lines[0] if lines else result.stderr.strip()[-300:]
+        raise CompilerError(f"{compiler} refused the sources: {first}")
+
+
+def shared_library(
+    sources: Sequence[Path], include: Sequence[Path], extra_flags: Sequence[str] = ()
+) -> Path:
+    """Build `sources` into one shared library, or return the one built before.
+
+    The key covers every source, every header in the `include` folders, compiler, flags and
+    machine. The library is written aside and renamed into place: concurrent builds are safe.
+    """
+    build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
+    library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
+    if library.exists():
+        return library
+    library.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=library.parent) as aside:
+        built = Path(aside) / library.name
+        run_compiler(
+            [
+                *build_flags,
+                *(f"-I{folder}" for folder in include),
+                *map(str, sources),
+                "-o",
+                str(built),
+                "-lm",
+            ]
+        )
+        built.replace(library)
+    return library
+
+
+def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence[str]) -> str:
+    headers = [header for folder in include for header in sorted(folder.glob("*.h"))]
+    digest = hashlib.sha256()
+    for file in [*sources, *headers]:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    facts = [compiler_version(find_compiler()), *build_flags, platform.machine(), platform.system()]
+    digest.update("\0".join(facts).encode())
+    return digest.hexdigest()[:32]
