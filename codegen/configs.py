@@ -1,0 +1,88 @@
+"""Constants of the C units, in the scene's number type: what is emitted and what is checked.
+
+Each class is one unit's config struct; its fields are the struct's members, in order.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Real = np.float32 | np.float64
+RealArray = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class GuardConfig:
+    """sp_guard.h."""
+
+    jump_m: Real
+    reach_m: Real
+    resync_ticks: int
+
+
+@dataclass(frozen=True)
+class RangeConfig:
+    """sp_range.h."""
+
+    least_m: Real
+    greatest_m: Real
+
+
+@dataclass(frozen=True, eq=False)
+class CoupleToolConfig:
+    """sp_couple_tool.h; phi: shape (4,), the 2 x 2 matrix row by row."""
+
+    stiffness_npm: Real
+    damping_nspm: Real
+    compliance_mpn: Real
+    dt_s: Real
+    phi: RealArray
+
+
+@dataclass(frozen=True)
+class OutputConfig:
+    """sp_output.h."""
+
+    least_n: Real
+    greatest_n: Real
+    rise: Real
+    fall_nps: Real
+    watchdog_s: Real
+    dt_s: Real
+
+
+@dataclass(frozen=True, eq=False)
+class FracConfig:
+    """sp_frac.h: taps, shape (length, lanes), lanes beyond the orders are zero."""
+
+    orders: tuple[float, ...]
+    taps: RealArray
+
+
+@dataclass(frozen=True, eq=False)
+class VelocityConfig:
+    """sp_velocity.h: per_step, shape (length,), 1/s."""
+
+    per_step: RealArray
+    band_m: Real
+
+
+@dataclass(frozen=True, eq=False)
+class ForestTable:
+    """sp_forest.h: node table.
+
+    value: (nodes,) float32; link: (nodes,) uint32; roots: (padded trees,) uint32.
+    depth: longest walk in levels. quantum_n: force of one quantum of the sum, N.
+    leaf_error_n: greatest rounding of a leaf's force.
+    leaf: (IR nodes,) int32, row of each IR node in this table.
+    """
+
+    value: NDArray[np.float32]
+    link: NDArray[np.uint32]
+    roots: NDArray[np.uint32]
+    depth: int
+    quantum_n: Real
+    leaf_error_n: float
+    leaf: NDArray[np.int32]

@@ -1,0 +1,159 @@
+"""Plan -> the text of every emitted file. No dates, no paths: the same plan, the same bytes."""
+
+import hashlib
+import json
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from springpot.codegen.glue import public_header, scene_header, scene_source
+from springpot.codegen.golden import golden_positions, golden_velocities
+from springpot.codegen.literals import array_text, literal, wrapped
+from springpot.codegen.model_file import model_hash
+from springpot.codegen.plan import Plan
+from springpot.codegen.project import example_main, example_makefile, selftest_source
+from springpot.codegen.reference import run_reference
+from springpot.codegen.units import planned_headers, planned_units, state_bytes
+from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
+
+_HASH = "@manifest-hash@"
+
+
+def emit_files(plan: Plan) -> dict[str, str]:
+    """Return file name -> text of everything that is emitted.
+
+    Generated files begin with the version and the manifest's hash, which covers every file here.
+    """
+    prefix = plan.scene.runtime.prefix
+    files = {
+        f"{prefix}.h": public_header(plan),
+        f"{prefix}_scene.h": scene_header(plan),
+        f"{prefix}_tables.h": _tables(plan),
+        f"{prefix}_scene.c": scene_source(plan, json.dumps(_short_manifest(plan))),
+        f"{prefix}_golden.h": _golden(plan),
+        f"{prefix}_selftest.c": selftest_source(plan),
+        "main.c": example_main(plan),
+        "Makefile": example_makefile(plan),
+    }
+    files = {name: _stamp(name) + text for name, text in files.items()}
+    for header in ["sp_notes.h", *planned_headers(plan)]:
+        folder = INCLUDE if header == "sp_notes.h" else SOURCE
+        files[header] = (folder / header).read_text()
+    files["sp_real.h"] = (INCLUDE / plan.real / "sp_real.h").read_text()
+    files["flags.mk"] = FLAGS_FILE.read_text()
+    files["manifest.json"] = json.dumps(manifest(plan), indent=2, sort_keys=True) + "\n"
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        digest.update(f"{name}\n{files[name]}".encode())
+    return {name: text.replace(_HASH, digest.hexdigest()) for name, text in files.items()}
+
+
+def manifest(plan: Plan) -> dict[str, Any]:
+    """All facts of the emission, for people and tools."""
+    return {
+        **_short_manifest(plan),
+        "target": plan.scene.runtime.target,
+        "model_hash": model_hash(plan.model),
+        "provenance": dict(plan.model.provenance),
+        "contact": "surface" if plan.contact else "always",
+        "coupling": plan.coupling,
+        "outside": plan.outside,
+        "orders": list(plan.frac.orders),
+        "window_s": len(plan.frac.taps) * plan.dt_s,
+        "state_bytes": state_bytes(plan),
+        "leaf_error_n": plan.forest.leaf_error_n,
+        "limits": {
+            "least_n": float(plan.output.least_n),
+            "greatest_n": float(plan.output.greatest_n),
+            "watchdog_s": float(plan.output.watchdog_s),
+            "jump_m": float(plan.guard.jump_m),
+        },
+        "units": [unit.header.removesuffix(".h") for unit in planned_units(plan)],
+        "left_out": [
+            {"what": item.what, "why": item.why, "bytes": item.bytes} for item in plan.left_out
+        ],
+    }
+
+
+def _short_manifest(plan: Plan) -> dict[str, Any]:
+    """What the image itself can say (sp_manifest)."""
+    trained = plan.model.trained
+    return {
+        "springpot": version("springpot"),
+        "hash": _HASH,
+        "scene": plan.scene.name,
+        "model": plan.model.kind,
+        "si_units": "m, m/s, N, s",
+        "dt_s": plan.dt_s,
+        "number": plan.scene.runtime.number,
+        "trained": {
+            "depth_m": [trained.least_m, trained.greatest_m],
+            "speed_mps": trained.greatest_mps,
+            "force_n": [trained.least_n, trained.greatest_n],
+        },
+    }
+
+
+def _stamp(name: str) -> str:
+    text = f"springpot {version('springpot')} {_HASH}"
+    return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"
+
+
+def _tables(plan: Plan) -> str:
+    prefix = plan.scene.runtime.prefix
+    guard = f"{prefix.upper()}_TABLES_H"
+    orders = ", ".join(f"{order:g}" for order in plan.frac.orders)
+    parts = [
+        f"#ifndef {guard}\n#define {guard}\n",
+        '#include <stdint.h>\n\n#include "sp_real.h"',
+        f"\n/* Taps, newest first: a row a tap, a lane each for the orders {orders}. */",
+        array_text("taps", "sp_real", plan.frac.taps),
+    ]
+    if plan.velocity is not None:
+        parts += [
+            "\n/* 1/(j dt), 1/s */",
+            array_text("velocity_per_step", "sp_real", plan.velocity.per_step),
+        ]
+    parts += ["", _forest(plan), "\n#endif\n"]
+    return "\n".join(parts)
+
+
+def _forest(plan: Plan) -> str:
+    if plan.scene.runtime.forest == "m2cgen":
+        from springpot.codegen.m2c import score_source
+
+        return score_source(plan.model.regressor, plan.forest)
+    table = plan.forest
+    pairs = [
+        f"{{{literal(value)}, {link}u}}"
+        for value, link in zip(table.value, table.link.tolist(), strict=True)
+    ]
+    return "\n".join(
+        [
+            '#include "sp_forest.h"\n',
+            "/* Trees, one after the other: threshold or leaf, link (sp_forest.h). */",
+            f"static const sp_forest_node nodes[{len(pairs)}] = {{",
+            *wrapped(pairs),
+            "};",
+            array_text("roots", "uint32_t", table.roots),
+        ]
+    )
+
+
+def _golden(plan: Plan) -> str:
+    """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
+    prefix = plan.scene.runtime.prefix
+    guard = f"{prefix.upper()}_GOLDEN_H"
+    positions = golden_positions(plan)
+    velocities = golden_velocities(plan) if plan.needs_device_velocity else None
+    columns = {"golden_position": positions}
+    if velocities is not None:
+        columns["golden_velocity"] = velocities
+    columns["golden_force"] = run_reference(plan, positions, velocities).force_n
+    bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
+    parts = [f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"]
+    for name, values in columns.items():
+        items = [f"0x{pattern:x}" for pattern in values.view(bits).tolist()]
+        parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
+        parts += [*wrapped(items), "};"]
+    return "\n".join([*parts, "\n#endif\n"])

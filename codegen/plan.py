@@ -1,0 +1,241 @@
+"""Plan: model and scene resolved into exactly what will be emitted, and what is left out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from springpot.codegen.configs import (
+    CoupleToolConfig,
+    ForestTable,
+    FracConfig,
+    GuardConfig,
+    OutputConfig,
+    RangeConfig,
+    Real,
+    VelocityConfig,
+)
+from springpot.codegen.coupling import tool_config
+from springpot.codegen.forest_table import forest_table, used_features
+from springpot.codegen.ir import FirBank, Forest, Model
+from springpot.codegen.model_file import model_hash
+from springpot.codegen.scene import Scene
+from springpot.runtime_c.errors import UsageError
+
+LANES = 4  # SP_FRAC_LANES
+
+# Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
+LEAST_JUMP_MPS = 1.0
+JUMP_PER_TRAINED_SPEED = 8.0
+REACH_M = 10.0
+REACH_PER_DEPTH = 100.0
+RESYNC_TICKS = 5
+RAMP_S = 0.05
+WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
+FORCE_MARGIN = 1.2
+VELOCITY_WINDOW_S = 0.024
+VELOCITY_BAND_M = 15e-6
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that the scene does not need; bytes: tables and state saved, code apart."""
+
+    what: str
+    why: str
+    bytes: int
+    unit: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Everything the emitted C contains. Fields that are None are units left out."""
+
+    scene: Scene
+    model: Model
+    real: Literal["float", "double"]
+    dt_s: float
+    guard: GuardConfig
+    range: RangeConfig
+    frac: FracConfig
+    forest: ForestTable
+    per_onset: Real | None
+    velocity: VelocityConfig | None
+    couple_tool: CoupleToolConfig | None
+    smooth_alpha: Real | None
+    output: OutputConfig
+    left_out: tuple[LeftOut, ...]
+    coupling: str
+    outside: str
+
+    @property
+    def dtype(self) -> type[Any]:
+        """Numpy type of sp_real."""
+        return np.float32 if self.real == "float" else np.float64
+
+    @property
+    def needs_device_velocity(self) -> bool:
+        """Whether sp_step reads its velocity argument."""
+        return self.couple_tool is not None and self.velocity is None
+
+    @property
+    def contact(self) -> bool:
+        """Whether positions at or below 0 are free air."""
+        return self.per_onset is not None
+
+
+def make_plan(model: Model, scene: Scene) -> Plan:
+    """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together."""
+    dtype: Callable[[float], Real]
+    dtype, real = (
+        (np.float32, "float") if scene.runtime.number == "float32" else (np.float64, "double")
+    )
+    dt_s = _time_step(model, scene)
+    contact = (scene.guard.contact or model.contact) == "surface"
+    frac, dropped = _frac_config(model.features, model.regressor, dtype)
+    couple = _couple_tool(scene, dt_s, dtype)
+    size = np.dtype(dtype).itemsize
+    estimates = couple is not None and scene.device.velocity == "estimate"
+    alpha = _smooth_alpha(scene, dt_s)
+    return Plan(
+        scene=scene,
+        model=model,
+        real="float" if real == "float" else "double",
+        dt_s=dt_s,
+        guard=_guard_config(model, dt_s, dtype),
+        range=RangeConfig(
+            least_m=dtype(0.0 if contact else model.trained.least_m),
+            greatest_m=dtype(model.trained.greatest_m),
+        ),
+        frac=frac,
+        forest=forest_table(model.regressor, dtype),
+        per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
+        velocity=_velocity_config(dt_s, dtype) if estimates else None,
+        couple_tool=couple,
+        smooth_alpha=None if alpha is None else dtype(alpha),
+        output=_output_config(model, scene, dt_s, contact, dtype),
+        left_out=tuple(dropped + _units_left_out(contact, couple is not None, alpha, size)),
+        coupling=_coupling_note(scene),
+        outside=_outside_note(scene),
+    )
+
+
+def plan_hash_facts(plan: Plan) -> dict[str, Any]:
+    """Return what identifies the plan beside the emitted text."""
+    return {"model": model_hash(plan.model), "scene": plan.scene.name}
+
+
+def _time_step(model: Model, scene: Scene) -> float:
+    rate_hz = scene.runtime.rate_hz
+    if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-6:
+        raise UsageError(
+            f"runtime.rate_hz = {rate_hz:g}: the model's window was fitted at "
+            f"{1 / model.dt_s:g} Hz and is not exact at another rate: remove the key, or train on "
+            f"recordings of {rate_hz:g} Hz"
+        )
+    return model.dt_s
+
+
+def _frac_config(
+    bank: FirBank, forest: Forest, real: Callable[[float], Real]
+) -> tuple[FracConfig, list[LeftOut]]:
+    """Keep the orders that some split uses; lanes padded to whole vectors."""
+    kept = used_features(forest)
+    length = len(bank.taps)
+    lanes, all_lanes = (-(-n // LANES) * LANES for n in (max(len(kept), 1), len(bank.orders)))
+    taps = np.zeros((length, lanes), dtype=real)  # type: ignore[call-overload]
+    taps[:, : len(kept)] = bank.taps[:, kept]
+    names = [f"{order:g}" for i, order in enumerate(bank.orders) if i not in set(kept.tolist())]
+    saved = (all_lanes - lanes) * length * taps.itemsize
+    dropped = [LeftOut(f"orders {', '.join(names)}", "no split uses them", saved)] if names else []
+    return FracConfig(orders=tuple(bank.orders[i] for i in kept), taps=taps), dropped
+
+
+def _guard_config(model: Model, dt_s: float, real: Callable[[float], Real]) -> GuardConfig:
+    trained = model.trained
+    deepest_m = max(abs(trained.least_m), abs(trained.greatest_m))
+    return GuardConfig(
+        jump_m=real(dt_s * max(LEAST_JUMP_MPS, JUMP_PER_TRAINED_SPEED * trained.greatest_mps)),
+        reach_m=real(max(REACH_M, REACH_PER_DEPTH * deepest_m)),
+        resync_ticks=RESYNC_TICKS,
+    )
+
+
+def _output_config(
+    model: Model, scene: Scene, dt_s: float, contact: bool, real: Callable[[float], Real]
+) -> OutputConfig:
+    trained = model.trained
+    greatest_n = scene.guard.max_force_n or FORCE_MARGIN * trained.greatest_n
+    least_n = 0.0 if contact else max(-greatest_n, min(0.0, FORCE_MARGIN * trained.least_n))
+    watchdog_ms = scene.guard.watchdog_ms or max(20.0, 3e3 * dt_s)
+    return OutputConfig(
+        least_n=real(least_n),
+        greatest_n=real(greatest_n),
+        rise=real(min(1.0, dt_s / RAMP_S)),
+        fall_nps=real(max(greatest_n, -least_n) / WATCHDOG_FALL_S),
+        watchdog_s=real(watchdog_ms * 1e-3),
+        dt_s=real(dt_s),
+    )
+
+
+def _onset_m(model: Model, scene: Scene) -> float:
+    if scene.guard.onset_mm is not None:
+        return scene.guard.onset_mm * 1e-3
+    return 0.01 * model.trained.greatest_m
+
+
+def _velocity_config(dt_s: float, real: Callable[[float], Real]) -> VelocityConfig:
+    length = max(1, round(VELOCITY_WINDOW_S / dt_s))
+    per_step = np.array([real(1.0 / (j * dt_s)) for j in range(1, length + 1)])
+    return VelocityConfig(per_step=per_step, band_m=real(VELOCITY_BAND_M))
+
+
+def _couple_tool(
+    scene: Scene, dt_s: float, real: Callable[[float], Real]
+) -> CoupleToolConfig | None:
+    mode = scene.coupling.mode
+    if mode == "proxy":
+        raise UsageError(
+            'coupling.mode = "proxy" needs the stability check, which this version does not have: '
+            'use "off" or "tool"'
+        )
+    return tool_config(scene.coupling, dt_s, real) if mode == "tool" else None
+
+
+def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
+    time_constant_s = scene.smoothing.time_constant_s
+    return None if time_constant_s == 0.0 else float(-np.expm1(-dt_s / time_constant_s))
+
+
+def _units_left_out(contact: bool, coupled: bool, alpha: float | None, size: int) -> list[LeftOut]:
+    left_out = []
+    if not contact:
+        why = "the recordings never leave the object"
+        left_out.append(LeftOut("contact and onset", why, size, unit="sp_contact"))
+    if not coupled:
+        # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
+        saved = 8 * size + 2 * size + 4
+        left_out.append(LeftOut("coupling", "coupling.mode is off", saved, unit="sp_couple_tool"))
+        why = "nothing in this scene needs a velocity"
+        left_out.append(LeftOut("velocity estimate", why, 0, unit="sp_velocity"))
+    if alpha is None:
+        why = "smoothing.time_constant_s is 0"
+        left_out.append(LeftOut("smoothing", why, 2 * size, unit="sp_smooth"))
+    return left_out
+
+
+def _coupling_note(scene: Scene) -> str:
+    if scene.coupling.mode == "auto":
+        return "off: auto chooses off until the stability check exists"
+    return f"{scene.coupling.mode}: stated in the scene"
+
+
+def _outside_note(scene: Scene) -> str:
+    if scene.guard.outside == "zero":
+        raise UsageError(
+            'guard.outside = "zero" drops the force at the greatest trained depth, and this '
+            'version cannot yet do it without a step: use "hold" or "fallback"'
+        )
+    if scene.guard.outside == "fallback":
+        return "hold: fallback holds the greatest trained depth until a fallback model exists"
+    return "hold: stated in the scene"

@@ -1,0 +1,92 @@
+"""The scene: how one model is rendered, as the user states it. Key names are the scene file's.
+
+The types carry each key's bounds; the host checks a file against them and names the key.
+"""
+
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Interval
+
+Positive = Annotated[float, Gt(0)]
+NotNegative = Annotated[float, Ge(0)]
+_CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": False}
+
+
+@dataclass(frozen=True)
+class Runtime:
+    """Rate (default: the model's own), number type, target, prefix of the C names."""
+
+    __pydantic_config__ = _CLOSED
+    rate_hz: Annotated[float, Interval(ge=10, le=8000)] | None = None
+    number: Literal["float32", "float64"] = "float32"
+    target: Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"] = "host"
+    prefix: str = "sp"
+    forest: Literal["table", "m2cgen"] = "table"
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Virtual coupling (the paper's figure 12c)."""
+
+    __pydantic_config__ = _CLOSED
+    mode: Literal["auto", "off", "tool", "proxy"] = "auto"
+    stiffness_npm: Positive = 1500.0
+    damping_nspm: Positive = 20.0
+    mass_kg: Positive = 0.05
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """Exponential moving average of the force; 0 leaves it out."""
+
+    __pydantic_config__ = _CLOSED
+    time_constant_s: NotNegative = 0.0
+
+
+@dataclass(frozen=True)
+class Guard:
+    """Limits; None means the default that the plan derives from the model."""
+
+    __pydantic_config__ = _CLOSED
+    max_force_n: Positive | None = None
+    outside: Literal["fallback", "hold", "zero"] = "fallback"
+    watchdog_ms: Positive | None = None
+    contact: Literal["surface", "always"] | None = None
+    onset_mm: Positive | None = None
+
+
+@dataclass(frozen=True)
+class Device:
+    """What loop checks assume and drivers need."""
+
+    __pydantic_config__ = _CLOSED
+    delay_samples: Annotated[int, Interval(ge=0, le=10)] = 0
+    velocity: Literal["estimate", "device"] = "estimate"
+    surface_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What the target has to spare; None is no limit."""
+
+    __pydantic_config__ = _CLOSED
+    flash_bytes: Annotated[int, Gt(0)] | None = None
+    ram_bytes: Annotated[int, Gt(0)] | None = None
+    tick_us: Positive | None = None
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A whole scene file."""
+
+    __pydantic_config__ = _CLOSED
+    schema: Literal[1]
+    name: str
+    model: str
+    runtime: Runtime = field(default_factory=Runtime)
+    coupling: Coupling = field(default_factory=Coupling)
+    smoothing: Smoothing = field(default_factory=Smoothing)
+    guard: Guard = field(default_factory=Guard)
+    device: Device = field(default_factory=Device)
+    budget: Budget = field(default_factory=Budget)

@@ -1,0 +1,30 @@
+/* Example: one position (m) a line on standard input, one force (N) a line on standard output,
+ * a tick of @DT@ s each. Checks the compiler first. */
+#include <stdio.h>
+
+#include "@PREFIX@_scene.h"
+
+int main(void)
+{
+    static sp_state state;
+    double position_m;
+    double before_m = 0.0;
+    const int differs = sp_selftest();
+    if (differs != 0) {
+        fprintf(stderr,
+                "self-test: tick %d differs: this compiler changes floating-point results; build "
+                "with the flags of flags.mk (-ffp-contract=off, no -ffast-math)\n",
+                differs - 1);
+        return 1;
+    }
+    fprintf(stderr, "self-test passed: %s\n", sp_manifest());
+    sp_init(&state);
+    while (scanf("%lf", &position_m) == 1) {
+        const double velocity_mps = (position_m - before_m) / @DT@;
+        @REAL@ force_n = 0;
+        (void)sp_step(&state, (@REAL@)position_m, (@REAL@)velocity_mps, &force_n);
+        printf("%.9g\n", (double)force_n);
+        before_m = position_m;
+    }
+    return 0;
+}

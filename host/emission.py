@@ -1,0 +1,154 @@
+"""Emission: files written aside, built, self-tested, and only then renamed into place."""
+
+import shutil
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from springpot.codegen.emit import emit_files, manifest
+from springpot.codegen.ir import Model
+from springpot.codegen.model_file import read_model
+from springpot.codegen.plan import Plan, make_plan
+from springpot.codegen.scene import Scene
+from springpot.codegen.units import state_bytes
+from springpot.host.compiler import CompilerError
+from springpot.host.footprint import Footprint, measure_footprint
+from springpot.host.library import SceneLibrary
+from springpot.host.scene_file import scene_from_json, scene_to_json
+from springpot.host.toolchain import package_of, toolchain
+from springpot.runtime_c.errors import BudgetError, DataError, MismatchError, UsageError
+
+# What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
+MODEL_COPY = "from/model.spm"
+SCENE_COPY = "from/scene.json"
+
+
+@dataclass(frozen=True)
+class Emission:
+    """What was emitted. footprint and compile_s are None without a compiler; notices say why."""
+
+    folder: Path
+    plan: Plan
+    manifest: dict[str, Any]
+    footprint: Footprint | None
+    ram_bytes: int
+    write_s: float
+    compile_s: float | None
+    notices: tuple[str, ...]
+
+
+def emit(scene: Scene, model_file: Path, folder: Path) -> Emission:
+    """Emit `scene` into `folder`, replacing an earlier emission there.
+
+    Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
+    the scene's budget, MismatchError where its self-test fails.
+    """
+    _refuse_foreign(folder)
+    model = read_model(model_file)
+    plan = make_plan(model, scene)
+    aside = folder.with_name(folder.name + ".part")
+    shutil.rmtree(aside, ignore_errors=True)
+    begin = time.perf_counter()
+    _write(plan, scene, model_file, aside)
+    write_s = time.perf_counter() - begin
+    try:
+        emission = _built(plan, aside, folder, write_s)
+    except Exception:
+        shutil.rmtree(aside, ignore_errors=True)
+        raise
+    _replace(aside, folder)
+    return emission
+
+
+def read_emission(folder: Path) -> tuple[Plan, Model]:
+    """Read back the plan of an emitted folder from what it was made from."""
+    if not (folder / SCENE_COPY).exists():
+        raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
+    model = read_model(folder / MODEL_COPY)
+    scene = scene_from_json((folder / SCENE_COPY).read_text(), str(folder / SCENE_COPY))
+    return make_plan(model, scene), model
+
+
+def _write(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
+    (folder / "from").mkdir(parents=True)
+    for name, text in emit_files(plan).items():
+        (folder / name).write_text(text)
+    (folder / SCENE_COPY).write_text(scene_to_json(scene))
+    shutil.copyfile(model_file, folder / MODEL_COPY)
+
+
+def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
+    notices = []
+    footprint = compile_s = None
+    try:
+        begin = time.perf_counter()
+        library = SceneLibrary(aside)
+        compile_s = time.perf_counter() - begin
+        if differs := library.selftest():
+            raise MismatchError(
+                f"{plan.scene.name}: the built C differs from its numpy reference at golden tick "
+                f"{differs - 1}: nothing was emitted; report the compiler ({library.path})"
+            )
+        footprint, notice = _footprint(plan, aside)
+        notices += [notice] if notice else []
+    except CompilerError as error:
+        notices.append(f"not built, sizes unknown: {error}")
+    emission = Emission(
+        folder=folder,
+        plan=plan,
+        manifest=manifest(plan),
+        footprint=footprint,
+        ram_bytes=state_bytes(plan),
+        write_s=write_s,
+        compile_s=compile_s,
+        notices=tuple(notices),
+    )
+    _check_budget(emission)
+    return emission
+
+
+def _footprint(plan: Plan, folder: Path) -> tuple[Footprint | None, str | None]:
+    target = plan.scene.runtime.target
+    tools = toolchain(target)
+    if tools is None:
+        return None, f"no compiler for {target}: sizes unknown: install {package_of(target)}"
+    source = f"{plan.scene.runtime.prefix}_scene.c"
+    return measure_footprint(folder, source, tools), None
+
+
+def _check_budget(emission: Emission) -> None:
+    budget = emission.plan.scene.budget
+    flash = emission.footprint.flash_bytes if emission.footprint else None
+    for what, has, may in (
+        ("flash", flash, budget.flash_bytes),
+        ("RAM", emission.ram_bytes, budget.ram_bytes),
+    ):
+        if may is None:
+            continue
+        if has is None:
+            raise BudgetError(f"{what}: cannot be measured: {'; '.join(emission.notices)}")
+        if has > may:
+            raise BudgetError(
+                f"{what}: {has} bytes, the scene's budget is {may}: raise the budget, or train a "
+                "smaller model"
+            )
+
+
+def _refuse_foreign(folder: Path) -> None:
+    if folder.is_file():
+        raise UsageError(f"{folder}: is a file: give a folder to --out")
+    if folder.exists() and any(folder.iterdir()) and not (folder / SCENE_COPY).exists():
+        raise UsageError(
+            f"{folder}: holds files that springpot did not emit: give --out an empty or new folder"
+        )
+    folder.parent.mkdir(parents=True, exist_ok=True)
+
+
+def _replace(aside: Path, folder: Path) -> None:
+    before = folder.with_name(folder.name + ".old")
+    shutil.rmtree(before, ignore_errors=True)
+    if folder.exists():
+        folder.rename(before)
+    aside.rename(folder)
+    shutil.rmtree(before, ignore_errors=True)

@@ -1,0 +1,84 @@
+"""Figures of a prediction against a measurement."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Samples = NDArray[np.float64]
+
+# Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
+# drawn, not scored.
+WEBER_FRACTION = 0.10
+SCORED_ABOVE_N = 2.0
+# Absolute threshold that the drawn curve tends to below: Weber fraction x 2 N.
+_BOOTSTRAPS = 2000
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Error of forces over several recordings.
+
+    rmse_n: over all samples. mean_recording_rmse_n: RMSE of each recording, averaged (the paper's
+    figure 9), and interval_n its 95 % bootstrap interval over recordings (None for one recording).
+    ape_below_jnd: share of samples above 2 N whose absolute percentage error is below the just
+    noticeable difference (None where no sample is).
+    """
+
+    samples: int
+    rmse_n: float
+    rmse_percent_of_peak: float
+    mean_recording_rmse_n: float
+    interval_n: tuple[float, float] | None
+    max_abs_error_n: float
+    p99_abs_error_n: float
+    ape_below_jnd: float | None
+
+
+def accuracy(measured_n: Sequence[Samples], predicted_n: Sequence[Samples]) -> Accuracy:
+    """Compare recordings with predictions, one array a recording."""
+    errors = [
+        np.asarray(predicted, dtype=np.float64) - measured
+        for measured, predicted in zip(measured_n, predicted_n, strict=True)
+    ]
+    error, measured = np.concatenate(errors), np.concatenate(measured_n)
+    each = np.array([rms(values) for values in errors])
+    rmse_n = rms(error)
+    return Accuracy(
+        samples=len(error),
+        rmse_n=rmse_n,
+        rmse_percent_of_peak=100.0 * rmse_n / float(np.abs(measured).max()),
+        mean_recording_rmse_n=float(each.mean()),
+        interval_n=_bootstrap_interval(each),
+        max_abs_error_n=float(np.abs(error).max()),
+        p99_abs_error_n=float(np.percentile(np.abs(error), 99)),
+        ape_below_jnd=_below_jnd(measured, error),
+    )
+
+
+def rms(values: Samples) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def just_noticeable_percent(force_n: Samples) -> Samples:
+    """Just noticeable difference, percent of the force: 10 % from 2 N on, 0.2 N below."""
+    size: Samples = np.maximum(np.abs(force_n), 1e-12)
+    return 100.0 * WEBER_FRACTION * np.maximum(1.0, SCORED_ABOVE_N / size)
+
+
+def _below_jnd(measured_n: Samples, error_n: Samples) -> float | None:
+    scored = np.abs(measured_n) >= SCORED_ABOVE_N
+    if not scored.any():
+        return None
+    share = np.abs(error_n[scored]) / np.abs(measured_n[scored])
+    return float(np.mean(share < WEBER_FRACTION))
+
+
+def _bootstrap_interval(each: Samples) -> tuple[float, float] | None:
+    if len(each) < 2:
+        return None
+    draws = np.random.default_rng(0).choice(each, size=(_BOOTSTRAPS, len(each)))
+    low, high = np.percentile(draws.mean(axis=1), [2.5, 97.5])
+    return float(low), float(high)

@@ -1,0 +1,114 @@
+"""Replay of positions through a scene's C, and the time its ticks take."""
+
+import time
+from dataclasses import asdict, dataclass
+from functools import cache
+from typing import Any
+
+import cffi
+import numpy as np
+from springpot.host.compiler import shared_library
+from springpot.host.library import Reals, SceneLibrary
+from springpot.runtime_c.errors import SpringpotError
+from springpot.runtime_c.paths import INCLUDE, PORT_HOST
+
+COLD_BYTES = 8 << 20
+_HOT_TICKS = 500
+_BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
+
+
+@dataclass(frozen=True)
+class TickTimes:
+    """Time of one tick, ns: hot (in a tight loop), and paced with cold caches."""
+
+    hot_median: float
+    p50: float
+    p99: float
+    p999: float
+    max: float
+
+    def as_dict(self) -> dict[str, float]:
+        """Keys of the command line's `tick_ns`."""
+        return asdict(self)
+
+
+class Replay:
+    """Runs one scene's sp_step from C, tick by tick."""
+
+    def __init__(self, library: SceneLibrary) -> None:
+        self._library = library
+        self._real = "float" if library.dtype is np.float32 else "double"
+        self._ffi, self._port = _load(self._real)
+        self._step = self._ffi.cast("void *", library.address("step"))
+
+    def run(self, position_m: Reals, velocity_mps: Reals) -> tuple[Reals, Reals]:
+        """Forces (N) and notes of each tick from a fresh state; shapes (n,)."""
+        position, velocity = self._converted(position_m), self._converted(velocity_mps)
+        force = np.empty_like(position)
+        notes = np.empty(len(position), dtype=np.int32)
+        state = self._library.new_state()
+        self._port.sp_replay(
+            self._step, self._ffi.cast("void *", state.address), len(position),
+            self._reals(position), self._reals(velocity), self._reals(force),
+            self._ffi.from_buffer("int32_t[]", notes),
+        )  # fmt: skip
+        return force, notes
+
+    def tick_times(
+        self, position_m: Reals, velocity_mps: Reals, dt_s: float, paced_s: float
+    ) -> TickTimes:
+        """Time ticks hot over all samples, and paced at the scene's rate for `paced_s`."""
+        hot = self._hot_ns(position_m, velocity_mps)
+        paced = self._paced_ns(position_m, velocity_mps, dt_s, paced_s)
+        p50, p99, p999 = np.percentile(paced, [50, 99, 99.9])
+        return TickTimes(
+            hot_median=hot, p50=float(p50), p99=float(p99), p999=float(p999), max=float(paced.max())
+        )
+
+    def _hot_ns(self, position_m: Reals, velocity_mps: Reals) -> float:
+        state = self._library.new_state()
+        state.run(position_m, velocity_mps)
+        state.reset()
+        times = []
+        for begin in range(0, len(position_m), _HOT_TICKS):
+            rows = slice(begin, begin + _HOT_TICKS)
+            clock = time.perf_counter_ns()
+            state.run(position_m[rows], velocity_mps[rows])
+            times.append((time.perf_counter_ns() - clock) / len(position_m[rows]))
+        return float(np.median(times))
+
+    def _paced_ns(
+        self, position_m: Reals, velocity_mps: Reals, dt_s: float, paced_s: float
+    ) -> Reals:
+        ticks = max(100, round(paced_s / dt_s))
+        rows = np.arange(ticks) % len(position_m)
+        position = self._converted(position_m[rows])
+        velocity = self._converted(velocity_mps[rows])
+        cold = np.zeros(COLD_BYTES, dtype=np.uint8)
+        tick_ns = np.empty(ticks)
+        state = self._library.new_state()
+        error = self._port.sp_pace(
+            self._step, self._ffi.cast("void *", state.address), ticks,
+            self._reals(position), self._reals(velocity), min(dt_s, paced_s / ticks),
+            self._ffi.from_buffer("uint8_t[]", cold), COLD_BYTES,
+            self._ffi.from_buffer("double[]", tick_ns),
+        )  # fmt: skip
+        if error != 0:
+            raise SpringpotError(f"the monotonic clock failed (error {error}) while timing ticks")
+        return tick_ns
+
+    def _converted(self, values: Reals) -> Reals:
+        return np.ascontiguousarray(values, dtype=self._library.dtype)
+
+    def _reals(self, values: Reals) -> Any:
+        return self._ffi.from_buffer(f"{self._real}[]", values)
+
+
+@cache
+def _load(real: str) -> tuple[cffi.FFI, Any]:
+    header = (PORT_HOST / "sp_replay.h").read_text()
+    ffi = cffi.FFI()
+    text = header[header.index(_BEGIN) : header.index(_END)]
+    ffi.cdef(f"typedef {real} sp_real;\n{text}")
+    path = shared_library([PORT_HOST / "sp_replay.c"], [INCLUDE / real, PORT_HOST])
+    return ffi, ffi.dlopen(str(path))

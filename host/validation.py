@@ -1,0 +1,77 @@
+"""Validation: recordings replayed through the C, against the measurement and the reference."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from springpot.codegen.golden import backward_velocity
+from springpot.codegen.reference import run_reference
+from springpot.host.emission import read_emission
+from springpot.host.library import SceneLibrary
+from springpot.host.metrics import Accuracy, accuracy
+from springpot.host.replay import Replay, TickTimes
+from springpot.runtime_c.errors import DataError
+from springpot.trainer.recording import Recording
+
+NOTE_NAMES = {1: "held", 2: "resync", 4: "outside", 8: "clamped", 16: "ramped", 32: "latched"}
+PACED_S = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """Result over all recordings; predicted_n: forces of the C, one array a recording.
+
+    mismatches: ticks where C and reference differ in force or notes, bit for bit.
+    """
+
+    accuracy: Accuracy
+    mismatches: int
+    notes: dict[str, int]
+    ticks: TickTimes
+    predicted_n: tuple[NDArray[np.float64], ...]
+    manifest: dict[str, Any]
+
+
+def validate(folder: Path, recordings: Sequence[Recording], paced_s: float = PACED_S) -> Validation:
+    """Replay every recording from a fresh state. Raises DataError for another sampling rate."""
+    plan, _ = read_emission(folder)
+    for recording in recordings:
+        if abs(recording.dt_s / plan.dt_s - 1.0) > 1e-3:
+            raise DataError(
+                f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the scene runs at "
+                f"{1 / plan.dt_s:g} Hz: import it with --resample-hz {1 / plan.dt_s:g}"
+            )
+    library = SceneLibrary(folder)
+    replay = Replay(library)
+    predicted: list[NDArray[np.float64]] = []
+    mismatches = 0
+    counts = dict.fromkeys(NOTE_NAMES.values(), 0)
+    for recording in recordings:
+        position = recording.position_m.astype(plan.dtype)
+        velocity = backward_velocity(position, plan.dt_s)
+        force, notes = replay.run(position, velocity)
+        reference = run_reference(plan, position, velocity)
+        mismatches += int(np.sum(_differs(force, reference.force_n) | (notes != reference.notes)))
+        for bit, name in NOTE_NAMES.items():
+            counts[name] += int(np.sum(notes & bit != 0))
+        predicted.append(force.astype(np.float64))
+    longest = max(recordings, key=lambda recording: len(recording.position_m))
+    position = longest.position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    return Validation(
+        accuracy=accuracy([recording.force_n for recording in recordings], predicted),
+        mismatches=mismatches,
+        notes=counts,
+        ticks=replay.tick_times(position, velocity, plan.dt_s, paced_s),
+        predicted_n=tuple(predicted),
+        manifest=library.manifest,
+    )
+
+
+def _differs(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    bits = np.uint32 if one.dtype == np.float32 else np.uint64
+    result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
+    return result

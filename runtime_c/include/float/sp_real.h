@@ -1,0 +1,7 @@
+#ifndef SP_REAL_H
+#define SP_REAL_H
+
+/* The number type of the scene. Its twin in include/double is the other choice. */
+typedef float sp_real;
+
+#endif

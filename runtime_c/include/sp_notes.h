@@ -1,0 +1,21 @@
+/* What a tick says about itself: bits of a positive return value, and the negative errors. */
+#ifndef SP_NOTES_H
+#define SP_NOTES_H
+
+/* springpot declarations begin */
+enum {
+    SP_NOTE_HELD = 1,    /* the sample was missing or not believable: the last good one served */
+    SP_NOTE_RESYNC = 2,  /* a new position was taken as true: history restarts at it */
+    SP_NOTE_OUTSIDE = 4, /* deeper than trained: the model saw the greatest trained depth */
+    SP_NOTE_CLAMPED = 8, /* the force was cut to the scene's limits */
+    SP_NOTE_RAMPED = 16, /* the force rises from zero after a start or restart at depth */
+    SP_NOTE_LATCHED = 32 /* the watchdog tripped: the force goes to zero, until sp_reset */
+};
+
+enum {
+    SP_ERROR_NULL = -1,     /* a pointer that is needed is null */
+    SP_ERROR_TIME_STEP = -2 /* a time step that is not finite or not positive */
+};
+/* springpot declarations end */
+
+#endif

@@ -1,0 +1,68 @@
+#define _POSIX_C_SOURCE 200809L
+#include "sp_replay.h"
+
+#include <string.h>
+#include <time.h>
+
+enum { LINE_BYTES = 64 };
+
+/* Push everything else out of the caches, as an idle millisecond of other work would. */
+static void walk(uint8_t *cold, uint64_t bytes)
+{
+    for (uint64_t i = 0; i < bytes; i += LINE_BYTES) {
+        cold[i]++;
+    }
+}
+
+static int sleep_until_next(struct timespec *deadline, double period_s)
+{
+    const long period_ns = (long)(period_s * 1e9);
+    struct timespec now;
+    deadline->tv_nsec += period_ns % 1000000000L;
+    deadline->tv_sec += period_ns / 1000000000L + deadline->tv_nsec / 1000000000L;
+    deadline->tv_nsec %= 1000000000L;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (now.tv_sec > deadline->tv_sec ||
+        (now.tv_sec == deadline->tv_sec && now.tv_nsec > deadline->tv_nsec)) {
+        *deadline = now;
+        return 0;
+    }
+    return clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, deadline, NULL);
+}
+
+typedef int (*sp_step_function)(void *, sp_real, sp_real, sp_real *);
+
+void sp_replay(void *step, void *state, uint32_t n, const sp_real *position_m,
+               const sp_real *velocity_mps, sp_real *force_n, int32_t *notes)
+{
+    sp_step_function call;
+    memcpy(&call, &step, sizeof call);
+    for (uint32_t i = 0; i < n; i++) {
+        notes[i] = call(state, position_m[i], velocity_mps[i], &force_n[i]);
+    }
+}
+
+int sp_pace(void *step, void *state, uint32_t n, const sp_real *position_m,
+            const sp_real *velocity_mps, double period_s, uint8_t *cold, uint64_t cold_bytes,
+            double *tick_ns)
+{
+    sp_step_function call;
+    struct timespec deadline;
+    memcpy(&call, &step, sizeof call);
+    clock_gettime(CLOCK_MONOTONIC, &deadline);
+    for (uint32_t i = 0; i < n; i++) {
+        struct timespec begin, end;
+        sp_real force_n;
+        walk(cold, cold_bytes);
+        const int error = sleep_until_next(&deadline, period_s);
+        if (error != 0) {
+            return error;
+        }
+        clock_gettime(CLOCK_MONOTONIC, &begin);
+        (void)call(state, position_m[i], velocity_mps[i], &force_n);
+        clock_gettime(CLOCK_MONOTONIC, &end);
+        tick_ns[i] =
+            1e9 * (double)(end.tv_sec - begin.tv_sec) + (double)(end.tv_nsec - begin.tv_nsec);
+    }
+    return 0;
+}

@@ -1,0 +1,17 @@
+/* Contact and onset: no force at or above the surface, and a force that rises from 0 over the
+ * first `onset_m` of depth (a forest is not 0 at 0). */
+#ifndef SP_CONTACT_H
+#define SP_CONTACT_H
+
+#include "sp_real.h"
+
+static inline sp_real sp_contact_onset(sp_real per_onset, sp_real x, sp_real force_n)
+{
+    const sp_real share = x * per_onset;
+    if (!(share > (sp_real)0)) {
+        return (sp_real)0;
+    }
+    return share < (sp_real)1 ? force_n * share : force_n;
+}
+
+#endif

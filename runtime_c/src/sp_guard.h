@@ -1,0 +1,81 @@
+/* Guard: the position that the rest of the tick may believe.
+ *
+ * A sample that is not finite, too far away to be real, or further from the last good one than the
+ * hand can move in a tick is replaced by the last good one. After `resync_ticks` samples that agree
+ * with each other, the new position is taken as true: a stall must not hold for ever. */
+#ifndef SP_GUARD_H
+#define SP_GUARD_H
+
+#include <stdint.h>
+
+#include "sp_notes.h"
+#include "sp_number.h"
+
+typedef struct {
+    sp_real jump_m;        /* greatest believable step in one tick */
+    sp_real reach_m;       /* greatest believable distance from the surface */
+    uint32_t resync_ticks; /* agreeing samples after which a new position is true */
+} sp_guard_config;
+
+typedef struct {
+    sp_real good_m;
+    sp_real suspect_m;
+    uint32_t agreeing;
+    uint32_t started;
+} sp_guard_state;
+
+static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
+{
+    return sp_is_finite(x) && sp_abs(x) <= config->reach_m;
+}
+
+static inline int sp_guard_near(const sp_guard_config *config, sp_real x, sp_real y)
+{
+    return sp_abs(x - y) <= config->jump_m;
+}
+
+/* Returns the position to use, m; before the first believable sample, 0. */
+static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_state *state,
+                                        sp_real x, int *notes)
+{
+    if (!sp_guard_plausible(config, x)) {
+        state->agreeing = 0;
+        *notes |= SP_NOTE_HELD;
+        return state->good_m;
+    }
+    if (!state->started) {
+        state->started = 1;
+        state->good_m = x;
+        *notes |= SP_NOTE_RESYNC;
+        return x;
+    }
+    if (sp_guard_near(config, x, state->good_m)) {
+        state->agreeing = 0;
+        state->good_m = x;
+        return x;
+    }
+    state->agreeing =
+        state->agreeing && sp_guard_near(config, x, state->suspect_m) ? state->agreeing + 1 : 1;
+    state->suspect_m = x;
+    if (state->agreeing < config->resync_ticks) {
+        *notes |= SP_NOTE_HELD;
+        return state->good_m;
+    }
+    state->agreeing = 0;
+    state->good_m = x;
+    *notes |= SP_NOTE_RESYNC;
+    return x;
+}
+
+/* The device's own velocity, m/s; 0 where it is not finite or faster than a hand. */
+static inline sp_real sp_guard_velocity(const sp_guard_config *config, sp_real v, sp_real dt_s,
+                                        int *notes)
+{
+    if (!sp_is_finite(v) || sp_abs(v) * dt_s > config->jump_m) {
+        *notes |= SP_NOTE_HELD;
+        return (sp_real)0;
+    }
+    return v;
+}
+
+#endif

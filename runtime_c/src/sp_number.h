@@ -1,0 +1,18 @@
+/* The few number helpers that the units share. */
+#ifndef SP_NUMBER_H
+#define SP_NUMBER_H
+
+#include "sp_real.h"
+
+/* Not NaN and not infinite, without libm. */
+static inline int sp_is_finite(sp_real x)
+{
+    return x - x == (sp_real)0;
+}
+
+static inline sp_real sp_abs(sp_real x)
+{
+    return x < (sp_real)0 ? -x : x;
+}
+
+#endif

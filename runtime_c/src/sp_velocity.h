@@ -1,0 +1,36 @@
+/* Velocity by first-order adaptive windowing (Janabi-Sharifi, Hayward, Chen 2000, end-fit): the
+ * slope over the longest past, up to `length` samples, whose every sample lies within the noise
+ * band of the line. Long and smooth on slow motion, short and quick on fast.
+ *
+ * A line from the newest sample stays in the band of sample j while its slope lies in an interval;
+ * intersecting the intervals makes the search one pass: at most `length` steps a tick. */
+#ifndef SP_VELOCITY_H
+#define SP_VELOCITY_H
+
+#include <stdint.h>
+
+#include "sp_real.h"
+
+/* window: newest first, length + 1 samples; per_step[j] = 1/((j + 1) dt), 1/s. Returns m/s. */
+static inline sp_real sp_velocity_foaw(const sp_real *window, const sp_real *per_step,
+                                       uint32_t length, sp_real band_m)
+{
+    sp_real slope = (window[0] - window[1]) * per_step[0];
+    sp_real least = (window[0] - window[1] - band_m) * per_step[0];
+    sp_real greatest = (window[0] - window[1] + band_m) * per_step[0];
+    for (uint32_t j = 1; j < length; j++) {
+        const sp_real rise = window[0] - window[j + 1];
+        const sp_real candidate = rise * per_step[j];
+        if (!(candidate >= least && candidate <= greatest)) {
+            break;
+        }
+        slope = candidate;
+        const sp_real low = (rise - band_m) * per_step[j];
+        const sp_real high = (rise + band_m) * per_step[j];
+        least = low > least ? low : least;
+        greatest = high < greatest ? high : greatest;
+    }
+    return slope;
+}
+
+#endif
