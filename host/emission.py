@@ -1,12 +1,13 @@
 """Emission: files written aside, built, self-tested, and only then renamed into place."""
 
+import json
 import shutil
 import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from springpot.codegen.emit import emit_files, manifest
+from springpot.codegen.emit import emit_files
 from springpot.codegen.ir import Model
 from springpot.codegen.model_file import read_model
 from springpot.codegen.plan import Plan, make_plan
@@ -31,6 +32,7 @@ class Emission:
     folder: Path
     plan: Plan
     manifest: dict[str, Any]
+    hash: str
     footprint: Footprint | None
     ram_bytes: int
     write_s: float
@@ -94,10 +96,12 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
         notices += [notice] if notice else []
     except CompilerError as error:
         notices.append(f"not built, sizes unknown: {error}")
+    facts = json.loads((aside / "manifest.json").read_text())
     emission = Emission(
         folder=folder,
         plan=plan,
-        manifest=manifest(plan),
+        manifest=facts,
+        hash=facts["hash"],
         footprint=footprint,
         ram_bytes=state_bytes(plan),
         write_s=write_s,

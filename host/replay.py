@@ -1,7 +1,7 @@
 """Replay of positions through a scene's C, and the time its ticks take."""
 
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -17,19 +17,21 @@ _HOT_TICKS = 500
 _BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TickTimes:
-    """Time of one tick, ns: hot (in a tight loop), and paced with cold caches."""
+    """Time of one tick, ns: hot (in a tight loop), and paced with cold caches (all: paced_ns)."""
 
     hot_median: float
     p50: float
     p99: float
     p999: float
     max: float
+    paced_ns: Reals = field(repr=False)
 
     def as_dict(self) -> dict[str, float]:
         """Keys of the command line's `tick_ns`."""
-        return asdict(self)
+        names = ("hot_median", "p50", "p99", "p999", "max")
+        return {name: getattr(self, name) for name in names}
 
 
 class Replay:
@@ -62,7 +64,12 @@ class Replay:
         paced = self._paced_ns(position_m, velocity_mps, dt_s, paced_s)
         p50, p99, p999 = np.percentile(paced, [50, 99, 99.9])
         return TickTimes(
-            hot_median=hot, p50=float(p50), p99=float(p99), p999=float(p999), max=float(paced.max())
+            hot_median=hot,
+            p50=float(p50),
+            p99=float(p99),
+            p999=float(p999),
+            max=float(paced.max()),
+            paced_ns=paced,
         )
 
     def _hot_ns(self, position_m: Reals, velocity_mps: Reals) -> float:

@@ -1,0 +1,79 @@
+"""`springpot emit` and `springpot build`: C source, and the library made of it."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+from springpot.host.emission import Emission, emit
+from springpot.host.library import build_scene
+from springpot.host.output import json_option, print_result, say
+from springpot.host.scene_file import model_path, read_scene
+
+
+@click.command(name="emit")
+@click.option("--scene", "scene_file", type=click.Path(path_type=Path), required=True)
+@click.option(
+    "--model",
+    "model_file",
+    type=click.Path(path_type=Path),
+    help="Model file; default: the scene's.",
+)
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@json_option
+def emit_(scene_file: Path, model_file: Path | None, out: Path, as_json: bool) -> None:
+    """Emit the C source of a scene."""
+    scene = read_scene(scene_file)
+    emission = emit(scene, model_file or model_path(scene, scene_file), out)
+    for notice in emission.notices:
+        say(notice)
+    print_result(emission_result(emission), as_json, emission_rows(emission))
+
+
+def emission_result(emission: Emission) -> dict[str, Any]:
+    """Keys of `emit --json`."""
+    manifest, footprint = emission.manifest, emission.footprint
+    return {
+        "out": str(emission.folder),
+        "hash": emission.hash,
+        "flash_bytes": footprint.flash_bytes if footprint else None,
+        "ram_bytes": emission.ram_bytes,
+        "stack_bytes": footprint.stack_bytes if footprint else None,
+        "units": manifest["units"],
+        "left_out": manifest["left_out"],
+        "orders": manifest["orders"],
+        "coupling": manifest["coupling"],
+        "outside": manifest["outside"],
+        "write_s": emission.write_s,
+        "compile_s": emission.compile_s,
+    }
+
+
+def emission_rows(emission: Emission) -> dict[str, str]:
+    """A person's view of an emission."""
+    footprint = emission.footprint
+    stack = footprint.stack_bytes if footprint else None
+    left_out = emission.manifest["left_out"]
+    rows = {
+        "C source": str(emission.folder),
+        "flash": f"{footprint.flash_bytes} bytes" if footprint else "unknown",
+        "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
+        "units": ", ".join(emission.manifest["units"]),
+        "coupling": emission.manifest["coupling"],
+        "outside": emission.manifest["outside"],
+        "hash": emission.hash,
+    }
+    for item in left_out:
+        rows[f"left out: {item['what']}"] = f"{item['why']}, {item['bytes']} bytes"
+    return rows
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@json_option
+def build(folder: Path, as_json: bool) -> None:
+    """Build an emitted FOLDER's shared library in the cache; print its path."""
+    library = build_scene(folder)
+    if as_json:
+        print_result({"library": str(library)}, True, {})
+    else:
+        click.echo(library)
