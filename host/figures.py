@@ -113,7 +113,7 @@ def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
         axes.hist(tick_us, bins=list(bins), color=ERROR, label="paced, cold caches")
         axes.axvline(hot_ns * 1e-3, color=PREDICTED, lw=1.4, ls="--", label="hot median")
         axes.set_xscale("log")
-        axes.set_xlabel("time of a tick, us")
+        axes.set_xlabel("time of a tick, µs")
         axes.set_ylabel("ticks")
         axes.legend(loc="upper right", frameon=False)
         return _svg(figure)

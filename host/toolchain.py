@@ -24,9 +24,6 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
         ("-march=rv32imafc_zicsr", "-mabi=ilp32f", "-ffreestanding"),
     ),
 }
-# Flash counts there, and -O2 is what the parity of bits was proven with.
-_CROSS_LEVEL = "-O2"
-
 
 def toolchain(target: str) -> Toolchain | None:
     """Return the target's toolchain, or None where it is not installed.
@@ -40,7 +37,7 @@ def toolchain(target: str) -> Toolchain | None:
     compiler, size = shutil.which(prefix + "gcc"), shutil.which(prefix + "size")
     if compiler is None or size is None:
         return None
-    return Toolchain(compiler, size, (*flags, _CROSS_LEVEL))
+    return Toolchain(compiler, size, flags)
 
 
 def package_of(target: str) -> str:

@@ -29,6 +29,8 @@ class RfFdOptions:
     """How rf-fd is fitted. window_s None: 171 taps at the recordings' own rate."""
 
     seed: int = 0
+    trees: int = PAPER_TREES
+    leaf: int = PAPER_LEAF
     fraction: float | None = None
     window_s: float | None = None
     smooth_s: float = PAPER_SMOOTH_S
@@ -70,8 +72,8 @@ def fit_rf_fd(name: str, recordings: Sequence[Recording], options: RfFdOptions) 
     rows = choose_rows(len(force_n), options.fraction, rng)
     fit_begin = time.perf_counter()
     regressor = RandomForestRegressor(
-        n_estimators=PAPER_TREES,
-        min_samples_leaf=PAPER_LEAF,
+        n_estimators=options.trees,
+        min_samples_leaf=options.leaf,
         max_features=FEATURES_AT_SPLIT,
         random_state=options.seed,
         n_jobs=-1,

@@ -35,12 +35,14 @@ static inline int32_t sp_forest_sum(const sp_forest_node *nodes, const uint32_t 
     features[SP_FOREST_LEAF] = -FLT_MAX;
     for (uint32_t tree = 0; tree < n_roots; tree += SP_FOREST_LANES) {
         uint32_t at[SP_FOREST_LANES];
+#pragma GCC unroll 8
         for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
             at[i] = roots[tree + i];
         }
         uint32_t moved = 1;
         for (uint32_t level = 0; level < depth && moved; level++) {
             moved = 0;
+#pragma GCC unroll 8
             for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
                 const sp_forest_node node = nodes[at[i]];
                 const float feature = features[node.link & SP_FOREST_LEAF];
@@ -50,6 +52,7 @@ static inline int32_t sp_forest_sum(const sp_forest_node *nodes, const uint32_t 
                 at[i] = next;
             }
         }
+#pragma GCC unroll 8
         for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
             sum += (int32_t)nodes[at[i]].value;
         }

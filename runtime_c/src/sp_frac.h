@@ -21,10 +21,12 @@ static inline void sp_frac_bank(const sp_real *taps, const sp_real *window, uint
     for (uint32_t block = 0; block < lanes; block += SP_FRAC_LANES) {
         sp_real sum[SP_FRAC_LANES] = {0};
         for (uint32_t k = 0; k < length; k++) {
+#pragma GCC unroll 4
             for (uint32_t i = 0; i < SP_FRAC_LANES; i++) {
                 sum[i] += taps[k * lanes + block + i] * window[k];
             }
         }
+#pragma GCC unroll 4
         for (uint32_t i = 0; i < SP_FRAC_LANES; i++) {
             derivative[block + i] = sum[i];
         }

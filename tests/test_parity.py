@@ -1,0 +1,101 @@
+"""The built C and its numpy reference, bit for bit, on clean and on hostile motion."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from springpot.codegen.golden import backward_velocity
+from springpot.codegen.plan import make_plan
+from springpot.codegen.reference import Run, run_reference
+from springpot.codegen.reference_tick import CLAMPED, HELD, LATCHED, OUTSIDE, RAMPED, RESYNC
+from springpot.host.emission import emit
+from springpot.host.library import SceneLibrary
+from springpot.host.replay import Replay
+from support import model_file, press, scene, small_model, wandering
+
+NUMBERS = ["float32", "float64"]
+SHAPES = {
+    "plain": {},
+    "tool": {"mode": "tool"},
+    "smooth": {"smoothing_s": 8.3e-4},
+    "paper": {"mode": "tool", "smoothing_s": 8.3e-4},
+    "m2cgen": {"forest": "m2cgen"},
+}
+
+
+def both(folder: Path, position_m: np.ndarray, **options: str) -> tuple[Run, Run]:
+    """Forces and notes of the C and of the reference."""
+    chosen = scene(**options)
+    emit(chosen, model_file(folder), folder / "c")
+    plan = make_plan(small_model(), chosen)
+    position = position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    force_n, notes = Replay(SceneLibrary(folder / "c")).run(position, velocity)
+    return Run(force_n, notes), run_reference(plan, position, velocity)
+
+
+def assert_same_bits(c: Run, reference: Run) -> None:
+    bits = np.uint32 if c.force_n.dtype == np.float32 else np.uint64
+    np.testing.assert_array_equal(c.force_n.view(bits), reference.force_n.view(bits))
+    np.testing.assert_array_equal(c.notes, reference.notes)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("shape", list(SHAPES))
+def test_same_bits_on_a_press(tmp_path: Path, number: str, shape: str) -> None:
+    motion = np.concatenate([press(3.0), np.full(40, -1e-3), press(1.0)])
+    c, reference = both(tmp_path, motion, number=number, **SHAPES[shape])
+    assert_same_bits(c, reference)
+    assert c.force_n.max() > 1.0
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("shape", list(SHAPES))
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_same_bits_on_hostile_motion(tmp_path: Path, number: str, shape: str, seed: int) -> None:
+    motion = wandering(seed)
+    c, reference = both(tmp_path, motion, number=number, **SHAPES[shape])
+    assert_same_bits(c, reference)
+    limit_n = make_plan(small_model(), scene()).output.greatest_n
+    assert np.all((c.force_n >= 0) & (c.force_n <= limit_n))
+
+
+def test_hostile_motion_raises_every_note() -> None:
+    plan = make_plan(small_model(), scene(mode="tool"))
+    seen = 0
+    for seed in (1, 2, 3):
+        seen |= int(np.bitwise_or.reduce(run_reference(plan, wandering(seed)).notes))
+    assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED
+
+
+def test_m2cgen_and_the_table_give_the_same_bits(tmp_path: Path) -> None:
+    motion = wandering(4)
+    (tmp_path / "table").mkdir()
+    (tmp_path / "ifs").mkdir()
+    table, _ = both(tmp_path / "table", motion)
+    ifs, _ = both(tmp_path / "ifs", motion, forest="m2cgen")
+    assert_same_bits(table, ifs)
+
+
+def test_two_halves_give_what_the_whole_gives(tmp_path: Path) -> None:
+    emit(scene(mode="tool"), model_file(tmp_path), tmp_path / "c")
+    library = SceneLibrary(tmp_path / "c")
+    motion = press(2.0)
+    whole, _ = library.new_state().run(motion)
+    state = library.new_state()
+    first, _ = state.run(motion[:217])
+    second, _ = state.run(motion[217:])
+    np.testing.assert_array_equal(np.concatenate([first, second]), whole)
+
+
+def test_two_models_in_one_process_keep_apart(tmp_path: Path) -> None:
+    motion = press(2.0)
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    alone_a, _ = both(tmp_path / "a", motion)
+    alone_b, _ = both(tmp_path / "b", motion, mode="tool", number="float64")
+    a, b = SceneLibrary(tmp_path / "a" / "c"), SceneLibrary(tmp_path / "b" / "c")
+    state_a, state_b = a.new_state(), b.new_state()
+    forces = [(state_a.step(x)[0], state_b.step(x)[0]) for x in motion]
+    np.testing.assert_array_equal([pair[0] for pair in forces], alone_a.force_n)
+    np.testing.assert_array_equal([pair[1] for pair in forces], alone_b.force_n)
