@@ -1,0 +1,101 @@
+#include <math.h>
+
+#include "check.h"
+#include "sp_contact.h"
+#include "sp_frac.h"
+#include "sp_smooth.h"
+#include "sp_velocity.h"
+#include "sp_window.h"
+
+enum { LENGTH = 7, LANES = 8 };
+
+static void window_is_contiguous_and_newest_first(void)
+{
+    sp_real samples[2 * LENGTH];
+    uint32_t newest;
+    sp_window_fill(samples, &newest, LENGTH, (sp_real)-1);
+    for (int n = 0; n < 40; n++) {
+        const sp_real *window = sp_window_push(samples, &newest, LENGTH, (sp_real)n);
+        CHECK(window >= samples && window + LENGTH <= samples + 2 * LENGTH);
+        for (int k = 0; k < LENGTH; k++) {
+            CHECK(window[k] == (sp_real)(n - k >= 0 ? n - k : -1));
+        }
+    }
+}
+
+static void bank_is_the_plain_sum_in_the_same_order(void)
+{
+    sp_real taps[LENGTH * LANES];
+    sp_real window[LENGTH];
+    sp_real derivative[LANES];
+    for (int i = 0; i < LENGTH * LANES; i++) {
+        taps[i] = (sp_real)((i * 37) % 19) / (sp_real)7 - (sp_real)1;
+    }
+    for (int k = 0; k < LENGTH; k++) {
+        window[k] = (sp_real)1 / (sp_real)(k + 3);
+    }
+    sp_frac_bank(taps, window, LENGTH, LANES, derivative);
+    for (int lane = 0; lane < LANES; lane++) {
+        volatile sp_real sum = 0;
+        for (int k = 0; k < LENGTH; k++) {
+            const volatile sp_real product = taps[k * LANES + lane] * window[k];
+            sum = sum + product;
+        }
+        CHECK(derivative[lane] == sum);
+    }
+}
+
+static sp_real velocity_of(const sp_real *track)
+{
+    sp_real per_step[LENGTH];
+    for (int j = 0; j < LENGTH; j++) {
+        per_step[j] = (sp_real)1000 / (sp_real)(j + 1);
+    }
+    return sp_velocity_foaw(track, per_step, LENGTH, (sp_real)1e-5);
+}
+
+static void velocity_uses_the_whole_past_of_a_steady_motion(void)
+{
+    sp_real track[LENGTH + 1];
+    for (int k = 0; k <= LENGTH; k++) {
+        const sp_real noise = k == 0 || k == LENGTH ? 0 : (sp_real)(k % 2 ? 4e-6 : -4e-6);
+        track[k] = (sp_real)0.01 - (sp_real)k * (sp_real)1e-4 + noise;
+    }
+    CHECK(fabs((double)velocity_of(track) - 0.1) < 1e-4);
+}
+
+static void velocity_follows_a_sudden_stop(void)
+{
+    sp_real track[LENGTH + 1];
+    for (int k = 0; k <= LENGTH; k++) {
+        track[k] = k < 3 ? (sp_real)0.01 : (sp_real)0.01 - (sp_real)(k - 2) * (sp_real)1e-3;
+    }
+    CHECK(fabs((double)velocity_of(track)) < 1e-3);
+}
+
+static void onset_rises_from_zero(void)
+{
+    const sp_real per_onset = (sp_real)1000;
+    CHECK(sp_contact_onset(per_onset, (sp_real)-1, (sp_real)3) == (sp_real)0);
+    CHECK(sp_contact_onset(per_onset, (sp_real)0, (sp_real)3) == (sp_real)0);
+    CHECK(sp_contact_onset(per_onset, (sp_real)0.0005, (sp_real)3) == (sp_real)1.5);
+    CHECK(sp_contact_onset(per_onset, (sp_real)0.002, (sp_real)3) == (sp_real)3);
+}
+
+static void smoothing_reaches_a_step(void)
+{
+    sp_real smoothed = 0;
+    CHECK(sp_smooth((sp_real)0.75, &smoothed, (sp_real)4) == (sp_real)3);
+    CHECK(sp_smooth((sp_real)0.75, &smoothed, (sp_real)4) == (sp_real)3.75);
+}
+
+int main(void)
+{
+    window_is_contiguous_and_newest_first();
+    bank_is_the_plain_sum_in_the_same_order();
+    velocity_uses_the_whole_past_of_a_steady_motion();
+    velocity_follows_a_sudden_stop();
+    onset_rises_from_zero();
+    smoothing_reaches_a_step();
+    return failed;
+}
