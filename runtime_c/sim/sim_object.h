@@ -1,0 +1,15 @@
+/* An object of the list, with the tool on it moved in samples of several steps. */
+#ifndef SIM_OBJECT_H
+#define SIM_OBJECT_H
+
+#include "sim.h"
+#include "sim_material.h"
+
+struct sim_object {
+    sim_material material;
+    double dt_s;       /* s, between samples */
+    uint32_t substeps; /* of one dt_s */
+    double tool_m;     /* m, last sample */
+};
+
+#endif
