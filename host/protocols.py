@@ -38,7 +38,7 @@ class Profile:
 
 def inverted_cosine(t_s: Command, amplitude_n: float, frequency_hz: float) -> Command:
     """-(a/2) (cos(2 pi v t) - 1), the paper's equations (1) and (2), at the times `t_s`."""
-    return -amplitude_n / 2 * (np.cos(2 * np.pi * frequency_hz * t_s) - 1)
+    return amplitude_n / 2 * (1 - np.cos(2 * np.pi * frequency_hz * t_s))
 
 
 def training() -> list[Profile]:

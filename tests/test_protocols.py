@@ -22,8 +22,9 @@ def test_a_training_profile_is_one_cycle_of_equation_1():
         assert profile.command_n[0] == 0
         assert 0 <= profile.command_n[-1] < 3e-4 * amplitude_n
         assert profile.command_n.max() == pytest.approx(amplitude_n, rel=1e-4)
-        quarter = profile.command_n[round(250 / frequency_hz)]
-        assert quarter == pytest.approx(amplitude_n / 2, rel=0.005)
+        quarter_ms = np.arange(len(profile.command_n)) == round(250 / frequency_hz)
+        steepest_npms = np.pi * frequency_hz * amplitude_n / 1000
+        assert profile.command_n[quarter_ms] == pytest.approx(amplitude_n / 2, abs=steepest_npms)
 
 
 def test_validation_signals_peak_at_10_n_and_end_at_zero():

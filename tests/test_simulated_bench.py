@@ -77,18 +77,17 @@ def test_ten_times_stiffer_is_ten_times_the_force():
         assert stiffer_n == pytest.approx(10 * force_n, rel=1e-6, abs=1e-6)
 
 
-def test_variant_b_relaxes_faster_under_stress_and_a_does_not():
-    """After the same step and 0.1 s, A has relaxed by one share at any depth; B by more, deeper."""
+def test_stress_speeds_relaxation_in_variant_b_alone():
+    """Share of the relaxing force that is gone 10 ms after a step, shallow and deep."""
 
     def relaxed_share(variant, depth_m):
-        still = ObjectMotion(SimulatedObject("ecoflex-00-30", variant))
-        force_n = still.move(np.concatenate([np.full(100, depth_m), np.full(60_000, depth_m)]))
-        return (force_n[0] - force_n[100]) / (force_n[0] - force_n[-1])
+        motion = ObjectMotion(SimulatedObject("ecoflex-00-30", variant))
+        force_n = motion.move(np.full(60_000, depth_m))
+        return (force_n[0] - force_n[10]) / (force_n[0] - force_n[-1])
 
-    shallow, deep = (relaxed_share("b", depth_m) for depth_m in (0.002, 0.014))
-    assert deep > shallow + 0.1
-    same = [relaxed_share("a", depth_m) for depth_m in (0.002, 0.014)]
-    assert same[1] == pytest.approx(same[0], abs=0.1)
+    assert relaxed_share("b", 0.002) == pytest.approx(relaxed_share("a", 0.002), abs=0.01)
+    assert relaxed_share("b", 0.014) > relaxed_share("a", 0.014) + 0.2
+    assert relaxed_share("a", 0.014) < relaxed_share("a", 0.002)
 
 
 def test_relaxation_is_no_power_law():
@@ -129,9 +128,9 @@ def test_force_control_follows_its_command():
     for simulated in ALL:
         for profile in protocols.training():
             _, force_n = SimulatedBench(simulated).press(profile.command_n)
-            error_n = np.sqrt(np.mean((force_n - profile.command_n) ** 2))
-            assert error_n < 0.02 + 0.065 * profile.command_n.max()
-            assert force_n.max() < 1.04 * profile.command_n.max() + 0.08
+            peak_n = profile.command_n.max()
+            assert np.sqrt(np.mean((force_n - profile.command_n) ** 2)) < 0.02 + 0.09 * peak_n
+            assert force_n.max() == pytest.approx(peak_n, rel=0.01, abs=0.15)
 
 
 def test_a_delayed_motor_differs_but_follows():
@@ -194,12 +193,12 @@ def test_a_hand_presses_the_object_itself():
 
 def test_a_noisy_hand_feels_as_the_quiet_one_does():
     quiet, noisy = SimulatedHand("firm"), SimulatedHand("firm", noisy=True, seed=4)
-    for tick in range(400):
-        intended_m = 0.01 * np.sin(tick / 50)
+    for tick in range(600):
+        intended_m = 0.01 * (1 - np.cos(tick / 100))
         truth = quiet.step(0.001, intended_m, 0.0)
         seen = noisy.step(0.001, intended_m, 0.0)
         assert seen[0] == pytest.approx(truth[0], abs=25e-6)
-        assert seen[1] == pytest.approx(truth[1], abs=0.03)
+        assert seen[1] == pytest.approx(truth[1], abs=0.012)
     assert seen != truth
 
 

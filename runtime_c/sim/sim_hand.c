@@ -14,7 +14,7 @@ static const struct {
     {"firm", 0.30, 1000.0, 10.0},
     {"light", 0.12, 300.0, 2.0},
 };
-enum { HANDS = sizeof hands / sizeof hands[0], MOST_SUBSTEPS = 4096 };
+enum { HANDS = sizeof hands / sizeof hands[0] };
 
 static const double velocity_time_s = 0.004; /* of the low-pass on the encoder's difference */
 
@@ -54,7 +54,7 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t del
     if (tool == NULL) {
         return SIM_NULL;
     }
-    if (hand >= HANDS || substeps < 1 || substeps > MOST_SUBSTEPS || delay_samples > 1 ||
+    if (hand >= HANDS || substeps < 1 || substeps > SIM_MOST_SUBSTEPS || delay_samples > 1 ||
         noisy > 1 || !isfinite(position_m)) {
         return SIM_RANGE;
     }
@@ -72,20 +72,20 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t del
     return SIM_OK;
 }
 
-/* Hand and device are one mass: semi-implicit Euler over step_s, intended position at its end. */
-static void substep(sim_tool *tool, double step_s, double intended_m, double force_n)
+/* Hand and device are one mass. */
+static void kick(sim_tool *tool, double step_s, double intended_m, double force_n)
 {
     double mass_kg = hands[tool->hand].mass_kg + SIM_DEVICE_MASS_KG;
     double damping_nspm = hands[tool->hand].damping_nspm + SIM_DEVICE_DAMPING_NSPM;
     double spring_n = hands[tool->hand].stiffness_npm * (intended_m - tool->position_m);
     double sum_n = spring_n - damping_nspm * tool->velocity_mps - force_n;
     tool->velocity_mps += step_s * sum_n / mass_kg;
-    tool->position_m += step_s * tool->velocity_mps;
 }
 
-static double intended_at(const sim_tool *tool, uint32_t substep_index, double intended_m)
+/* Where the hand intends to be after so many substeps of a tick that ends at intended_m. */
+static double intended_at(const sim_tool *tool, uint32_t substeps, double intended_m)
 {
-    double share = (double)(substep_index + 1) / tool->substeps;
+    double share = (double)substeps / tool->substeps;
     return tool->intended_m + share * (intended_m - tool->intended_m);
 }
 
@@ -116,8 +116,11 @@ int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n
     }
     double acting_n = tool->delay_samples == 1 ? tool->late_n : force_n;
     tool->late_n = force_n;
+    double step_s = dt_s / tool->substeps;
     for (uint32_t i = 0; i < tool->substeps; i++) {
-        substep(tool, dt_s / tool->substeps, intended_at(tool, i, intended_m), acting_n);
+        kick(tool, 0.5 * step_s, intended_at(tool, i, intended_m), acting_n);
+        tool->position_m += step_s * tool->velocity_mps;
+        kick(tool, 0.5 * step_s, intended_at(tool, i + 1, intended_m), acting_n);
     }
     tool->intended_m = intended_m;
     read_sensors(tool, dt_s, position_m, velocity_mps);
@@ -143,8 +146,11 @@ int sim_tool_press(sim_tool *tool, sim_object *object, uint32_t n, const double 
     double step_s = object->dt_s / object->substeps;
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = 0; k < tool->substeps; k++) {
-            substep(tool, step_s, intended_at(tool, k, intended_m[i]), object->material.force_n);
-            (void)sim_material_step(&object->material, tool->position_m);
+            sim_material *material = &object->material;
+            kick(tool, 0.5 * step_s, intended_at(tool, k, intended_m[i]), material->force_n);
+            tool->position_m += step_s * tool->velocity_mps;
+            (void)sim_material_step(material, tool->position_m);
+            kick(tool, 0.5 * step_s, intended_at(tool, k + 1, intended_m[i]), material->force_n);
         }
         tool->intended_m = intended_m[i];
         object->tool_m = tool->position_m;

@@ -7,7 +7,7 @@
 static const char *const names[] = {
     "ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10",
 };
-enum { OBJECTS = sizeof names / sizeof names[0], VARIANTS = 2, MOST_SUBSTEPS = 4096 };
+enum { OBJECTS = sizeof names / sizeof names[0], VARIANTS = 2 };
 
 static const double friction_n = 0.03; /* 0.3 % of the protocol's 10 N */
 
@@ -35,7 +35,7 @@ int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double
     if (state == NULL) {
         return SIM_NULL;
     }
-    if (object >= OBJECTS || variant >= VARIANTS || substeps < 1 || substeps > MOST_SUBSTEPS ||
+    if (object >= OBJECTS || variant >= VARIANTS || substeps < 1 || substeps > SIM_MOST_SUBSTEPS ||
         !(stiffer > 0.0 && isfinite(stiffer)) || !(dt_s > 0.0 && isfinite(dt_s))) {
         return SIM_RANGE;
     }

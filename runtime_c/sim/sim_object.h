@@ -5,6 +5,8 @@
 #include "sim.h"
 #include "sim_material.h"
 
+enum { SIM_MOST_SUBSTEPS = 4096 };
+
 struct sim_object {
     sim_material material;
     double dt_s;       /* s, between samples */
