@@ -49,14 +49,13 @@ def test_no_closed_press_gives_energy(simulated):
         work_j = energy_j(position_m, force_n)
         assert force_n.min() >= 0
         assert np.all(force_n[position_m <= 0] == 0)
-        # Inside the journey too: a relaxed object cannot have given more than it took. The last
-        # bound is the trapezoids' own error on steps of up to 0.3 mm.
+        # On the way too it gives no more than it took, but for the trapezoids' own error.
         assert work_j.min() > -1e-4 * work_j.max()
         assert work_j[-1] > 0.01 * work_j.max()
 
 
 def test_a_small_fast_cycle_on_a_recovering_surface_gives_no_energy():
-    """What clipping the force alone would fail: leave at once, come back while it recovers."""
+    """Leave faster than the surface recovers, and come back while it does."""
     t_s = np.arange(0, 3, 1 / 16000)
     taps_m = 0.004 * np.abs(np.sin(2 * np.pi * 9 * t_s))
     position_m = np.where(t_s < 1, 0.015 * np.sin(np.pi * t_s / 2), taps_m)
@@ -130,7 +129,8 @@ def test_force_control_follows_its_command():
             _, force_n = SimulatedBench(simulated).press(profile.command_n)
             peak_n = profile.command_n.max()
             assert np.sqrt(np.mean((force_n - profile.command_n) ** 2)) < 0.02 + 0.09 * peak_n
-            assert force_n.max() == pytest.approx(peak_n, rel=0.01, abs=0.15)
+            # The greatest of many samples lies about 0.06 N of noise above the truth.
+            assert 0.99 * peak_n < force_n.max() < 1.01 * peak_n + 0.14
 
 
 def test_a_delayed_motor_differs_but_follows():

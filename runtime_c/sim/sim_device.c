@@ -84,10 +84,8 @@ int sim_bench_record(sim_bench *bench, uint32_t n, const double *command_n, doub
     if (bench == NULL || command_n == NULL || position_m == NULL || force_n == NULL) {
         return SIM_NULL;
     }
-    for (uint32_t i = 0; i < n; i++) {
-        if (!isfinite(command_n[i])) {
-            return SIM_RANGE;
-        }
+    if (!sim_all_finite(n, command_n)) {
+        return SIM_RANGE;
     }
     for (uint32_t i = 0; i < n; i++) {
         position_m[i] = sim_device_encoder_m(&bench->noise, bench->position_m);

@@ -137,10 +137,8 @@ int sim_tool_press(sim_tool *tool, sim_object *object, uint32_t n, const double 
     if (tool->substeps != object->substeps) {
         return SIM_STEP;
     }
-    for (uint32_t i = 0; i < n; i++) {
-        if (!isfinite(intended_m[i])) {
-            return SIM_RANGE;
-        }
+    if (!sim_all_finite(n, intended_m)) {
+        return SIM_RANGE;
     }
     double velocity_mps;
     double step_s = object->dt_s / object->substeps;

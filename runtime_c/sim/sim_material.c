@@ -9,10 +9,10 @@ static const double reference_m = 0.010;
 static const double thickness_m = 0.035; /* edge of the cubes, paper III-A */
 
 /* Relaxation spectrum: log-normal in time, NOT a power law, so that fractional derivatives get no
- * gift. Centre and width of the first branch follow the published loss factor of Ecoflex 00-30,
- * which rises as 0.04, 0.06, 0.09 from 0.2 to 1 to 5 Hz; the second branch is ten times slower, so
- * that a press and its relaxation do not separate. */
-static const double spectrum_centre_s[SIM_BRANCHES] = {0.010, 0.100};
+ * gift. Its place makes the modes' loss rise by 0.62, 1, 1.25 from 0.2 to 1 to 5 Hz; published for
+ * Ecoflex 00-30 (fractional Kelvin-Voigt, order 0.32): 0.67, 1, 1.5. The second branch is ten
+ * times slower, so that depth and relaxation do not separate. */
+static const double spectrum_centre_s[SIM_BRANCHES] = {0.003, 0.030};
 static const double spectrum_width_decades = 1.2;
 
 static const double yield_m = 0.0002; /* travel over which the friction turns round */
@@ -111,9 +111,9 @@ static double force_at(const sim_material *material, const step_line *line, doub
     return force_n;
 }
 
-/* The tool leaves faster than the surface recovers: the surface follows on its own, free of
- * force. Clipping the force alone would let the modes be stretched for nothing, and give that
- * energy back. The force rises with depth: false position (Illinois) between two signs. */
+/* The tool leaves faster than the surface recovers: the surface follows on its own, at the depth
+ * where no force is left. Clipping the force alone would let the tool drag, without work, a surface
+ * that it does not touch. Force rises with depth: false position (Illinois) between two signs. */
 static double free_surface_m(const sim_material *material, const step_line *line, double tool_m)
 {
     double low_m = tool_m;

@@ -54,6 +54,16 @@ int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double
     return SIM_OK;
 }
 
+int sim_all_finite(uint32_t n, const double *values)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        if (!isfinite(values[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 static double move_to(sim_object *state, double position_m)
 {
     double from_m = state->tool_m;
@@ -71,10 +81,8 @@ int sim_object_move(sim_object *state, uint32_t n, const double *position_m, dou
     if (state == NULL || position_m == NULL || force_n == NULL) {
         return SIM_NULL;
     }
-    for (uint32_t i = 0; i < n; i++) {
-        if (!isfinite(position_m[i])) {
-            return SIM_RANGE;
-        }
+    if (!sim_all_finite(n, position_m)) {
+        return SIM_RANGE;
     }
     for (uint32_t i = 0; i < n; i++) {
         force_n[i] = move_to(state, position_m[i]);

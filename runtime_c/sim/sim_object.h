@@ -14,4 +14,7 @@ struct sim_object {
     double tool_m;     /* m, last sample */
 };
 
+/* 1 where no value is infinite or NaN, else 0. */
+int sim_all_finite(uint32_t n, const double *values);
+
 #endif
