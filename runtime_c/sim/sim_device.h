@@ -1,0 +1,26 @@
+/* The haptic device: one moving mass, motor, encoder and load cell. */
+#ifndef SIM_DEVICE_H
+#define SIM_DEVICE_H
+
+#include "sim_noise.h"
+#include "sim_object.h"
+
+#define SIM_DEVICE_MASS_KG 0.3
+#define SIM_DEVICE_DAMPING_NSPM 4.0
+
+/* What the encoder reads for a true position, m. */
+double sim_device_encoder_m(sim_noise *noise, double position_m);
+
+struct sim_bench {
+    sim_object object;
+    sim_noise noise;
+    uint32_t delay_samples;
+
+    double position_m;
+    double velocity_mps;
+    double motor_n;      /* N, positive into the object */
+    double late_motor_n; /* N, computed but not yet sent, with delay_samples 1 */
+    double error_n;      /* N, filtered error of the force, for its derivative */
+};
+
+#endif

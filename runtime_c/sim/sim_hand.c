@@ -1,0 +1,159 @@
+#include "sim_device.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* Masses, springs and dampers of grasping hands, from a firm grip to two fingertips. */
+static const struct {
+    const char *name;
+    double mass_kg;
+    double stiffness_npm;
+    double damping_nspm;
+} hands[] = {
+    {"mid", 0.25, 400.0, 6.0},
+    {"firm", 0.30, 1000.0, 10.0},
+    {"light", 0.12, 300.0, 2.0},
+};
+enum { HANDS = sizeof hands / sizeof hands[0] };
+
+static const double velocity_time_s = 0.004; /* of the low-pass on the encoder's difference */
+
+struct sim_tool {
+    uint32_t hand;
+    uint32_t substeps;
+    uint32_t delay_samples;
+    uint32_t noisy;
+    sim_noise noise;
+
+    double position_m;
+    double velocity_mps;
+    double intended_m;        /* m, at the end of the last tick */
+    double late_n;            /* N, rendered but not yet acting, with delay_samples 1 */
+    double encoder_m;         /* m, last reading */
+    double encoder_speed_mps; /* m/s, filtered difference of readings */
+};
+
+uint32_t sim_hand_count(void)
+{
+    return HANDS;
+}
+
+const char *sim_hand_name(uint32_t hand)
+{
+    return hand < HANDS ? hands[hand].name : NULL;
+}
+
+uint32_t sim_tool_size(void)
+{
+    return (uint32_t)sizeof(sim_tool);
+}
+
+int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t delay_samples,
+                  uint32_t noisy, uint64_t seed, double position_m)
+{
+    if (tool == NULL) {
+        return SIM_NULL;
+    }
+    if (hand >= HANDS || substeps < 1 || substeps > SIM_MOST_SUBSTEPS || delay_samples > 1 ||
+        noisy > 1 || !isfinite(position_m)) {
+        return SIM_RANGE;
+    }
+    tool->hand = hand;
+    tool->substeps = substeps;
+    tool->delay_samples = delay_samples;
+    tool->noisy = noisy;
+    sim_noise_init(&tool->noise, seed);
+    tool->position_m = position_m;
+    tool->velocity_mps = 0.0;
+    tool->intended_m = position_m;
+    tool->late_n = 0.0;
+    tool->encoder_m = position_m;
+    tool->encoder_speed_mps = 0.0;
+    return SIM_OK;
+}
+
+/* Hand and device are one mass. */
+static void kick(sim_tool *tool, double step_s, double intended_m, double force_n)
+{
+    double mass_kg = hands[tool->hand].mass_kg + SIM_DEVICE_MASS_KG;
+    double damping_nspm = hands[tool->hand].damping_nspm + SIM_DEVICE_DAMPING_NSPM;
+    double spring_n = hands[tool->hand].stiffness_npm * (intended_m - tool->position_m);
+    double sum_n = spring_n - damping_nspm * tool->velocity_mps - force_n;
+    tool->velocity_mps += step_s * sum_n / mass_kg;
+}
+
+/* Where the hand intends to be after so many substeps of a tick that ends at intended_m. */
+static double intended_at(const sim_tool *tool, uint32_t substeps, double intended_m)
+{
+    double share = (double)substeps / tool->substeps;
+    return tool->intended_m + share * (intended_m - tool->intended_m);
+}
+
+static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double *velocity_mps)
+{
+    if (tool->noisy == 0) {
+        *position_m = tool->position_m;
+        *velocity_mps = tool->velocity_mps;
+        return;
+    }
+    double encoder_m = sim_device_encoder_m(&tool->noise, tool->position_m);
+    double difference_mps = (encoder_m - tool->encoder_m) / dt_s;
+    double weight = dt_s / (dt_s + velocity_time_s);
+    tool->encoder_speed_mps += weight * (difference_mps - tool->encoder_speed_mps);
+    tool->encoder_m = encoder_m;
+    *position_m = encoder_m;
+    *velocity_mps = tool->encoder_speed_mps;
+}
+
+int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n,
+                  double *position_m, double *velocity_mps)
+{
+    if (tool == NULL || position_m == NULL || velocity_mps == NULL) {
+        return SIM_NULL;
+    }
+    if (!(dt_s > 0.0 && isfinite(dt_s)) || !isfinite(intended_m) || !isfinite(force_n)) {
+        return SIM_RANGE;
+    }
+    double acting_n = tool->delay_samples == 1 ? tool->late_n : force_n;
+    tool->late_n = force_n;
+    double step_s = dt_s / tool->substeps;
+    for (uint32_t i = 0; i < tool->substeps; i++) {
+        kick(tool, 0.5 * step_s, intended_at(tool, i, intended_m), acting_n);
+        tool->position_m += step_s * tool->velocity_mps;
+        kick(tool, 0.5 * step_s, intended_at(tool, i + 1, intended_m), acting_n);
+    }
+    tool->intended_m = intended_m;
+    read_sensors(tool, dt_s, position_m, velocity_mps);
+    return SIM_OK;
+}
+
+int sim_tool_press(sim_tool *tool, sim_object *object, uint32_t n, const double *intended_m,
+                   double *position_m, double *force_n)
+{
+    if (tool == NULL || object == NULL || intended_m == NULL || position_m == NULL ||
+        force_n == NULL) {
+        return SIM_NULL;
+    }
+    if (tool->substeps != object->substeps) {
+        return SIM_STEP;
+    }
+    if (!sim_all_finite(n, intended_m)) {
+        return SIM_RANGE;
+    }
+    double velocity_mps;
+    double step_s = object->dt_s / object->substeps;
+    for (uint32_t i = 0; i < n; i++) {
+        for (uint32_t k = 0; k < tool->substeps; k++) {
+            sim_material *material = &object->material;
+            kick(tool, 0.5 * step_s, intended_at(tool, k, intended_m[i]), material->force_n);
+            tool->position_m += step_s * tool->velocity_mps;
+            (void)sim_material_step(material, tool->position_m);
+            kick(tool, 0.5 * step_s, intended_at(tool, k + 1, intended_m[i]), material->force_n);
+        }
+        tool->intended_m = intended_m[i];
+        object->tool_m = tool->position_m;
+        read_sensors(tool, object->dt_s, &position_m[i], &velocity_mps);
+        force_n[i] = object->material.force_n;
+    }
+    return SIM_OK;
+}
