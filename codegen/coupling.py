@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.configs import CoupleToolConfig, Real
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.errors import UnsafeError

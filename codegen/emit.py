@@ -6,6 +6,7 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
+
 from springpot.codegen.glue import public_header, scene_header, scene_source
 from springpot.codegen.golden import golden_positions, golden_velocities
 from springpot.codegen.literals import array_text, literal, wrapped

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.configs import ForestTable, Real
 from springpot.codegen.ir import Forest
 from springpot.runtime_c.errors import UsageError

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.plan import Plan
 
 LEG_TICKS = 60

@@ -4,6 +4,7 @@ import sys
 
 from m2cgen import ast
 from m2cgen.interpreters import CInterpreter
+
 from springpot.codegen.configs import ForestTable
 from springpot.codegen.forest_table import LEAF_SLOT, SLOT_BITS
 from springpot.codegen.ir import Forest

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from springpot.codegen.ir import FirBank, Forest, Model, TrainedRange
 from springpot.runtime_c.errors import DataError
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+
 from springpot.codegen.configs import (
     CoupleToolConfig,
     ForestTable,

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.configs import ForestTable, FracConfig, RangeConfig, VelocityConfig
 from springpot.codegen.forest_table import LEAF_SLOT, SLOT_BITS
 from springpot.codegen.plan import Plan

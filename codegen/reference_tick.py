@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.configs import CoupleToolConfig, GuardConfig, OutputConfig
 from springpot.codegen.plan import Plan
 

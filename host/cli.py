@@ -4,6 +4,7 @@ import importlib
 import sys
 
 import click
+
 from springpot.host.output import say
 from springpot.runtime_c.errors import SpringpotError
 

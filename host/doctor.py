@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from serial.tools import list_ports
+
 from springpot.host.compiler import CompilerError, cache_folder, compiler_version, find_compiler
 
 _LATENCY_MS = 1

@@ -6,6 +6,7 @@ import sys
 import click
 from rich.console import Console
 from rich.table import Table
+
 from springpot.host.doctor import examine
 from springpot.host.output import json_option
 

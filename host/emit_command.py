@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+
 from springpot.host.emission import Emission, emit
 from springpot.host.library import build_scene
 from springpot.host.output import json_option, print_result, say

@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+
 from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
 from springpot.host.validation_store import Series
 

@@ -7,6 +7,7 @@ from typing import Any
 import cffi
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.glue import ABI_VERSION, declarations
 from springpot.host.compiler import shared_library
 from springpot.runtime_c.errors import DataError, UsageError

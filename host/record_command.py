@@ -8,6 +8,7 @@ import click
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
+
 from springpot.host.protocols import load_protocol
 from springpot.host.recording_session import PressQuality, open_device, record_session
 

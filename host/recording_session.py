@@ -8,6 +8,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.host.protocols import RATE_HZ, Profile
 from springpot.host.simulated_bench import SimulatedBench, parse_url
 from springpot.runtime_c.errors import DeviceError, UsageError

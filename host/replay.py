@@ -7,6 +7,7 @@ from typing import Any
 
 import cffi
 import numpy as np
+
 from springpot.host.compiler import shared_library
 from springpot.host.library import Reals, SceneLibrary
 from springpot.runtime_c.errors import SpringpotError

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+
 from springpot.host import figures
 from springpot.host.emission import MODEL_COPY, SCENE_COPY, read_emission
 from springpot.host.library import scene_prefix

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import click
+
 from springpot.host.output import json_option, print_result
 from springpot.host.report import write_report
 

@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
+
 from springpot.codegen.scene import Scene
 from springpot.runtime_c.errors import UsageError
 

@@ -9,6 +9,7 @@ from urllib.parse import parse_qsl, urlsplit
 import cffi
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.host.compiler import shared_library
 from springpot.runtime_c import paths
 from springpot.runtime_c.errors import DeviceError, UsageError

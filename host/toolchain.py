@@ -25,6 +25,7 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
 }
 
+
 def toolchain(target: str) -> Toolchain | None:
     """Return the target's toolchain, or None where it is not installed.
 

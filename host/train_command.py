@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 import numpy as np
+
 from springpot.codegen.ir import Model
 from springpot.codegen.model_file import SUFFIX, write_model
 from springpot.host.metrics import Accuracy, accuracy

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+
 from springpot.host.output import json_option, print_result, progress_console
 from springpot.host.validation import Validation, validate
 from springpot.host.validation_store import store_validation
@@ -31,10 +32,15 @@ def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
     result = validation_result(validation)
     store_validation(folder, validation, found, result)
     print_result(result, as_json, validation_rows(validation))
+    fail_on_mismatch(folder, validation)
+
+
+def fail_on_mismatch(folder: Path, validation: Validation) -> None:
+    """Raise MismatchError where C and reference differed in a tick."""
     if validation.mismatches:
         raise MismatchError(
             f"{folder}: C and its numpy reference differ in {validation.mismatches} of "
-            f"{validation.accuracy.samples} ticks: check the compiler's flags (CC, CFLAGS)"
+            f"{validation.accuracy.samples} ticks: check the compiler (CC, `springpot doctor`)"
         )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.reference import run_reference
 from springpot.host.emission import read_emission

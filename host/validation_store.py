@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.host.machine import machine_facts
 from springpot.host.validation import Validation
 from springpot.runtime_c.errors import DataError

@@ -4,6 +4,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+
 from springpot.codegen.ir import Model
 from springpot.codegen.model_file import write_model
 from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+
 from springpot.codegen.coupling import printed_step_is_stable, tool_config, transition
 from springpot.codegen.reference_tick import _CoupleTool
 from springpot.codegen.scene import Coupling

@@ -6,6 +6,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from support import model_file, scene, small_model
+
 from springpot.codegen.emit import emit_files
 from springpot.codegen.plan import make_plan
 from springpot.codegen.units import state_bytes
@@ -14,7 +16,6 @@ from springpot.host.footprint import deepest_stack
 from springpot.host.library import SceneLibrary
 from springpot.runtime_c.errors import BudgetError, MismatchError, UsageError
 from springpot.runtime_c.paths import INCLUDE, flags
-from support import model_file, scene, small_model
 
 SHAPES = {
     "plain": scene(),

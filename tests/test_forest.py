@@ -7,6 +7,7 @@ import cffi
 import numpy as np
 import pytest
 from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
+
 from springpot.codegen.forest_table import (
     LANES,
     LEAF_SLOT,

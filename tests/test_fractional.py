@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from springpot.trainer.fractional import fir_derivatives, gl_taps, gl_weights
 
 

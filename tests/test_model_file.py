@@ -2,10 +2,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import model_file, small_model, training
+
 from springpot.codegen.model_file import model_hash, read_model, write_model
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.rf_fd import RfFdOptions, fit_rf_fd
-from support import model_file, small_model, training
 
 
 def test_round_trip_keeps_everything(tmp_path: Path) -> None:

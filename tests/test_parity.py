@@ -4,6 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import model_file, press, scene, small_model, wandering
+
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.plan import make_plan
 from springpot.codegen.reference import Run, run_reference
@@ -11,7 +13,6 @@ from springpot.codegen.reference_tick import CLAMPED, HELD, LATCHED, OUTSIDE, RA
 from springpot.host.emission import emit
 from springpot.host.library import SceneLibrary
 from springpot.host.replay import Replay
-from support import model_file, press, scene, small_model, wandering
 
 NUMBERS = ["float32", "float64"]
 SHAPES = {

@@ -2,13 +2,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from support import DEPTH_M, scene, small_model
+
 from springpot.codegen.plan import make_plan
 from springpot.codegen.reference_tick import CLAMPED, HELD, LATCHED, OUTSIDE, RAMPED, RESYNC
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
 from springpot.host.validation import NOTE_NAMES
 from springpot.runtime_c.errors import UnsafeError, UsageError
 from springpot.runtime_c.paths import INCLUDE
-from support import DEPTH_M, scene, small_model
 
 SCENE = Scene(schema=1, name="x", model="x")
 
@@ -63,9 +64,10 @@ def test_what_cannot_be_done_is_refused(sections: dict, error: type, told: str) 
 
 
 def test_large_forests_are_not_for_m2cgen() -> None:
+    from support import training
+
     from springpot.codegen.emit import emit_files
     from springpot.trainer.rf_fd import RfFdOptions, fit_rf_fd
-    from support import training
 
     large = fit_rf_fd("large", training(), RfFdOptions(trees=30, leaf=2)).model
     with pytest.raises(UsageError, match='use "table"'):

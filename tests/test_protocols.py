@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from springpot.host import protocols
 from springpot.runtime_c.errors import UsageError
 

@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+
 from springpot.host import protocols
 from springpot.host.record_command import record
 from springpot.runtime_c.errors import DeviceError, UsageError

@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import pytest
+
 from springpot.host.scene_file import model_path, read_scene, scene_from_json, scene_to_json
 from springpot.runtime_c.errors import UsageError
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from springpot.host import protocols
 from springpot.host.simulated_bench import (
     HANDS,

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.codegen.forest_table import forest_table, used_features
 from springpot.codegen.ir import Model
 from springpot.codegen.reference import forest_force

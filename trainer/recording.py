@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.runtime_c.errors import DataError
 
 Samples = NDArray[np.float64]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import SIGN_RULE, Recording
 

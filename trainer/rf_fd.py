@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.ensemble import RandomForestRegressor
+
 from springpot.codegen.ir import FirBank, Forest, Model
 from springpot.trainer.fractional import fir_derivatives, gl_taps
 from springpot.trainer.recording import Recording

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
+
 from springpot.trainer.recording import Recording
 
 PAPER_SMOOTH_S = 0.025  # 25 samples at 1 kHz

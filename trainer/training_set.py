@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+
 from springpot.codegen.ir import Contact, TrainedRange
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import Recording, Samples

@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
 from springpot.host import protocols, simulated_bench
 from springpot.runtime_c import paths
 
