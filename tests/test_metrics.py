@@ -1,0 +1,30 @@
+import numpy as np
+import pytest
+
+from springpot.host.metrics import accuracy, just_noticeable_percent
+
+
+def test_figures_of_a_known_error() -> None:
+    measured = [np.array([0.0, 4.0, 10.0, 3.0]), np.array([5.0, 5.0])]
+    predicted = [np.array([1.0, 4.0, 10.0, 3.6]), np.array([5.0, 5.4])]
+    found = accuracy(measured, predicted)
+    assert found.samples == 6
+    assert found.rmse_n == pytest.approx(np.sqrt((1 + 0.36 + 0.16) / 6))
+    assert found.rmse_percent_of_peak == pytest.approx(10 * found.rmse_n)
+    each = [np.sqrt(1.36 / 4), np.sqrt(0.16 / 2)]
+    assert found.mean_recording_rmse_n == pytest.approx(np.mean(each))
+    assert found.interval_n is not None
+    assert min(each) - 1e-12 <= found.interval_n[0] <= found.interval_n[1] <= max(each) + 1e-12
+    assert found.max_abs_error_n == 1.0
+    # Above 2 N: 0, 0, 20 %, 0, 8 %.
+    assert found.ape_below_jnd == pytest.approx(4 / 5)
+
+
+def test_one_recording_has_no_interval_and_weak_forces_no_score() -> None:
+    found = accuracy([np.array([0.5, 1.0])], [np.array([0.5, 1.5])])
+    assert found.interval_n is None
+    assert found.ape_below_jnd is None
+
+
+def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
+    np.testing.assert_allclose(just_noticeable_percent(np.array([0.5, 2.0, 9.0])), [40, 10, 10])
