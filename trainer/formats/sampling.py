@@ -35,7 +35,7 @@ class RawChannels:
     details: Mapping[str, Any] = field(default_factory=dict)
 
 
-def to_recording(raw: RawChannels, zero: Zero, resample_hz: float | None) -> Recording:
+def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | None) -> Recording:
     """Check the samples, resample them if `resample_hz` is given, subtract the zero.
 
     Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
@@ -62,9 +62,12 @@ def to_recording(raw: RawChannels, zero: Zero, resample_hz: float | None) -> Rec
         }
     if zero != "none":
         pick = np.min if zero == "min" else lambda samples: samples[0]
-        details |= {"zero_position_m": float(pick(position_m)), "zero_force_n": float(pick(force_n))}
+        details |= {
+            "zero_position_m": float(pick(position_m)),
+            "zero_force_n": float(pick(force_n)),
+        }
         position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
-    return Recording(raw.name, position_m, force_n, dt_s, zero, source=raw.source, details=details)
+    return Recording(name, position_m, force_n, dt_s, zero, source=raw.source, details=details)
 
 
 def _check_finite(raw: RawChannels) -> None:
