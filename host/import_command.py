@@ -41,7 +41,8 @@ def import_(
 ) -> None:
     """Turn CSV and Mach-1 text files into recordings, one HDF5 file each.
 
-    Headers such as time_s,position_m,force_N need no --map. Nothing is written if a file is refused.
+    Headers such as time_s,position_m,force_N need no --map. Where one file is refused, nothing
+    is written.
     """
     mapping = parse_map(map_text) if map_text else None
     recordings, guesses = [], []

@@ -26,7 +26,7 @@ ColumnMap = Mapping[Quantity, Column]
 def parse_map(text: str) -> dict[Quantity, Column]:
     """Read the text of `--map`. Channels that it leaves out are guessed from the headers.
 
-    The last colon separates a column from its unit. Raises UsageError where the text cannot be read.
+    The last colon separates a column from its unit. Raises UsageError for text of another form.
     """
     columns: dict[Quantity, Column] = {}
     for part in _NEXT_CHANNEL.split(text):

@@ -52,12 +52,14 @@ def find_layout(path: Path, head: Sequence[str], columns: ColumnMap) -> Layout:
     for index in range(len(head)):
         for delimiter in DELIMITERS:
             row = cells(head[index], delimiter)
+            if len(row) < len(QUANTITIES):
+                continue
             found = {q: _candidates(row, q, columns.get(q)) for q in QUANTITIES}
             found = {q: candidates for q, candidates in found.items() if candidates}
             if len(found) == len(QUANTITIES):
                 chosen = _only(path, index, row, found)
                 return _layout(path, head, delimiter, index, chosen, columns)
-            if len(row) > 1 and len(found) > len(best[1]):
+            if len(found) > len(best[1]):
                 best = (index, found, row)
     raise _missing(path, *best, columns)
 

@@ -51,7 +51,7 @@ def read_csv(path: Path, columns: ColumnMap, name: str) -> tuple[RawChannels, st
 
 
 def _check_text(path: Path) -> None:
-    """Read the bytes once: NumPy would stop at neither NUL nor half a character with a row number."""
+    """Read the bytes once: NumPy names no row for a NUL byte or another encoding."""
     row = 1
     with path.open("rb") as file:
         # Whole lines, so that no character is cut in two.

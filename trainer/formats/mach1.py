@@ -71,13 +71,10 @@ def _blocks(path: Path) -> Iterator[_Block]:
         if tag and tag[1] == "END DATA":
             in_data = False
         elif in_data and block:
-            if tag:
-                raise DataError(f"{path}, row {number}: {tag[0]} before <END DATA>: export again")
             block.table.append(line)
-        elif tag and tag[1] == "INFO":
-            info, in_info = {}, True
-        elif tag and tag[1] == "END INFO":
-            in_info = False
+        elif tag and tag[1] in ("INFO", "END INFO"):
+            in_info = tag[1] == "INFO"
+            info = {} if in_info else info
         elif tag and tag[1] == "DATA" and block:
             in_data, block.table_line = True, number + 1
         elif tag and number > 1:

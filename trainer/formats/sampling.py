@@ -1,4 +1,4 @@
-"""From time-stamped samples to a recording: what is refused, and resampling where it is asked for."""
+"""From time-stamped samples to a recording: what is refused, and resampling on request."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -11,6 +11,7 @@ from springpot.trainer.recording import Recording, Samples, Zero
 MIN_ROWS = 3
 GAP = 1.5  # a step longer than this many usual steps is a gap
 STEP_TOLERANCE = 0.01
+MOST_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 # Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
 _DRIFT_STEPS = 100
 
@@ -104,8 +105,8 @@ def _check_gaps(raw: RawChannels) -> None:
     bad = np.flatnonzero(steps_s > GAP * usual_s * (1.0 + 1e-9) + _rounding_s(raw))
     if len(bad):
         raise DataError(
-            f"{_at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are {usual_s:.6g} s "
-            f"({len(bad)} gaps): cut the recording there and import the parts"
+            f"{_at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "
+            f"{usual_s:.6g} s ({len(bad)} gaps): cut the recording there and import the parts"
         )
 
 
@@ -134,6 +135,12 @@ def _rounding_s(raw: RawChannels) -> float:
 
 def _grid(raw: RawChannels, rate_hz: float) -> Samples:
     span_s = float(raw.time_s[-1] - raw.time_s[0])
+    source_hz = (len(raw.time_s) - 1) / span_s
+    if rate_hz > MOST_UPSAMPLING * source_hz:
+        raise DataError(
+            f"{raw.source}: {rate_hz:g} Hz is more than {MOST_UPSAMPLING} times its own "
+            f"{source_hz:.6g} Hz: give a lower --resample-hz"
+        )
     # 1e-6 of a step: the last sample is kept when rounding puts it a hair before the grid's.
     count = int(span_s * rate_hz + 1e-6) + 1
     if count < MIN_ROWS:
