@@ -24,7 +24,7 @@ class Recording:
 
     position_m, force_n: shape (n,), float64, finite; signs as in `SIGN_RULE`.
     dt_s: time between samples.
-    zero: what the importer subtracted from both channels; "none" where zero position is the surface.
+    zero: what the importer subtracted from both channels; "none": position 0 is the surface.
     position_delay_s, force_delay_s: how much later than the truth each channel was sampled.
     source: where the samples came from, for people (file and block, or device).
     details: further facts of the source, for people and reports; JSON values.

@@ -1,4 +1,4 @@
-"""Recordings as HDF5 files: one file a recording, one 1-D data set a channel, facts as attributes."""
+"""Recordings as HDF5 files: one file a recording, a 1-D data set a channel, facts as attributes."""
 
 import json
 import os
