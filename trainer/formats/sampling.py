@@ -148,7 +148,8 @@ def _grid(raw: RawChannels, rate_hz: float) -> Samples:
             f"{raw.source}: {span_s:.6g} s at {rate_hz:g} Hz leave {count} samples: "
             "give a higher --resample-hz"
         )
-    return raw.time_s[0] + np.arange(count) / rate_hz
+    grid_s: Samples = raw.time_s[0] + np.arange(count) / rate_hz
+    return grid_s
 
 
 def _at(raw: RawChannels, sample: int | np.intp) -> str:
