@@ -24,11 +24,7 @@ from springpot.trainer.recording_file import SUFFIX, write_recording
     show_default=True,
     help="Subtract nothing, the first sample or the smallest one, from each channel.",
 )
-@click.option(
-    "--resample-hz",
-    type=click.FloatRange(min=0.0, min_open=True, max=1e6),
-    help="Interpolate to this rate.",
-)
+@click.option("--resample-hz", type=float, help="Interpolate to this rate.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def import_(

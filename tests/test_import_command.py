@@ -75,7 +75,10 @@ def test_two_files_of_one_name_are_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("arguments", [["--zero", "last"], ["--resample-hz", "0"], ["--map", "x"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [["--zero", "last"], ["--resample-hz", "0"], ["--resample-hz", "nan"], ["--map", "x"]],
+)
 def test_wrong_use(tmp_path: Path, arguments: list[str]) -> None:
     (tmp_path / "a.csv").write_text(TABLE)
     result = run(tmp_path / "a.csv", "--out", tmp_path / "out", *arguments)

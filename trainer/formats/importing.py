@@ -34,6 +34,8 @@ def import_file(
     resample_hz: rate for linear interpolation; None refuses uneven steps.
     Raises DataError naming file and row, UsageError for a map where the file needs none.
     """
+    if resample_hz is not None and not 0.0 < resample_hz < np.inf:
+        raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
     try:
         raws, guess = _read(path, mapping)
     except OSError as error:

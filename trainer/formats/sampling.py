@@ -100,11 +100,11 @@ def _check_order(raw: RawChannels) -> None:
 
 def _check_gaps(raw: RawChannels) -> None:
     steps_s = np.diff(raw.time_s)
-    usual_s = np.median(steps_s)
+    usual_s = float(np.median(steps_s))
     # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
     # along: where there are many, the mean is the better measure of what is usual.
     if len(steps_s) >= _MANY_STEPS:
-        usual_s = max(usual_s, np.mean(steps_s))
+        usual_s = max(usual_s, float(np.mean(steps_s)))
     bad = np.flatnonzero(steps_s > GAP * usual_s + _rounding_s(raw))
     if len(bad):
         raise DataError(
