@@ -1,5 +1,6 @@
 """Recordings as HDF5 files: one file a recording, a 1-D data set a channel, facts as attributes."""
 
+import hashlib
 import json
 import os
 from collections.abc import Iterable
@@ -13,6 +14,10 @@ from springpot.trainer.recording import SIGN_RULE, Recording
 
 SCHEMA = 1
 SUFFIX = ".h5"
+# Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
+# flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
+_SEAL = b"springpot sha256"
+_SEAL_BYTES = len(_SEAL) + hashlib.sha256().digest_size
 _CHANNEL_UNITS = {"position_m": "m", "force_n": "N"}
 
 
@@ -35,7 +40,10 @@ def write_recording(path: Path, recording: Recording) -> None:
                 channel, data=samples, compression="gzip", shuffle=True, fletcher32=True
             )
             dataset.attrs["unit"] = unit
-    with aside.open("rb") as written:
+    with aside.open("r+b") as written:
+        digest = hashlib.file_digest(written, "sha256").digest()
+        written.write(_SEAL + digest)
+        written.flush()
         os.fsync(written.fileno())
     aside.replace(path)
 
@@ -43,6 +51,7 @@ def write_recording(path: Path, recording: Recording) -> None:
 def read_recording(path: Path) -> Recording:
     """Read one recording. Raises DataError with the file's name where it cannot be used."""
     try:
+        _check_seal(path)
         with h5py.File(path, "r") as file:
             schema = int(file.attrs["schema"])
             if schema > SCHEMA:
@@ -69,10 +78,30 @@ def read_recording(path: Path) -> Recording:
             )
     except FileNotFoundError:
         raise DataError(f"{path}: no such file") from None
-    except (OSError, KeyError, TypeError, ValueError) as error:
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
         raise DataError(
-            f"{path}: not a springpot recording ({error}): make one with `springpot import`"
+            f"{path}: not a springpot recording ({reason}): make one with `springpot import`"
         ) from None
+
+
+def _check_seal(path: Path) -> None:
+    """Compare the bytes with the seal behind them; a file that others edited has none."""
+    content, seal = path.stat().st_size - _SEAL_BYTES, b""
+    with path.open("rb") as file:
+        if content > 0:
+            file.seek(content)
+            seal = file.read()
+        if not seal.startswith(_SEAL):
+            return
+        digest = hashlib.sha256()
+        file.seek(0)
+        while content > 0:
+            chunk = file.read(min(content, 1 << 20))
+            digest.update(chunk)
+            content -= len(chunk)
+    if seal != _SEAL + digest.digest():
+        raise DataError(f"{path}: damaged, its bytes differ from those written: import it again")
 
 
 def read_recordings(paths: Iterable[Path]) -> list[Recording]:
