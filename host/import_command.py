@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.formats.importing import import_file

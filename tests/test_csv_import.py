@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.formats.column_map import parse_map
 from springpot.trainer.formats.importing import import_file

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
+
 from springpot.host.import_command import import_
 from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.recording_file import read_recording

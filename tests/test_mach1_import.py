@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.formats.column_map import parse_map
 from springpot.trainer.formats.importing import ImportResult, import_file

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import Recording
 from springpot.trainer.recording_file import read_recording, read_recordings, write_recording

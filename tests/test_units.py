@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.formats.column_map import Column, parse_map
 from springpot.trainer.formats.units import Quantity, factor_to_si

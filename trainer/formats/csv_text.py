@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.formats.column_map import ColumnMap
 from springpot.trainer.formats.csv_layout import Layout, cells, find_layout, is_number

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.formats.column_map import ColumnMap
 from springpot.trainer.formats.csv_text import read_csv

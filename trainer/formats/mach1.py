@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.formats.sampling import RawChannels
 from springpot.trainer.formats.units import Quantity, factor_to_si

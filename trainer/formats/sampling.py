@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import Recording, Samples, Zero
 
