@@ -28,7 +28,7 @@ check: format lint types
 
 format: $(STAMP)
 	$(BIN)/ruff format --check --quiet .
-	$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.c' '*.h')
+	$(BIN)/clang-format --dry-run --Werror $$(git ls-files 'runtime_c/*.[ch]' 'tests/c/*.[ch]')
 
 lint: $(STAMP)
 	$(BIN)/ruff check --quiet .

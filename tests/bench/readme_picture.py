@@ -1,0 +1,10 @@
+"""Write the README's picture from an emitted and validated folder: FOLDER PICTURE.svg."""
+
+import sys
+from pathlib import Path
+
+from springpot.host.figures import prediction, typical
+from springpot.host.validation_store import read_validation
+
+folder, picture = map(Path, sys.argv[1:])
+picture.write_text(prediction(typical(read_validation(folder).series)))
