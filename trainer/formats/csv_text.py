@@ -14,6 +14,7 @@ from springpot.runtime_c.errors import DataError
 from springpot.trainer.formats.column_map import ColumnMap
 from springpot.trainer.formats.csv_layout import Layout, cells, find_layout, is_number
 from springpot.trainer.formats.sampling import RawChannels
+from springpot.trainer.formats.units import QUANTITIES
 
 _ENCODING = "utf-8-sig"
 _HEAD_LINES = 400
@@ -35,8 +36,7 @@ def read_csv(path: Path, columns: ColumnMap, name: str) -> tuple[RawChannels, st
     layout = find_layout(path, head, columns)
     numbers = _read_numbers(path, layout)
     time_s, position_m, force_n = (
-        numbers[:, layout.columns[quantity]] * layout.factors[quantity]
-        for quantity in ("time", "position", "force")
+        numbers[:, index] * layout.factors[quantity] for index, quantity in enumerate(QUANTITIES)
     )
     raw = RawChannels(
         name=name,
@@ -75,30 +75,41 @@ def _check_text(path: Path) -> None:
 
 
 def _read_numbers(path: Path, layout: Layout) -> NDArray[np.float64]:
-    """Read all rows, shape (rows, width): in bulk, or row by row where a cell holds no number."""
+    """Read time, position and force of all rows, shape (rows, 3), in the file's units.
+
+    Reading every column in bulk checks the rows' lengths too. Where other columns hold text, the
+    lengths are checked first; row by row is the way to the row that the message names.
+    """
+    wanted = [layout.columns[quantity] for quantity in QUANTITIES]
+    numbers = _in_bulk(path, layout, None)
+    if numbers.shape[1] == layout.width:
+        return numbers[:, wanted]
+    count = sum(1 for _ in _rows(path, layout))
+    numbers = _in_bulk(path, layout, wanted)
+    if numbers.shape == (count, len(wanted)):
+        return numbers
+    values = [[_number(path, line, row, i) for i in wanted] for line, row in _rows(path, layout)]
+    return np.reshape(values, (len(values), len(wanted)))
+
+
+def _in_bulk(path: Path, layout: Layout, columns: list[int] | None) -> NDArray[np.float64]:
+    """Read all or some columns, shape (rows, columns); (0, 0) where a cell holds no number."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a file without rows is refused with the short ones
-            numbers = np.loadtxt(
+            return np.loadtxt(
                 path,
                 dtype=np.float64,
                 comments=None,
                 delimiter=layout.delimiter,
                 skiprows=layout.first_line - 1,
+                usecols=columns,
                 quotechar='"',
                 encoding=_ENCODING,
                 ndmin=2,
             )
     except ValueError:
-        numbers = np.empty((0, 0))
-    if numbers.shape[1] == layout.width:
-        return numbers
-    # Other columns may hold text; the three that count are checked here, with row numbers.
-    wanted = tuple(layout.columns.values())
-    values = [[_number(path, line, row, i) for i in wanted] for line, row in _rows(path, layout)]
-    numbers = np.full((len(values), layout.width), np.nan)
-    numbers[:, wanted] = np.reshape(values, (len(values), len(wanted)))
-    return numbers
+        return np.empty((0, 0))
 
 
 def _rows(path: Path, layout: Layout) -> Iterator[tuple[int, list[str]]]:
