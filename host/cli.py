@@ -19,6 +19,7 @@ _COMMANDS = {
     "build": ("emit_command", "build"),
     "validate": ("validate_command", "validate_"),
     "report": ("report_command", "report"),
+    "reproduce": ("reproduce_command", "reproduce"),
 }
 
 
