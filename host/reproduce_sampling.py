@@ -37,7 +37,7 @@ class Resampled:
 
 def resampled(model: Modelled, recording: Recording) -> Resampled:
     """Run the built C on a motion sampled every 1.27 ms, with taps made for its own step."""
-    time_s: Samples = np.arange(len(recording.position_m)) * recording.dt_s
+    time_s = np.arange(len(recording.position_m), dtype=np.float64) * recording.dt_s
     slow_time_s = np.arange(0.0, time_s[-1], recording.dt_s * SLOW_S / STEP_S)
     slow_m: Samples = np.interp(slow_time_s, time_s, recording.position_m)
     # What was rendered, interpolated to an exact step, as the paper does.
