@@ -29,6 +29,11 @@ _FITS: dict[str, Callable[[str, TrainingSet, FitOptions], Fit]] = {
 }
 
 
+def kind_names() -> tuple[str, ...]:
+    """All kinds."""
+    return tuple(_FITS)
+
+
 def fit_model(
     kind: str,
     name: str,
