@@ -20,6 +20,7 @@ _COMMANDS = {
     "validate": ("validate_command", "validate_"),
     "report": ("report_command", "report"),
     "reproduce": ("reproduce_command", "reproduce"),
+    "material": ("material_command", "material"),
 }
 
 
