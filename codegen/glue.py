@@ -6,7 +6,7 @@ from pathlib import Path
 from springpot.codegen.literals import literal, struct_text
 from springpot.codegen.plan import Plan
 from springpot.codegen.project import filled, prefixed
-from springpot.codegen.units import planned_headers, stages, state_members
+from springpot.codegen.units import planned_headers, stages, state_bytes, state_members
 from springpot.runtime_c.paths import INCLUDE
 
 ABI_VERSION = 1
@@ -32,7 +32,10 @@ def scene_header(plan: Plan) -> str:
         f"#ifndef {guard}\n#define {guard}\n\n"
         f'#include <stdint.h>\n\n#include "{prefix}.h"\n#include "sp_real.h"\n{includes}\n\n'
         f"/* {plan.scene.name}: what one tick hands to the next. */\n"
-        f"struct {prefix}_state {{\n{members}\n}};\n\n#endif\n"
+        f"struct {prefix}_state {{\n{members}\n}};\n\n"
+        "/* Fails where a header of another number type or version was included first. */\n"
+        f"typedef char {prefix}_state_is_as_planned"
+        f"[sizeof(struct {prefix}_state) == {state_bytes(plan)} ? 1 : -1];\n\n#endif\n"
     )
 
 
@@ -40,7 +43,8 @@ def scene_source(plan: Plan, manifest: str) -> str:
     """Constants and the public functions. The tick reads like figure 12 of the paper."""
     prefix = plan.scene.runtime.prefix
     parts = [
-        f'#include <stddef.h>\n\n#include "{prefix}_scene.h"\n#include "{prefix}_tables.h"',
+        f'#include <stddef.h>\n\n#include "{prefix}_scene.h"\n#include "{prefix}_tables.h"'
+        + (f'\n#include "{prefix}_regressor.h"' if plan.regressor is not None else ""),
         _constants(plan),
         _restart(plan),
         _step(plan),
@@ -59,6 +63,8 @@ def _constants(plan: Plan) -> str:
         parts.append(struct_text("couple", "sp_couple_tool_config", plan.couple_tool))
     if plan.per_onset is not None:
         parts.append(f"static const sp_real per_onset = {literal(plan.per_onset)};")
+    if plan.needs_device_velocity:
+        parts.append(f"static const sp_real greatest_mps = {literal(plan.greatest_mps)};")
     if plan.smooth_alpha is not None:
         parts.append(f"static const sp_real smooth_alpha = {literal(plan.smooth_alpha)};")
     return "\n".join(parts)
@@ -66,13 +72,15 @@ def _constants(plan: Plan) -> str:
 
 def _restart(plan: Plan) -> str:
     lines = [line for stage in stages(plan) for line in stage.restart()]
-    position = [] if plan.velocity is not None else ["(void)position;"]
+    unused = [] if plan.velocity is not None else ["(void)position;"]
+    unused += [] if _goes_deep(plan) else ["(void)deep;"]
+    unused += [] if any("depth" in line for line in lines) else ["(void)depth;"]
     return "\n".join(
         [
             "/* A position is true without a history: the object has rested there for ever. */",
-            "static void restart(sp_state *state, sp_real position, sp_real depth)",
+            "static void restart(sp_state *state, sp_real position, sp_real deep, sp_real depth)",
             "{",
-            *_indented([*position, *lines, *_forget(plan), "sp_output_restart(&state->output);"]),
+            *_indented([*unused, *lines, *_forget(plan), "sp_output_restart(&state->output);"]),
             "}",
         ]
     )
@@ -85,26 +93,19 @@ def _step(plan: Plan) -> str:
         "}",
         "int notes = 0;",
         "const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);",
+        *_device_velocity(plan),
         "sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));",
-        "const sp_real depth = sp_range_clip(&range, position, &notes);",
+        *_depth(plan),
         "if (notes & SP_NOTE_RESYNC) {",
-        "    restart(state, position, depth);",
+        "    restart(state, position, deep, depth);",
         "}",
         *(line for stage in stages(plan) for line in stage.advance()),
-        *_device_velocity(plan),
-    ]
-    if plan.contact:
-        lines += [
-            "sp_real force = (sp_real)0;",
-            "if (position > (sp_real)0) {",
-            *_indented([*_model_force(plan), *_shape(plan)]),
-            "} else {",
-            *_indented([*_forget(plan), "sp_output_free(&state->output);"]),
-            "}",
-        ]
-    else:
-        lines += ["sp_real force;", *_model_force(plan), *_shape(plan)]
-    lines += [
+        "sp_real force = (sp_real)0;",
+        f"if ({'position > (sp_real)0' if plan.contact else 'state->guard.started'}) {{",
+        *_indented([*_model_force(plan), *_shape(plan)]),
+        "} else {",
+        *_indented([*_forget(plan), "sp_output_free(&state->output);"]),
+        "}",
         "*force_n = sp_output_force(&output, &state->output, force, &notes);",
         "return notes;",
     ]
@@ -115,14 +116,24 @@ def _step(plan: Plan) -> str:
 
 
 def _model_force(plan: Plan) -> list[str]:
-    if plan.features is None or plan.regressor is None:
-        return ["force = passive_n;"]
-    return [
-        f"sp_real features[{plan.features.room}];",
-        *plan.features.read(),
-        *plan.regressor.force(),
-        "force = passive_n + model_n;" if plan.passive is not None else "force = model_n;",
-    ]
+    lines, terms = [], []
+    if plan.passive is not None:
+        terms.append(f"{plan.passive.follows}_passive_n")
+    if plan.features is not None and plan.regressor is not None:
+        lines = [
+            f"sp_real features[{plan.features.room}];",
+            *plan.features.read(),
+            *plan.regressor.force(),
+        ]
+        terms.append("model_n")
+    if plan.excess is not None:
+        terms.append("(deep_passive_n - depth_passive_n)")
+    return [*lines, f"force = {' + '.join(terms)};"]
+
+
+def _goes_deep(plan: Plan) -> bool:
+    follows = plan.passive.follows if plan.passive is not None else ""
+    return plan.excess is not None or follows == "deep"
 
 
 def _shape(plan: Plan) -> list[str]:
@@ -153,7 +164,17 @@ def _device_velocity(plan: Plan) -> list[str]:
         return ["(void)velocity_mps;"]
     return [
         "const sp_real device_mps =",
-        "    sp_guard_velocity(&guard, velocity_mps, output.dt_s, &notes);",
+        "    sp_guard_velocity(greatest_mps, &state->good_mps, velocity_mps, &notes);",
+    ]
+
+
+def _depth(plan: Plan) -> list[str]:
+    """`deep`: the position in the object; `depth`: the same within the trained range."""
+    least = "(sp_real)0" if plan.contact else "range.least_m"
+    source = "deep" if plan.contact else "position"
+    return [
+        f"const sp_real deep = position > {least} ? position : {least};",
+        f"const sp_real depth = sp_range_clip(&range, {source}, &notes);",
     ]
 
 

@@ -6,7 +6,8 @@ from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, RegressorS
 
 def stages(plan: Plan) -> list[Stage]:
     """Stages that keep a state, in the order of a tick."""
-    found: tuple[Stage | None, ...] = (plan.features, plan.passive, plan.velocity)
+    excess = plan.excess or (None, None)
+    found: tuple[Stage | None, ...] = (plan.features, plan.passive, *excess, plan.velocity)
     return [stage for stage in found if stage is not None]
 
 
@@ -16,6 +17,7 @@ def planned_headers(plan: Plan) -> list[str]:
     if plan.regressor is not None:
         parts.append(plan.regressor)
     headers = ["sp_number.h", "sp_guard.h", "sp_range.h"]
+    headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
     headers += [header for part in parts for header in part.headers]
     headers += ["sp_contact.h"] if plan.contact else []
     headers += ["sp_couple_tool.h"] if plan.couple_tool is not None else []
@@ -27,6 +29,8 @@ def state_members(plan: Plan) -> list[Member]:
     """Members of sp_state, in order."""
     members = [Member("sp_guard_state guard", (REAL, REAL, U32, U32))]
     members += [member for stage in stages(plan) for member in stage.members]
+    if plan.needs_device_velocity:
+        members.append(Member("sp_real good_mps", (REAL,)))
     if plan.couple_tool is not None:
         members.append(Member("sp_couple_tool_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:
