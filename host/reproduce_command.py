@@ -1,6 +1,7 @@
 """`springpot reproduce`: the paper's tables, figures and claims, with what was found here."""
 
 import json
+import shutil
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -106,6 +107,7 @@ def run_reproduce(out: Path, data: Sequence[Data], origin: str, work: Work) -> d
         raise UsageError(f"{out}: not empty and no earlier result: give --out a new folder")
     out.mkdir(parents=True, exist_ok=True)
     (out / _MARK).touch()
+    shutil.rmtree(out / "models", ignore_errors=True)
     results = [reproduce_object(item, out / "models" / item.name, work, say) for item in data]
     shown = shown_object(results)
     sampled = resampled(shown.models["rf-fd"], shown.data.validation[typical(shown)])
