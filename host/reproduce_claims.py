@@ -156,7 +156,7 @@ def _importances(results: Sequence[ObjectResult]) -> list[Claim]:
     if len(results) > 1:
         text = "importances shift to higher orders for softer objects"
         falls = bool(np.all(np.diff(middle) <= 0.0))
-        here = f"mean order, softest first: {_each(results, middle)}"
+        here = f"mean order, softest first: {_each(results, middle, 3)}"
         claims.append(Claim(text, "fig. 11", here, falls))
     return claims
 
@@ -221,6 +221,6 @@ def _below_jnd(result: ObjectResult, kind: str) -> float:
     return 1.0 if share is None else share
 
 
-def _each(results: Sequence[ObjectResult], values: Sequence[float]) -> str:
+def _each(results: Sequence[ObjectResult], values: Sequence[float], digits: int = 2) -> str:
     pairs = zip(results, values, strict=True)
-    return ", ".join(f"{result.data.name} {value:.2f}" for result, value in pairs)
+    return ", ".join(f"{result.data.name} {value:.{digits}f}" for result, value in pairs)
