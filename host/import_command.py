@@ -9,8 +9,8 @@ import click
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.formats.importing import import_file
-from springpot.trainer.recording import Recording, Zero
-from springpot.trainer.recording_file import SUFFIX, write_recording
+from springpot.trainer.recording import SUFFIX, Recording, Zero
+from springpot.trainer.recording_file import write_recording
 
 
 @click.command("import")

@@ -1,7 +1,7 @@
 """From time-stamped samples to a recording: what is refused, and resampling on request."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,10 @@ MOST_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 # Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
 _DRIFT_STEPS = 100
 _MANY_STEPS = 30
+# Machines end a test between two samples, or by another rule: so much of a file may be uneven if it
+# is its end, and is then interpolated onto the steps before it, which is said.
+_TAIL_SHARE = 0.05
+_TAIL_LEAST_STEPS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,20 +46,27 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
     """Check the samples, resample them if `resample_hz` is given, subtract the zero.
 
     Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
-    without `resample_hz`, uneven steps; too few rows. What was done is kept in `details`.
+    without `resample_hz`, uneven steps before the file's end; too few rows. What was done is kept
+    in `details`.
     """
     _check_finite(raw)
     _check_order(raw)
     _check_gaps(raw)
-    details = dict(raw.details)
-    position_m, force_n = raw.position_m, raw.force_n
-    if resample_hz is None:
+    details = {**raw.details, "sampling": _sampling(raw)}
+    tail = None if resample_hz else _uneven_tail(raw)
+    if tail is not None:
+        grid_s, details["sampling"]["tail"] = _tail_grid(raw, tail)
+        position_m = _on_grid(raw, raw.position_m, grid_s, tail)
+        force_n = _on_grid(raw, raw.force_n, grid_s, tail)
+        dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
+    elif resample_hz is None:
         _check_even(raw)
+        position_m, force_n = raw.position_m, raw.force_n
         dt_s = float(raw.time_s[-1] - raw.time_s[0]) / (len(raw.time_s) - 1)
     else:
         grid_s = _grid(raw, resample_hz)
-        position_m = np.interp(grid_s, raw.time_s, position_m)
-        force_n = np.interp(grid_s, raw.time_s, force_n)
+        position_m = np.interp(grid_s, raw.time_s, raw.position_m)
+        force_n = np.interp(grid_s, raw.time_s, raw.force_n)
         dt_s = 1.0 / resample_hz
         details |= {
             "resampled_hz": resample_hz,
@@ -71,6 +82,77 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
         }
         position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
     return Recording(name, position_m, force_n, dt_s, zero, source=raw.source, details=details)
+
+
+def tail_note(recording: Recording) -> str:
+    """Say what was done with an uneven end, or nothing."""
+    tail = recording.details["sampling"].get("tail")
+    if not tail:
+        return ""
+    return (
+        f"the last {tail['rows']} rows, from row {tail['from_row']} on, are not in step with the "
+        f"rows before: interpolated onto their {recording.rate_hz:.6g} Hz, and the last "
+        f"{tail['left_out_s']:.3g} s left out"
+    )
+
+
+def _sampling(raw: RawChannels) -> dict[str, Any]:
+    """Facts about the time stamps that uniform samples no longer show."""
+    steps_s = np.diff(raw.time_s)
+    usual_s = float(np.median(steps_s))
+    return {
+        "median_step_s": usual_s,
+        "shortest_step_s": float(steps_s.min()),
+        "longest_step_s": float(steps_s.max()),
+        "jitter_rms_s": float(np.sqrt(np.mean((steps_s - steps_s.mean()) ** 2))),
+        "stamp_digit_s": raw.time_digit_s,
+    }
+
+
+def _uneven_tail(raw: RawChannels) -> int | None:
+    """Return the last sample in step where only the file's end is out of step."""
+    steps_s = np.diff(raw.time_s)
+    bad = np.flatnonzero(np.abs(steps_s - np.median(steps_s)) > _slack_s(raw, 1))
+    if not len(bad) or bad[0] < _TAIL_LEAST_STEPS:
+        return None
+    rows = len(steps_s) - int(bad[0])
+    if rows > max(1.0, _TAIL_SHARE * len(steps_s)):
+        return None
+    _check_even(_cut(raw, int(bad[0]) + 1))
+    return int(bad[0])
+
+
+def _cut(raw: RawChannels, count: int) -> RawChannels:
+    return replace(
+        raw,
+        time_s=raw.time_s[:count],
+        position_m=raw.position_m[:count],
+        force_n=raw.force_n[:count],
+    )
+
+
+def _tail_grid(raw: RawChannels, last_even: int) -> tuple[Samples, dict[str, Any]]:
+    begin_s, end_s = float(raw.time_s[0]), float(raw.time_s[-1])
+    step_s = (float(raw.time_s[last_even]) - begin_s) / last_even
+    count = int((end_s - begin_s) / step_s + 1e-6) + 1
+    grid_s: Samples = begin_s + step_s * np.arange(count)
+    facts = {
+        "from_row": raw.line_of(last_even + 1),
+        "rows": len(raw.time_s) - last_even - 1,
+        "left_out_s": max(0.0, end_s - float(grid_s[-1])),
+    }
+    return grid_s, facts
+
+
+def _on_grid(raw: RawChannels, samples: Samples, grid_s: Samples, last_even: int) -> Samples:
+    """Keep the samples in step as they are; interpolate those behind."""
+    behind = np.interp(grid_s[last_even + 1 :], raw.time_s, samples)
+    return np.concatenate((samples[: last_even + 1], behind))
+
+
+def _slack_s(raw: RawChannels, span: int) -> float:
+    usual_s = float(np.median(np.diff(raw.time_s)))
+    return STEP_TOLERANCE * usual_s + (raw.time_digit_s + _rounding_s(raw)) / span
 
 
 def _check_finite(raw: RawChannels) -> None:
@@ -91,11 +173,14 @@ def _check_order(raw: RawChannels) -> None:
         )
     bad = np.flatnonzero(np.diff(raw.time_s) <= 0.0)
     if len(bad):
+        usual_s = float(np.median(np.diff(raw.time_s)))
+        rate = f" (--map time={1.0 / usual_s:.6g}Hz)" if usual_s > 0.0 else ""
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
         raise DataError(
             f"{_at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s ({len(bad)} such rows): "
-            "correct the time stamps in the source, or cut the file there"
+            "correct the time stamps in the source, cut the file there or, where every row is one "
+            f"step, state the rate in place of the column{rate}"
         )
 
 
