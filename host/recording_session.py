@@ -85,8 +85,8 @@ def record_session(
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")
         if journal_of(file).exists():
             raise UsageError(
-                f"{journal_of(file)}: left behind by a crash, or still being recorded: give another "
-                "--out; `springpot import` turns a journal into a recording"
+                f"{journal_of(file)}: left behind by a crash, or still being recorded: give "
+                "another --out; `springpot import` turns a journal into a recording"
             )
     try:
         out.mkdir(parents=True, exist_ok=True)

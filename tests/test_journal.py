@@ -142,7 +142,7 @@ def test_killed_while_recording(tmp_path: Path) -> None:
             assert len(read_recording(file).position_m) > 0
         except DataError as error:
             assert "interrupted" in str(error)
-    assert len(read_recordings([file for file in out.glob("*.h5")])) >= 2
+    assert len(read_recordings(out.glob("*.h5"))) >= 2
 
 
 def test_interrupted_by_the_keyboard(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from springpot.runtime_c.errors import DataError
+from springpot.trainer.formats.uneven_tail import last_even_sample, on_grid, tail_grid
 from springpot.trainer.recording import Recording, Samples, Zero
 
 MIN_ROWS = 3
@@ -16,10 +17,6 @@ MOST_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 # Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
 _DRIFT_STEPS = 100
 _MANY_STEPS = 30
-# Machines end a test between two samples, or by another rule: so much of a file may be uneven if it
-# is its end, and is then interpolated onto the steps before it, which is said.
-_TAIL_SHARE = 0.05
-_TAIL_LEAST_STEPS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +50,12 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
     _check_order(raw)
     _check_gaps(raw)
     details = {**raw.details, "sampling": _sampling(raw)}
-    tail = None if resample_hz else _uneven_tail(raw)
-    if tail is not None:
-        grid_s, details["sampling"]["tail"] = _tail_grid(raw, tail)
-        position_m = _on_grid(raw, raw.position_m, grid_s, tail)
-        force_n = _on_grid(raw, raw.force_n, grid_s, tail)
+    last_even = None if resample_hz else _last_even(raw)
+    if last_even is not None:
+        grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
+        details["sampling"]["tail"]["from_row"] = raw.line_of(last_even + 1)
+        position_m = on_grid(raw.time_s, raw.position_m, grid_s, last_even)
+        force_n = on_grid(raw.time_s, raw.force_n, grid_s, last_even)
         dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
     elif resample_hz is None:
         _check_even(raw)
@@ -84,18 +82,6 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
     return Recording(name, position_m, force_n, dt_s, zero, source=raw.source, details=details)
 
 
-def tail_note(recording: Recording) -> str:
-    """Say what was done with an uneven end, or nothing."""
-    tail = recording.details["sampling"].get("tail")
-    if not tail:
-        return ""
-    return (
-        f"the last {tail['rows']} rows, from row {tail['from_row']} on, are not in step with the "
-        f"rows before: interpolated onto their {recording.rate_hz:.6g} Hz, and the last "
-        f"{tail['left_out_s']:.3g} s left out"
-    )
-
-
 def _sampling(raw: RawChannels) -> dict[str, Any]:
     """Facts about the time stamps that uniform samples no longer show."""
     steps_s = np.diff(raw.time_s)
@@ -109,45 +95,13 @@ def _sampling(raw: RawChannels) -> dict[str, Any]:
     }
 
 
-def _uneven_tail(raw: RawChannels) -> int | None:
-    """Return the last sample in step where only the file's end is out of step."""
-    steps_s = np.diff(raw.time_s)
-    bad = np.flatnonzero(np.abs(steps_s - np.median(steps_s)) > _slack_s(raw, 1))
-    if not len(bad) or bad[0] < _TAIL_LEAST_STEPS:
-        return None
-    rows = len(steps_s) - int(bad[0])
-    if rows > max(1.0, _TAIL_SHARE * len(steps_s)):
-        return None
-    _check_even(_cut(raw, int(bad[0]) + 1))
-    return int(bad[0])
-
-
-def _cut(raw: RawChannels, count: int) -> RawChannels:
-    return replace(
-        raw,
-        time_s=raw.time_s[:count],
-        position_m=raw.position_m[:count],
-        force_n=raw.force_n[:count],
-    )
-
-
-def _tail_grid(raw: RawChannels, last_even: int) -> tuple[Samples, dict[str, Any]]:
-    begin_s, end_s = float(raw.time_s[0]), float(raw.time_s[-1])
-    step_s = (float(raw.time_s[last_even]) - begin_s) / last_even
-    count = int((end_s - begin_s) / step_s + 1e-6) + 1
-    grid_s: Samples = begin_s + step_s * np.arange(count)
-    facts = {
-        "from_row": raw.line_of(last_even + 1),
-        "rows": len(raw.time_s) - last_even - 1,
-        "left_out_s": max(0.0, end_s - float(grid_s[-1])),
-    }
-    return grid_s, facts
-
-
-def _on_grid(raw: RawChannels, samples: Samples, grid_s: Samples, last_even: int) -> Samples:
-    """Keep the samples in step as they are; interpolate those behind."""
-    behind = np.interp(grid_s[last_even + 1 :], raw.time_s, samples)
-    return np.concatenate((samples[: last_even + 1], behind))
+def _last_even(raw: RawChannels) -> int | None:
+    last_even = last_even_sample(raw.time_s, _slack_s(raw, 1), raw.time_digit_s + _rounding_s(raw))
+    if last_even is not None:
+        channels = (raw.time_s, raw.position_m, raw.force_n)
+        time_s, position_m, force_n = (samples[: last_even + 1] for samples in channels)
+        _check_even(replace(raw, time_s=time_s, position_m=position_m, force_n=force_n))
+    return last_even
 
 
 def _slack_s(raw: RawChannels, span: int) -> float:
