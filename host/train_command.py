@@ -8,6 +8,7 @@ import numpy as np
 
 from springpot.codegen.ir import Model
 from springpot.codegen.model_file import SUFFIX, write_model
+from springpot.host.check_command import say_quality
 from springpot.host.metrics import Accuracy, accuracy
 from springpot.host.output import json_option, paths_argument, print_result, progress_console
 from springpot.runtime_c.errors import UsageError
@@ -67,6 +68,7 @@ def train(
     options = RfFdOptions(seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s)
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
+    say_quality(training)
     with progress_console.status(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_rf_fd(out.stem.split(".")[0], training, options)
     out.parent.mkdir(parents=True, exist_ok=True)

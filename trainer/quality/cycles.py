@@ -1,0 +1,163 @@
+"""Cyclic recordings: frequency, stiffness, energy lost a cycle, and how these repeat."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.trainer.recording import Recording, Samples
+
+_LEAST_SHARE = 0.5  # of the position's variance that one tone must explain
+_HARMONICS = 5
+_CLOSED = 0.05  # of the travel
+_MOST_SAMPLES = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """A recording at one frequency.
+
+    stiffness_npm: ratio of the amplitudes of force and position at that frequency.
+    lead_rad: how far force leads position, as the energy lost a cycle says (asin of W / pi F X):
+    a nonlinear spring loses none, whatever the shape of its force.
+    energy_j: W, lost a cycle. skew_rad_per_s: what a second of delay of the force takes off the
+    lead. repeat_n, drift_n: shape (cycles,) rms of each cycle's force about the mean cycle, and
+    the mean of each.
+    """
+
+    frequency_hz: float
+    amplitude_m: float
+    stiffness_npm: float
+    lead_rad: float
+    energy_j: float
+    skew_rad_per_s: float
+    noise_n: float | None
+    drift_n: float | None
+    count: int
+
+
+def find_cycles(recording: Recording) -> Cycles | None:
+    """Analyse a recording that moves at one frequency; None where it does not."""
+    if not 16 <= len(recording.position_m) <= _MOST_SAMPLES or not np.ptp(recording.position_m):
+        return None
+    position_m, force_n = _moving(recording.position_m, recording.force_n)
+    frequency = _frequency(position_m)
+    if frequency is None or frequency * len(position_m) < 1.5:
+        if not _is_one_press(recording.position_m, recording.force_n):
+            return None
+        position_m, force_n = recording.position_m, recording.force_n
+        frequency = 1.0 / len(position_m)
+    period = 1.0 / frequency  # samples
+    count = int(len(position_m) / period + 0.02)
+    if count < 1 or period < 8:
+        return None
+    used = min(len(position_m), round(count * period))
+    first = used - round((count - 1) * period) if count > 3 else 0  # the first cycle settles
+    x, f = position_m[first:used], force_n[first:used]
+    phase = 2.0 * np.pi * frequency * np.arange(len(x))
+    x1, f1 = _tone(x, phase), _tone(f, phase)
+    if abs(x1) == 0.0 or abs(f1) == 0.0:
+        return None
+    cycles = max(1.0, len(x) / period)
+    energy_j = _loop(f, x) / cycles
+    reference_j = np.pi * abs(x1) * abs(f1)
+    # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
+    slope = -_loop(np.gradient(f), x) / cycles / recording.dt_s / reference_j
+    noise_n, drift_n = _repeat(f, period)
+    return Cycles(
+        frequency_hz=frequency / recording.dt_s,
+        amplitude_m=float(abs(x1)),
+        stiffness_npm=float(abs(f1) / abs(x1)),
+        lead_rad=float(np.arcsin(np.clip(energy_j / reference_j, -1.0, 1.0))),
+        energy_j=energy_j,
+        skew_rad_per_s=slope,
+        noise_n=noise_n,
+        drift_n=drift_n,
+        count=count,
+    )
+
+
+def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
+    """Cut rests at both ends: test rigs wait before and behind their cycles."""
+    moved = np.flatnonzero(np.abs(np.diff(position_m)) > 2e-3 * np.ptp(position_m))
+    slow = np.flatnonzero(np.abs(position_m - position_m[0]) > 0.02 * np.ptp(position_m))
+    begin = int(slow[0]) if len(slow) else 0
+    back = np.flatnonzero(np.abs(position_m - position_m[-1]) > 0.02 * np.ptp(position_m))
+    end = int(back[-1]) + 1 if len(back) else len(position_m)
+    if len(moved):
+        begin, end = min(begin, int(moved[0])), max(end, int(moved[-1]) + 2)
+    return position_m[begin:end], force_n[begin:end]
+
+
+def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
+    """Tell whether the path goes in and out once and is closed: a cycle of its own length.
+
+    Where force is 0 at both ends, what is missing in position costs no energy.
+    """
+    open_m = abs(float(position_m[-1] - position_m[0]))
+    end_n = max(abs(float(force_n[0])), abs(float(force_n[-1])))
+    span_m, peak_n = float(np.ptp(position_m)), float(np.abs(force_n).max())
+    if open_m > _CLOSED * span_m and end_n > _CLOSED * peak_n:
+        return False
+    phase = 2.0 * np.pi * np.arange(len(position_m)) / len(position_m)
+    left = _residual(position_m, phase, 1)
+    return left < (1.0 - _LEAST_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
+
+
+def _frequency(position_m: Samples) -> float | None:
+    """Frequency of the one tone, cycles a sample, by least squares around the spectrum's peak."""
+    n = len(position_m)
+    centred = position_m - position_m.mean()
+    spectrum = np.abs(np.fft.rfft(centred * np.hanning(n), 4 * n))
+    peak = int(np.argmax(spectrum[2:])) + 2
+    low, high = (peak - 4) / (4 * n), (peak + 4) / (4 * n)
+    step = max(1, n // 20_000)
+    thin, time = centred[::step], np.arange(n)[::step]
+    for _ in range(3):
+        tried = np.linspace(max(low, 0.2 / n), high, 17)
+        left = [_residual(thin, 2.0 * np.pi * t * time) for t in tried]
+        best = int(np.argmin(left))
+        width = tried[1] - tried[0]
+        low, high = tried[best] - width, tried[best] + width
+    explained = 1.0 - _residual(thin, 2.0 * np.pi * tried[best] * time) / float(thin @ thin)
+    if explained < _LEAST_SHARE or tried[best] * n < 0.5:
+        return None
+    fundamental = _residual(thin, 2.0 * np.pi * tried[best] * time, 1) / float(thin @ thin)
+    return float(tried[best]) if 1.0 - fundamental > _LEAST_SHARE else None
+
+
+def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
+    drift = np.linspace(-1.0, 1.0, len(phase))
+    tones = [g(k * phase) for k in range(1, harmonics + 1) for g in (np.cos, np.sin)]
+    return np.stack([np.ones(len(phase)), drift, *tones], axis=1)
+
+
+def _residual(samples: Samples, phase: Samples, harmonics: int = 2) -> float:
+    basis = _basis(phase, harmonics)
+    found = np.linalg.lstsq(basis, samples, rcond=None)[0]
+    return float(np.sum((samples - basis @ found) ** 2))
+
+
+def _tone(samples: Samples, phase: Samples) -> complex:
+    """Complex amplitude of the fundamental, harmonics and drift fitted beside it."""
+    found = np.linalg.lstsq(_basis(phase, _HARMONICS), samples, rcond=None)[0]
+    return complex(found[2], -found[3])
+
+
+def _loop(f: Samples, x: Samples) -> float:
+    """Integral of f dx by trapezoids: held samples would give energy even with a spring."""
+    return float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
+
+
+def _repeat(force_n: Samples, period: float) -> tuple[float | None, float | None]:
+    """Noise floor and drift of cycles that should be the same, N; None for fewer than three."""
+    count = int(len(force_n) / period + 0.02)
+    if count < 3:
+        return None, None
+    points = max(8, int(period))
+    at = (np.arange(count)[:, None] + np.arange(points) / points) * period
+    each = np.interp(at.ravel(), np.arange(len(force_n)), force_n).reshape(count, points)
+    means = each.mean(axis=1)
+    about = each - means[:, None]
+    spread = (about - about.mean(axis=0)) * np.sqrt(count / (count - 1))
+    return float(np.sqrt(np.mean(spread**2))), float(means[-1] - means[0])
