@@ -18,7 +18,7 @@ from springpot.trainer.recording import SUFFIX, Recording, Zero
 from springpot.trainer.recording_file import store_recording
 
 
-class _AutoOrNumber(click.ParamType):
+class _AutoOrNumber(click.ParamType[Any]):
     name = "auto|N"
 
     def convert(

@@ -92,9 +92,9 @@ def test_hdf5_of_another_layout(tmp_path: Path) -> None:
         opened["run/F"] = np.stack((FORCE_N, -FORCE_N))
         opened["run/table"] = np.zeros(3, dtype=[("a", "f8")])
     assert_samples(load(file, "time=run/t:s,position=/run/z,force=run/F[1]:N"))
-    with pytest.raises(DataError, match="force may be 'run/F.1.', 'run/F.2.'"):
+    with pytest.raises(DataError, match=r"force may be 'run/F\[1\]', 'run/F\[2\]'"):
         load(file, "time=run/t:s")
-    with pytest.raises(DataError, match="no array 'run/x'; it holds 'run/F.1.'"):
+    with pytest.raises(DataError, match=r"no array 'run/x'; it holds 'run/F\[1\]'"):
         load(file, "position=run/x:mm")
     with h5py.File(file, "a") as opened:
         del opened["run/t"]
@@ -141,7 +141,7 @@ def test_can_logs(tmp_path: Path, name: str) -> None:
     with pytest.raises(UsageError, match="pass --dbc FILE"):
         load(tmp_path / name)
     (tmp_path / "rig.dbc").write_text(DBC.replace("291", "293"))
-    with pytest.raises(DataError, match="pass --map position=Message.Signal|knows none"):
+    with pytest.raises(DataError, match="knows none of its frames"):
         load(tmp_path / name, dbc=tmp_path / "rig.dbc")
     (tmp_path / "rig.dbc").write_text("nonsense")
     with pytest.raises(DataError, match=r"rig\.dbc: not a CAN database"):

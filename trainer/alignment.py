@@ -2,8 +2,8 @@
 
 Energy lost a cycle mixes the material's loss and the channels' skew. They part by frequency: the
 loss angle of soft solids changes slowly, about linearly with the logarithm of frequency; skew takes
-off an angle proportional to frequency. With fewer than five cyclic recordings, or less than a factor
-of four in frequency, the two cannot be told apart and nothing is estimated.
+off an angle proportional to frequency. With fewer than five cyclic recordings, or less than a
+factor of four in frequency, the two cannot be told apart and nothing is estimated.
 """
 
 from collections.abc import Sequence

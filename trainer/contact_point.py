@@ -7,16 +7,16 @@ import numpy as np
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import Recording
 
-_BINS = 200
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _LEAST_FREE_SHARE = 0.02
 _NOISES = 5.0
 _LEAST_SHARE_OF_PEAK = 0.002
+_HIGHER = 3.0  # times the threshold: the slope behind the surface is taken up to there
 
 
 @dataclass(frozen=True)
 class ContactPoint:
-    """Surface: its position, +- what the travel within a bin and the spread of passes leave open.
+    """Surface: its position, +- what steps, passes and the way back from the threshold leave open.
 
     tare_n: force without contact; threshold_n: force above it that counts as contact.
     """
@@ -42,6 +42,7 @@ def find_contact(
     base_n = float(np.median(free_n)) if tare_n is None else tare_n
     noise_n = 1.4826 * float(np.median(np.abs(free_n - np.median(free_n))))
     peak_n = float(force_n.max()) - base_n
+    wanted_n = threshold_n
     if threshold_n is None:
         threshold_n = max(_NOISES * noise_n, _LEAST_SHARE_OF_PEAK * peak_n)
     touching = force_n > base_n + threshold_n
@@ -56,9 +57,16 @@ def find_contact(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
             "position), so the surface cannot be found: import with --zero first or min"
         )
-    spread_m = float(np.ptp(found_m)) / 2 if len(found_m) > 1 else 0.0
-    step_m = float(np.median(np.abs(np.diff(position_m)))) / 2
-    return ContactPoint(float(np.median(found_m)), max(spread_m, step_m), base_n, threshold_n)
+    surface_m = float(np.median(found_m))
+    doubt_m = float(np.ptp(found_m)) / 2 if len(found_m) > 1 else 0.0
+    doubt_m = max(doubt_m, float(np.median(np.abs(np.diff(position_m)))) / 2)
+    if wanted_n is None:
+        # Force passed the threshold behind the surface: go back along the slope found there.
+        deeper_m = _passes(position_m, force_n, base_n + _HIGHER * threshold_n)
+        slope_m = float(np.median(deeper_m)) - surface_m if len(deeper_m) else 0.0
+        back_m = max(0.0, slope_m / (_HIGHER - 1.0))
+        surface_m, doubt_m = surface_m - back_m, max(doubt_m, back_m)
+    return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
 
 
 def _passes(

@@ -59,8 +59,7 @@ def _write_mat(path: Path, recording: Recording) -> None:
         "force_N": recording.force_n,
         "facts": json.dumps(_facts(recording), sort_keys=True),
     }
-    with path.open("wb") as file:
-        savemat(file, content, oned_as="column", do_compression=True)
+    savemat(path, content, appendmat=False, oned_as="column", do_compression=True)
 
 
 def _facts(recording: Recording) -> dict[str, object]:

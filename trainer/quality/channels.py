@@ -118,7 +118,7 @@ def _excursion(other: Samples, channel: str) -> float:
 
 
 def _held(recording: Recording) -> Iterator[Finding]:
-    """Look for both channels standing still exactly between samples that move."""
+    """Look for both channels standing still exactly, and then catching up."""
     same = (np.diff(recording.position_m) == 0.0) & (np.diff(recording.force_n) == 0.0)
     # Coarse channels at low speed repeat themselves honestly.
     for samples in (recording.position_m, recording.force_n):
@@ -126,7 +126,7 @@ def _held(recording: Recording) -> Iterator[Finding]:
             return
     least = max(3, round(_HELD_S / recording.dt_s))
     runs = [(begin, end) for begin, end in _runs(same) if end - begin >= least]
-    inner = [(begin, end) for begin, end in runs if begin > 0 and end < len(same)]
+    inner = [run for run in runs if _catches_up(recording.position_m, *run)]
     if inner:
         begin, end = max(inner, key=lambda run: run[1] - run[0])
         yield warning(
@@ -136,6 +136,16 @@ def _held(recording: Recording) -> Iterator[Finding]:
             "lost samples were filled by the last one",
             "cut there, or record again with less load on the computer",
         )  # fmt: skip
+
+
+def _catches_up(position_m: Samples, begin: int, end: int) -> bool:
+    """Tell whether the position jumps behind a rest by what it would have moved meanwhile."""
+    steps = np.abs(np.diff(position_m))
+    around = np.concatenate((steps[max(0, begin - 20) : begin], steps[end + 1 : end + 21]))
+    if begin == 0 or end >= len(steps) or not len(around):
+        return False
+    usual = float(np.median(around))
+    return usual > 0.0 and float(steps[end]) > 0.5 * (end - begin + 1) * usual
 
 
 def _quantisation(recording: Recording) -> Iterator[Finding]:

@@ -21,8 +21,8 @@ class Cycles:
     lead_rad: how far force leads position, as the energy lost a cycle says (asin of W / pi F X):
     a nonlinear spring loses none, whatever the shape of its force.
     energy_j: W, lost a cycle. skew_rad_per_s: what a second of delay of the force takes off the
-    lead. repeat_n, drift_n: shape (cycles,) rms of each cycle's force about the mean cycle, and
-    the mean of each.
+    lead. noise_n: rms difference between cycles that their motion does not explain; drift_n: mean
+    force of the last cycle less that of the first; both None for fewer than three cycles.
     """
 
     frequency_hz: float
@@ -54,16 +54,16 @@ def find_cycles(recording: Recording) -> Cycles | None:
     used = min(len(position_m), round(count * period))
     first = used - round((count - 1) * period) if count > 3 else 0  # the first cycle settles
     x, f = position_m[first:used], force_n[first:used]
-    phase = 2.0 * np.pi * frequency * np.arange(len(x))
+    phase: Samples = 2.0 * np.pi * frequency * np.arange(len(x), dtype=np.float64)
     x1, f1 = _tone(x, phase), _tone(f, phase)
-    if abs(x1) == 0.0 or abs(f1) == 0.0:
-        return None
+    if abs(x1) ** 2 / 2 < _LEAST_SHARE * np.var(x) or not abs(f1):
+        return None  # a ramp, or several tones
     cycles = max(1.0, len(x) / period)
     energy_j = _loop(f, x) / cycles
     reference_j = np.pi * abs(x1) * abs(f1)
     # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
     slope = -_loop(np.gradient(f), x) / cycles / recording.dt_s / reference_j
-    noise_n, drift_n = _repeat(f, period)
+    noise_n, drift_n = _repeat(x, f, period)
     return Cycles(
         frequency_hz=frequency / recording.dt_s,
         amplitude_m=float(abs(x1)),
@@ -149,15 +149,33 @@ def _loop(f: Samples, x: Samples) -> float:
     return float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
 
 
-def _repeat(force_n: Samples, period: float) -> tuple[float | None, float | None]:
+def _repeat(
+    position_m: Samples, force_n: Samples, period: float
+) -> tuple[float | None, float | None]:
     """Noise floor and drift of cycles that should be the same, N; None for fewer than three."""
     count = int(len(force_n) / period + 0.02)
     if count < 3:
         return None, None
     points = max(8, int(period))
     at = (np.arange(count)[:, None] + np.arange(points) / points) * period
-    each = np.interp(at.ravel(), np.arange(len(force_n)), force_n).reshape(count, points)
-    means = each.mean(axis=1)
-    about = each - means[:, None]
-    spread = (about - about.mean(axis=0)) * np.sqrt(count / (count - 1))
-    return float(np.sqrt(np.mean(spread**2))), float(means[-1] - means[0])
+    time = np.arange(len(force_n))
+    force, position = (
+        np.interp(at.ravel(), time, samples).reshape(count, points)
+        for samples in (force_n, position_m)
+    )
+    means = force.mean(axis=1)
+    return noise_floor_n(position, force - means[:, None]), float(means[-1] - means[0])
+
+
+def noise_floor_n(position_m: NDArray[np.float64], force_n: NDArray[np.float64]) -> float:
+    """RMS of what repeats differ by in force, N, beyond what they differ by in motion.
+
+    position_m, force_n: shape (repeats, samples). The part of the difference that goes linearly
+    with differences of position and of its rate could be predicted; the rest no model can.
+    """
+    count = len(force_n)
+    off_n = (force_n - force_n.mean(axis=0)).ravel()
+    off_m = position_m - position_m.mean(axis=0)
+    motion = np.stack((off_m.ravel(), np.gradient(off_m, axis=1).ravel()), axis=1)
+    left_n = off_n - motion @ np.linalg.lstsq(motion, off_n, rcond=None)[0]
+    return float(np.sqrt(np.mean(left_n**2) * count / (count - 1)))

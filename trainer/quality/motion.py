@@ -1,6 +1,7 @@
 """Checks of the motion: sign, depth, speeds, where contact begins."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -40,13 +41,18 @@ def strokes(position_m: Samples, dt_s: float) -> Samples:
         return np.empty(0)
     turns = _turning_points(position_m, least_m)
     speeds = []
-    for begin, end in zip(turns[:-1], turns[1:], strict=True):
+    for begin, end in pairwise(turns):
         part = position_m[begin : end + 1]
         # The middle four fifths of the way: holds at the ends are no motion.
-        low, high = np.quantile([part[0], part[-1]], [0.1, 0.9])
-        inside = np.count_nonzero((part >= low) & (part <= high))
-        speeds.append((high - low) / (max(inside, 1) * dt_s))
+        begin_m, way_m = float(part[0]), float(part[-1] - part[0])
+        low_m, high_m = (begin_m + (0.5 + sign * 0.4) * way_m for sign in _signs(way_m))
+        inside = np.count_nonzero((part >= low_m) & (part <= high_m))
+        speeds.append((high_m - low_m) / (max(inside, 1) * dt_s))
     return np.array(speeds)
+
+
+def _signs(way_m: float) -> tuple[float, float]:
+    return (-1.0, 1.0) if way_m > 0.0 else (1.0, -1.0)
 
 
 def _turning_points(position_m: Samples, least_m: float) -> list[int]:
@@ -104,7 +110,7 @@ def contact_findings(recording: Recording) -> Iterator[Finding]:
             )  # fmt: skip
         return
     off_m = contact.position_m
-    if abs(off_m) > _SURFACE_OFF * float(np.ptp(recording.position_m)) + contact.uncertainty_m:
+    if abs(off_m) > _SURFACE_OFF * float(np.ptp(recording.position_m)) + 2 * contact.uncertainty_m:
         yield warning(
             "contact", recording.name,
             f"force begins at {off_m * 1e3:.3g} +- {contact.uncertainty_m * 1e3:.2g} mm, not at 0",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.trainer.quality.cycles import noise_floor_n
 from springpot.trainer.quality.finding import Finding, warning
 from springpot.trainer.recording import Recording, Samples
 
@@ -19,7 +20,7 @@ _MOST_PAIRED = 200
 class Repeats:
     """Recordings that follow one path.
 
-    noise_n: rms of each force about their mean: the error that no model can beat.
+    noise_n: rms difference that their motion does not explain: no model can beat it.
     drift_n: mean force of the last less that of the first. peak_n: greatest force.
     """
 
@@ -63,15 +64,16 @@ def _same_path(one: Recording, other: Recording) -> bool:
     if len(one.position_m) != len(other.position_m) or abs(one.dt_s / other.dt_s - 1) > 1e-3:
         return False
     a, b = _thin(one.position_m), _thin(other.position_m)
-    return float(np.sqrt(np.mean((a - b) ** 2))) < _SAME_POSITION * max(np.ptp(a), np.ptp(b))
+    travel_m = max(float(np.ptp(a)), float(np.ptp(b)))
+    return float(np.sqrt(np.mean((a - b) ** 2))) < _SAME_POSITION * travel_m
 
 
 def _repeats(group: list[Recording]) -> Repeats:
     forces = np.stack([recording.force_n for recording in group])
-    about = (forces - forces.mean(axis=0)) * np.sqrt(len(group) / (len(group) - 1))
+    positions = np.stack([recording.position_m for recording in group])
     return Repeats(
         names=tuple(recording.name for recording in group),
-        noise_n=float(np.sqrt(np.mean(about**2))),
+        noise_n=noise_floor_n(positions, forces),
         drift_n=float(forces[-1].mean() - forces[0].mean()),
         peak_n=float(np.abs(forces).max()),
     )

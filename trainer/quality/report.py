@@ -68,7 +68,7 @@ def _filter_findings(recording: Recording, cycles: Cycles | None) -> Iterator[Fi
     if cutoff_hz is None:
         return
     order = int(recording.details.get("load_cell_low_pass_order", 1))
-    delay_s = low_pass_delay_s(order, float(cutoff_hz))
+    delay_s = _filter_delay_s(recording)
     what = f"the load cell was low-passed at {cutoff_hz:g} Hz, order {order}"
     so_what = f"force comes about {delay_s * 1e3:.3g} ms late"
     if cycles:
@@ -80,6 +80,14 @@ def _filter_findings(recording: Recording, cycles: Cycles | None) -> Iterator[Fi
         "filter", recording.name, what, f"{so_what}: its phase is not the material's",
         f"state it on import, --force-delay-s {delay_s:.4g}, if position is not filtered alike",
     )  # fmt: skip
+
+
+def _filter_delay_s(recording: Recording) -> float:
+    cutoff_hz = recording.details.get("load_cell_low_pass_hz")
+    if cutoff_hz is None:
+        return 0.0
+    order = int(recording.details.get("load_cell_low_pass_order", 1))
+    return low_pass_delay_s(order, float(cutoff_hz))
 
 
 def _skew_findings(recordings: Sequence[Recording], skew: Skew | None) -> Iterator[Finding]:
@@ -138,6 +146,8 @@ def _loss(recording: Recording, cycles: Cycles, skew: Skew | None) -> dict[str, 
         return None
     stated_s = recording.force_delay_s - recording.position_delay_s
     doubt_s = abs(skew.delay_s - stated_s) + skew.uncertainty_s
+    if stated_s == 0.0:
+        doubt_s += _filter_delay_s(recording)
     rate = abs(cycles.skew_rad_per_s)
     lead_rad = cycles.lead_rad + rate * stated_s
     scale = cycles.energy_j / np.sin(cycles.lead_rad) if cycles.lead_rad else 0.0
