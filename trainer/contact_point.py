@@ -9,6 +9,7 @@ from springpot.trainer.recording import Recording
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _LEAST_FREE_SHARE = 0.02
+_LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _NOISES = 5.0
 _LEAST_SHARE_OF_PEAK = 0.002
 _HIGHER = 3.0  # times the threshold: the slope behind the surface is taken up to there
@@ -52,7 +53,12 @@ def find_contact(
             "without contact: give a lower --contact-force"
         )
     found_m = _passes(position_m, force_n, base_n + threshold_n)
-    if not len(found_m) or np.median(found_m) - low_m < _LEAST_FREE_SHARE * travel_m:
+    pressed = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
+    if (
+        not len(found_m)
+        or pressed > _LEVEL * peak_n / travel_m
+        or np.median(found_m) - low_m < _LEAST_FREE_SHARE * travel_m
+    ):
         raise DataError(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
             "position), so the surface cannot be found: import with --zero first or min"
@@ -67,6 +73,18 @@ def find_contact(
         back_m = max(0.0, slope_m / (_HIGHER - 1.0))
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, back_m)
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
+
+
+def _slope_npm(
+    position_m: np.ndarray[tuple[int], np.dtype[np.float64]],
+    force_n: np.ndarray[tuple[int], np.dtype[np.float64]],
+    below_m: float,
+) -> float:
+    """Slope of force at the lowest positions, N/m: none where nothing is touched."""
+    low = position_m <= below_m
+    off_m = position_m[low] - position_m[low].mean()
+    spread = float(off_m @ off_m)
+    return float(off_m @ force_n[low]) / spread if spread else 0.0
 
 
 def _passes(

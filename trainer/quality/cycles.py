@@ -9,6 +9,7 @@ from springpot.trainer.recording import Recording, Samples
 
 _LEAST_SHARE = 0.5  # of the position's variance that one tone must explain
 _HARMONICS = 5
+_NEARLY = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
 _CLOSED = 0.05  # of the travel
 _MOST_SAMPLES = 200_000
 
@@ -48,7 +49,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
         position_m, force_n = recording.position_m, recording.force_n
         frequency = 1.0 / len(position_m)
     period = 1.0 / frequency  # samples
-    count = int(len(position_m) / period + 0.02)
+    count = int(len(position_m) / period + _NEARLY)
     if count < 1 or period < 8:
         return None
     used = min(len(position_m), round(count * period))
@@ -58,7 +59,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
     x1, f1 = _tone(x, phase), _tone(f, phase)
     if abs(x1) ** 2 / 2 < _LEAST_SHARE * np.var(x) or not abs(f1):
         return None  # a ramp, or several tones
-    cycles = max(1.0, len(x) / period)
+    cycles = max(1, round(len(x) / period))
     energy_j = _loop(f, x) / cycles
     reference_j = np.pi * abs(x1) * abs(f1)
     # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
@@ -134,7 +135,8 @@ def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
 
 def _residual(samples: Samples, phase: Samples, harmonics: int = 2) -> float:
     basis = _basis(phase, harmonics)
-    found = np.linalg.lstsq(basis, samples, rcond=None)[0]
+    # Normal equations: these columns are nearly orthogonal, and this is called fifty times.
+    found = np.linalg.lstsq(basis.T @ basis, basis.T @ samples, rcond=None)[0]
     return float(np.sum((samples - basis @ found) ** 2))
 
 
@@ -153,16 +155,13 @@ def _repeat(
     position_m: Samples, force_n: Samples, period: float
 ) -> tuple[float | None, float | None]:
     """Noise floor and drift of cycles that should be the same, N; None for fewer than three."""
-    count = int(len(force_n) / period + 0.02)
+    count = int(len(force_n) / period + _NEARLY)
     if count < 3:
         return None, None
     points = max(8, int(period))
     at = (np.arange(count)[:, None] + np.arange(points) / points) * period
-    time = np.arange(len(force_n))
-    force, position = (
-        np.interp(at.ravel(), time, samples).reshape(count, points)
-        for samples in (force_n, position_m)
-    )
+    nearest = np.minimum(np.rint(at).astype(int), len(force_n) - 1)  # interpolation would smooth
+    force, position = force_n[nearest], position_m[nearest]
     means = force.mean(axis=1)
     return noise_floor_n(position, force - means[:, None]), float(means[-1] - means[0])
 

@@ -45,14 +45,10 @@ def strokes(position_m: Samples, dt_s: float) -> Samples:
         part = position_m[begin : end + 1]
         # The middle four fifths of the way: holds at the ends are no motion.
         begin_m, way_m = float(part[0]), float(part[-1] - part[0])
-        low_m, high_m = (begin_m + (0.5 + sign * 0.4) * way_m for sign in _signs(way_m))
-        inside = np.count_nonzero((part >= low_m) & (part <= high_m))
+        low_m, high_m = sorted((begin_m + 0.1 * way_m, begin_m + 0.9 * way_m))
+        inside = int(np.count_nonzero((part >= low_m) & (part <= high_m)))
         speeds.append((high_m - low_m) / (max(inside, 1) * dt_s))
     return np.array(speeds)
-
-
-def _signs(way_m: float) -> tuple[float, float]:
-    return (-1.0, 1.0) if way_m > 0.0 else (1.0, -1.0)
 
 
 def _turning_points(position_m: Samples, least_m: float) -> list[int]:
