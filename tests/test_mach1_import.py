@@ -97,7 +97,7 @@ def test_dividers_cut_a_block_into_steps(tmp_path: Path) -> None:
     names = [recording.name for recording in result.recordings]
     assert names == ["run-Stress-Relaxation-1", "run-Stress-Relaxation-2"]
     damaged = block[: block.rindex("1.5")] + block[block.rindex("1.5") :].replace("1.5", "x")
-    with pytest.raises(DataError, match="row 16: could not convert string to float: 'x'"):
+    with pytest.raises(DataError, match="row 16: 'x' is not a number"):
         load(tmp_path, INFO + damaged)
 
 
@@ -124,7 +124,7 @@ def test_blocks_are_left_out_by_kind_or_for_want_of_samples(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("1.5\t200.0", "1.5\tx", "row 16: could not convert string to float: 'x'"),
+        ("1.5\t200.0", "1.5\tx", "row 16: 'x' is not a number"),
         ("1.5\t200.0", "nan\t200.0", "row 16: position is not a finite number"),
         ("1.5\t200.0", "1.5", "row 16: 2 cells, the header has 3"),
         ("0.02\t", "0.00\t", "row 17: time goes back"),

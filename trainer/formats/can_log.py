@@ -169,7 +169,7 @@ def _blf(path: Path) -> Iterator[tuple[int, Any]]:
 
     number = 0
     try:
-        with can.BLFReader(path) as reader:
+        with path.open("rb") as file, can.BLFReader(file) as reader:
             if reader.file_size > path.stat().st_size:
                 raise DataError(
                     f"{path}: cut short, {path.stat().st_size} of {reader.file_size} bytes: copy "

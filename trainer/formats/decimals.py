@@ -21,7 +21,7 @@ def is_number(cell: str, decimal: DecimalMark = "point") -> bool:
         float(cell)
     except ValueError:
         return False
-    return "_" not in cell  # Python reads 1_000, nobody else does
+    return "_" not in cell and cell.isascii()  # Python reads 1_000 and other scripts' digits
 
 
 def is_comma_number(cell: str) -> bool:
@@ -34,8 +34,10 @@ def decimal_mark(where: str, found: Iterable[tuple[int, str]]) -> DecimalMark:
 
     Raises DataError where every comma may as well separate thousands.
     """
-    commas = [(row, cell) for row, cell in found if is_comma_number(cell)]
-    if not commas:
+    cells = list(found)
+    commas = [(row, cell) for row, cell in cells if is_comma_number(cell)]
+    points = sum("." in cell and is_number(cell) for _, cell in cells)
+    if len(commas) <= points:
         return "point"
     if all(_THOUSANDS.fullmatch(cell) for _, cell in commas):
         row, cell = commas[0]

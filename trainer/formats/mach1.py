@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from springpot.runtime_c.errors import DataError
+from springpot.trainer.formats.decimals import is_number
 from springpot.trainer.formats.sampling import MIN_ROWS, RawChannels
 from springpot.trainer.formats.units import Quantity, Unit, factor_to_si
 
@@ -177,10 +178,13 @@ def _columns(where: str, header: list[str], axis: str) -> dict[Quantity, int]:
 def _numbers(path: Path, lines: list[tuple[int, str]], width: int) -> Table:
     rows = []
     for number, line in lines:
-        try:
-            rows.append([float(cell) for cell in line.split("\t")])
-        except ValueError as error:
-            raise DataError(f"{path}, row {number}: {error}: correct it in the source") from None
+        cells = line.split("\t")
+        wrong = next((cell for cell in cells if not is_number(cell.strip())), None)
+        if wrong is not None:
+            raise DataError(
+                f"{path}, row {number}: {wrong!r} is not a number: correct it in the source"
+            )
+        rows.append([float(cell) for cell in cells])
         if len(rows[-1]) != width:
             raise DataError(
                 f"{path}, row {number}: {len(rows[-1])} cells, the header has {width}: "

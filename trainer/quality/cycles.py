@@ -112,7 +112,7 @@ def _frequency(position_m: Samples) -> float | None:
     spectrum = np.abs(np.fft.rfft(centred * np.hanning(n), 4 * n))
     peak = int(np.argmax(spectrum[2:])) + 2
     low, high = (peak - 4) / (4 * n), (peak + 4) / (4 * n)
-    step = max(1, n // 20_000)
+    step = max(1, n // 4000)
     thin, time = centred[::step], np.arange(n)[::step]
     for _ in range(3):
         tried = np.linspace(max(low, 0.2 / n), high, 17)
