@@ -23,9 +23,9 @@ demo: $(STAMP)
 test: $(STAMP) test-c
 	$(BIN)/pytest
 
-# Long tests: 10 000 malformed files.
+# Long tests: 10 000 malformed files, an hour at 1 kHz.
 soak: $(STAMP)
-	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py
+	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
 
 check: format lint types
 	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized

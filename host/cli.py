@@ -63,5 +63,5 @@ def main() -> None:
         package = (error.name or "").split(".")[0]
         if package == "springpot":
             raise
-        say(f"springpot: {package} is not installed: `pip install 'springpot[train,report]'`")
+        say(f"springpot: {package} is not installed: `pip install 'springpot[train,report,can]'`")
         sys.exit(2)

@@ -125,7 +125,8 @@ def csv_head(rng: Rng) -> Case:
     """A CSV file whose header cannot be understood."""
     rows = "\n".join(",".join(row) for row in _table(rng))
     heads = {
-        "no header": "", "no unit": "time_s,position_mm,force\n", "no force": "time_s,position_mm,x\n",
+        "no header": "", "no unit": "time_s,position_mm,force\n",
+        "no force": "time_s,position_mm,x\n",
         "unknown unit": "time_s,position (furlong),force_N\n",
         "wrong case": "time_s,position_mm,force (n)\n",
         "two forces": "time_s,force_N,load_N\n", "noise": "\x01\x02\x03\n",

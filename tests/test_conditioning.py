@@ -16,7 +16,6 @@ from springpot.trainer.recording_file import read_recording
 TIME_S = np.arange(4000) * 1e-3
 PHASE = 2 * np.pi * 3.0 * TIME_S
 POSITION_M = 5e-3 * (1 - np.cos(PHASE))
-RNG = np.random.default_rng(5)
 
 
 def recording(
@@ -55,7 +54,7 @@ def test_the_inertia_of_a_mass_is_removed() -> None:
 
 def touched(surface_m: float, tare_n: float) -> Recording:
     depth_m = np.maximum(POSITION_M - surface_m, 0.0)
-    return recording(900 * depth_m + tare_n + RNG.normal(0, 0.01, len(TIME_S)))
+    return recording(900 * depth_m + tare_n + np.random.default_rng(5).normal(0, 0.01, len(TIME_S)))
 
 
 @pytest.mark.parametrize(("surface_m", "tare_n"), [(2e-3, 0.0), (3e-3, 1.5), (1e-3, -0.7)])

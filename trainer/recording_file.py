@@ -157,6 +157,13 @@ def _read_hdf5(path: Path) -> Recording:
         ) from None
 
 
+def is_sealed(path: Path) -> bool:
+    """Tell whether a file is a recording that springpot wrote and nobody edited since."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - _SEAL_BYTES))
+        return file.read().startswith(_SEAL)
+
+
 def _check_seal(path: Path) -> None:
     """Compare the bytes with the seal behind them; a file that others edited has none."""
     content, seal = path.stat().st_size - _SEAL_BYTES, b""

@@ -4,6 +4,7 @@ import io
 import subprocess
 import sys
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,8 @@ def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[R
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
+    if kind == "mat" and find_spec("scipy") is None:
+        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
     command = [sys.executable, "-m", "springpot.trainer.formats.array_process", str(path), kind]
     try:
         result = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)

@@ -20,6 +20,7 @@ from springpot.trainer.formats.uneven_tail import tail_note
 from springpot.trainer.journal_blocks import is_journal
 from springpot.trainer.journal_reader import is_being_recorded, read_parts
 from springpot.trainer.recording import Recording, Zero
+from springpot.trainer.recording_file import is_sealed, read_recording
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _UNSAFE = re.compile(r"[^\w.+-]+")
@@ -70,6 +71,8 @@ def import_file(
             start = file.read(512 + len(HDF5_MAGIC))
         if is_journal(start):
             return _import_journal(path, options)
+        if start.startswith(HDF5_MAGIC) and is_sealed(path):
+            return _import_again(path, mapping, zero, resample_hz, options)
         raws, guess = _read(path, start, mapping, options, resample_hz)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
@@ -128,6 +131,25 @@ def _import_journal(path: Path, options: ImportOptions) -> ImportResult:
         recordings.append(whole)
         told += "".join(f"; {line}" for line in said)
     return ImportResult(recordings, f"{path}: {told}")
+
+
+def _import_again(
+    path: Path,
+    mapping: ColumnMap | None,
+    zero: Zero,
+    resample_hz: float | None,
+    options: ImportOptions,
+) -> ImportResult:
+    """Take a recording of springpot's own, to condition it."""
+    if mapping or zero != "none" or resample_hz is not None:
+        raise UsageError(
+            f"{path}: is a springpot recording already: only --contact-force, --tare, --mass-kg, "
+            "delays and --align apply to it"
+        )
+    recording, told = condition(read_recording(path), options.conditioning)
+    return ImportResult(
+        [recording], f"{path}: a springpot recording" + "".join(f"; {t}" for t in told)
+    )
 
 
 def _unique(names: list[str]) -> list[str]:

@@ -101,7 +101,7 @@ def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
     if open_m > _CLOSED * span_m and end_n > _CLOSED * peak_n:
         return False
     phase = 2.0 * np.pi * np.arange(len(position_m)) / len(position_m)
-    left = _residual(position_m, phase, 1)
+    left = _residual(position_m, phase)
     return left < (1.0 - _LEAST_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
 
 
@@ -112,19 +112,16 @@ def _frequency(position_m: Samples) -> float | None:
     spectrum = np.abs(np.fft.rfft(centred * np.hanning(n), 4 * n))
     peak = int(np.argmax(spectrum[2:])) + 2
     low, high = (peak - 4) / (4 * n), (peak + 4) / (4 * n)
-    step = max(1, n // 4000)
+    step = max(1, min(n // 2000, int(4 * n / peak) // 16))
     thin, time = centred[::step], np.arange(n)[::step]
+    tried = np.linspace(max(low, 0.2 / n), high, 11)
     for _ in range(3):
-        tried = np.linspace(max(low, 0.2 / n), high, 17)
         left = [_residual(thin, 2.0 * np.pi * t * time) for t in tried]
-        best = int(np.argmin(left))
-        width = tried[1] - tried[0]
-        low, high = tried[best] - width, tried[best] + width
-    explained = 1.0 - _residual(thin, 2.0 * np.pi * tried[best] * time) / float(thin @ thin)
-    if explained < _LEAST_SHARE or tried[best] * n < 0.5:
-        return None
-    fundamental = _residual(thin, 2.0 * np.pi * tried[best] * time, 1) / float(thin @ thin)
-    return float(tried[best]) if 1.0 - fundamental > _LEAST_SHARE else None
+        best = float(tried[int(np.argmin(left))])
+        width = float(tried[1] - tried[0])
+        tried = np.linspace(best - width, best + width, 11)
+    explained = 1.0 - min(left) / float(thin @ thin)
+    return best if explained > _LEAST_SHARE and best * n >= 0.5 else None
 
 
 def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
@@ -133,9 +130,10 @@ def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
     return np.stack([np.ones(len(phase)), drift, *tones], axis=1)
 
 
-def _residual(samples: Samples, phase: Samples, harmonics: int = 2) -> float:
-    basis = _basis(phase, harmonics)
-    # Normal equations: these columns are nearly orthogonal, and this is called fifty times.
+def _residual(samples: Samples, phase: Samples) -> float:
+    """Sum of squares that one tone and a drift leave."""
+    basis = _basis(phase, 1)
+    # Normal equations: these columns are nearly orthogonal, and this is called often.
     found = np.linalg.lstsq(basis.T @ basis, basis.T @ samples, rcond=None)[0]
     return float(np.sum((samples - basis @ found) ** 2))
 
@@ -160,10 +158,16 @@ def _repeat(
         return None, None
     points = max(8, int(period))
     at = (np.arange(count)[:, None] + np.arange(points) / points) * period
-    nearest = np.minimum(np.rint(at).astype(int), len(force_n) - 1)  # interpolation would smooth
-    force, position = force_n[nearest], position_m[nearest]
+    time = np.arange(len(force_n))
+    force, position = (
+        np.interp(at.ravel(), time, samples).reshape(count, points)
+        for samples in (force_n, position_m)
+    )
+    share = at % 1.0
+    smoothed = float(np.sqrt(np.mean(share**2 + (1.0 - share) ** 2)))  # of white noise, left over
     means = force.mean(axis=1)
-    return noise_floor_n(position, force - means[:, None]), float(means[-1] - means[0])
+    noise_n = noise_floor_n(position, force - means[:, None]) / smoothed
+    return noise_n, float(means[-1] - means[0])
 
 
 def noise_floor_n(position_m: NDArray[np.float64], force_n: NDArray[np.float64]) -> float:
