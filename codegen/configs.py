@@ -54,27 +54,11 @@ class OutputConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class FracConfig:
-    """sp_frac.h: taps, shape (length, lanes), lanes beyond the orders are zero."""
-
-    orders: tuple[float, ...]
-    taps: RealArray
-
-
-@dataclass(frozen=True, eq=False)
-class VelocityConfig:
-    """sp_velocity.h: per_step, shape (length,), 1/s."""
-
-    per_step: RealArray
-    band_m: Real
-
-
-@dataclass(frozen=True, eq=False)
 class ForestTable:
     """sp_forest.h: node table.
 
     value: (nodes,) float32; link: (nodes,) uint32; roots: (padded trees,) uint32.
-    depth: longest walk in levels. quantum_n: force of one quantum of the sum, N.
+    depth: longest walk in levels. quantum_n: force of one quantum of the sum, N; bias_n: beside it.
     leaf_error_n: greatest rounding of a leaf's force.
     leaf: (IR nodes,) int32, row of each IR node in this table.
     """
@@ -84,5 +68,6 @@ class ForestTable:
     roots: NDArray[np.uint32]
     depth: int
     quantum_n: Real
+    bias_n: Real
     leaf_error_n: float
     leaf: NDArray[np.int32]

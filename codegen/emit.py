@@ -9,12 +9,14 @@ import numpy as np
 
 from springpot.codegen.glue import public_header, scene_header, scene_source
 from springpot.codegen.golden import golden_positions, golden_velocities
-from springpot.codegen.literals import array_text, literal, wrapped
+from springpot.codegen.literals import wrapped
 from springpot.codegen.model_file import model_hash
 from springpot.codegen.plan import Plan
 from springpot.codegen.project import example_main, example_makefile, selftest_source
 from springpot.codegen.reference import run_reference
-from springpot.codegen.units import planned_headers, planned_units, state_bytes
+from springpot.codegen.stages.fir import FirStage
+from springpot.codegen.stages.forest import ForestStage, IfsStage
+from springpot.codegen.units import planned_headers, stages, state_bytes
 from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
 
 _HASH = "@manifest-hash@"
@@ -59,21 +61,29 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "contact": "surface" if plan.contact else "always",
         "coupling": plan.coupling,
         "outside": plan.outside,
-        "orders": list(plan.frac.orders),
-        "window_s": len(plan.frac.taps) * plan.dt_s,
+        **_model_facts(plan),
         "state_bytes": state_bytes(plan),
-        "leaf_error_n": plan.forest.leaf_error_n,
         "limits": {
             "least_n": float(plan.output.least_n),
             "greatest_n": float(plan.output.greatest_n),
             "watchdog_s": float(plan.output.watchdog_s),
             "jump_m": float(plan.guard.jump_m),
         },
-        "units": [unit.header.removesuffix(".h") for unit in planned_units(plan)],
+        "units": [header.removesuffix(".h") for header in planned_headers(plan)],
         "left_out": [
             {"what": item.what, "why": item.why, "bytes": item.bytes} for item in plan.left_out
         ],
     }
+
+
+def _model_facts(plan: Plan) -> dict[str, Any]:
+    features, regressor = plan.features, plan.regressor
+    facts: dict[str, Any] = {"orders": list(getattr(features, "orders", ()))}
+    if isinstance(features, FirStage):
+        facts["window_s"] = len(features.taps) * plan.dt_s
+    if isinstance(regressor, ForestStage | IfsStage):
+        facts["leaf_error_n"] = regressor.table.leaf_error_n
+    return facts
 
 
 def _short_manifest(plan: Plan) -> dict[str, Any]:
@@ -103,42 +113,10 @@ def _stamp(name: str) -> str:
 def _tables(plan: Plan) -> str:
     prefix = plan.scene.runtime.prefix
     guard = f"{prefix.upper()}_TABLES_H"
-    orders = ", ".join(f"{order:g}" for order in plan.frac.orders)
-    parts = [
-        f"#ifndef {guard}\n#define {guard}\n",
-        '#include <stdint.h>\n\n#include "sp_real.h"',
-        f"\n/* Taps, newest first: a row a tap, a lane each for the orders {orders}. */",
-        array_text("taps", "sp_real", plan.frac.taps),
-    ]
-    if plan.velocity is not None:
-        parts += [
-            "\n/* 1/(j dt), 1/s */",
-            array_text("velocity_per_step", "sp_real", plan.velocity.per_step),
-        ]
-    parts += ["", _forest(plan), "\n#endif\n"]
-    return "\n".join(parts)
-
-
-def _forest(plan: Plan) -> str:
-    if plan.scene.runtime.forest == "m2cgen":
-        from springpot.codegen.m2c import score_source
-
-        return score_source(plan.model.regressor, plan.forest)
-    table = plan.forest
-    pairs = [
-        f"{{{literal(value)}, {link}u}}"
-        for value, link in zip(table.value, table.link.tolist(), strict=True)
-    ]
-    return "\n".join(
-        [
-            '#include "sp_forest.h"\n',
-            "/* Trees, one after the other: threshold or leaf, link (sp_forest.h). */",
-            f"static const sp_forest_node nodes[{len(pairs)}] = {{",
-            *wrapped(pairs),
-            "};",
-            array_text("roots", "uint32_t", table.roots),
-        ]
-    )
+    parts = [*stages(plan)] + ([plan.regressor] if plan.regressor is not None else [])
+    lines = [line for part in parts for line in ("", *part.tables())]
+    head = f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n\n"
+    return "\n".join([f'{head}#include "{prefix}_scene.h"', *lines, "\n#endif\n"])
 
 
 def _golden(plan: Plan) -> str:

@@ -57,7 +57,8 @@ def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
         link=table_link,
         roots=roots,
         depth=depth,
-        quantum_n=real(quantum / len(forest.roots)),
+        quantum_n=real(quantum * forest.weight),
+        bias_n=real(forest.bias_n),
         leaf_error_n=quantum / 2,
         leaf=row,
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Contact = Literal["surface", "always"]
+Basis = Literal["powers", "ramps"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,14 +24,53 @@ class FirBank:
 
 
 @dataclass(frozen=True, eq=False)
+class RecursiveBank:
+    """Features: fractional derivatives by exponentials that all orders share.
+
+    A pole's state h follows h' = x' - h/tau, with x linear within a step. feature = h @ weights.
+    orders: as in FirBank. tau_s: shape (poles,). weights: (poles, orders), s^-r.
+    """
+
+    orders: tuple[float, ...]
+    tau_s: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Lags:
+    """Features: the position and past positions.
+
+    samples: lags, ascending, the first one 0. difference: past ones enter as x(t) - x(t - lag).
+    """
+
+    samples: tuple[int, ...]
+    difference: bool
+
+
+@dataclass(frozen=True)
+class PositionVelocity:
+    """Features: position (m) and velocity (m/s) by first-order adaptive windowing.
+
+    length: greatest number of steps of the window. band_m: noise band.
+    """
+
+    length: int
+    band_m: float
+
+
+Features = FirBank | RecursiveBank | Lags | PositionVelocity
+
+
+@dataclass(frozen=True, eq=False)
 class Forest:
-    """Mean of binary trees in one node table; sample i goes left where float32(x) <= threshold.
+    """Weighted sum of binary trees in one node table; left where float32(x) <= threshold.
 
     feature: shape (nodes,), int32, column of the split; -1 marks a leaf.
     threshold: (nodes,), float64, in the feature's unit.
     left, right: (nodes,), int32, children's rows; of leaves, without meaning.
     value_n: (nodes,), float64, force of a leaf.
     roots: (trees,), int32, each tree's first row.
+    weight, bias_n: force = bias_n + weight x sum of the leaves (weight 1/trees for a mean).
     """
 
     feature: NDArray[np.int32]
@@ -39,6 +79,49 @@ class Forest:
     right: NDArray[np.int32]
     value_n: NDArray[np.float64]
     roots: NDArray[np.int32]
+    weight: float
+    bias_n: float
+
+
+@dataclass(frozen=True, eq=False)
+class Rbf:
+    """Cubic radial basis functions with a linear tail, on standardised features.
+
+    z = (clip(feature, least, greatest) - mean) / scale, each of shape (features,).
+    force = weights_n @ |z - centers|^3 + tail_n[0] + tail_n[1:] @ z; centers (n, features).
+    """
+
+    mean: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    least: NDArray[np.float64]
+    greatest: NDArray[np.float64]
+    centers: NDArray[np.float64]
+    weights_n: NDArray[np.float64]
+    tail_n: NDArray[np.float64]
+
+
+Regressor = Forest | Rbf
+
+
+@dataclass(frozen=True, eq=False)
+class Hammerstein:
+    """Non-negative sum of Maxwell branches and stop operators on a monotone basis of the depth.
+
+    u = (x - origin_m)/span_m, basis b(u) of J functions: powers u, u^2, u^3, or eight ramps that
+    saturate at the next one's start (the last one does not). With g = weights @ b(u):
+    force = bias_n + g_elastic + sum of highpass_tau(g_branch) + sum of g_stop(u) - g_stop(play u).
+    elastic_n: (J,). tau_s: (P,), branch_n: (P, J). radius_m: (K,), stop_n: (K, J). Weights >= 0.
+    """
+
+    basis: Basis
+    origin_m: float
+    span_m: float
+    elastic_n: NDArray[np.float64]
+    tau_s: NDArray[np.float64]
+    branch_n: NDArray[np.float64]
+    radius_m: NDArray[np.float64]
+    stop_n: NDArray[np.float64]
+    bias_n: float
 
 
 @dataclass(frozen=True)
@@ -54,11 +137,13 @@ class TrainedRange:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """One fitted model.
+    """One fitted model: force = regressor(features), hammerstein, or their sum.
 
     kind: its name in the list of models ("rf-fd", ...).
     contact: "surface" where the recordings contain the contact, "always" where they never leave
     the object.
+    hammerstein_adds: whether its force is part of the model's; else it is the fallback outside the
+    trained depth.
     provenance: seed, rows, hashes of the training recordings, versions; JSON values.
     """
 
@@ -67,6 +152,8 @@ class Model:
     dt_s: float
     contact: Contact
     trained: TrainedRange
-    features: FirBank
-    regressor: Forest
+    features: Features | None
+    regressor: Regressor | None
+    hammerstein: Hammerstein | None
+    hammerstein_adds: bool
     provenance: Mapping[str, Any] = field(default_factory=dict)

@@ -7,18 +7,27 @@ rest is an npz: a JSON header and the arrays that it does not spell out.
 import hashlib
 import io
 import json
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from springpot.codegen.ir import FirBank, Forest, Model, TrainedRange
+from springpot.codegen import ir
+from springpot.codegen.ir import Model
 from springpot.runtime_c.errors import DataError
 
 SCHEMA = 1
 MAGIC = b"springpot-model"
 SUFFIX = ".spm"
-_FOREST_ARRAYS = ("feature", "threshold", "left", "right", "value_n", "roots")
+# The only types that a file can name.
+_PARTS = {
+    part.__name__: part
+    for part in (
+        ir.Model, ir.TrainedRange, ir.FirBank, ir.RecursiveBank, ir.Lags, ir.PositionVelocity,
+        ir.Forest, ir.Rbf, ir.Hammerstein,
+    )
+}  # fmt: skip
 
 
 def model_hash(model: Model) -> str:
@@ -66,31 +75,41 @@ def read_model(path: Path) -> Model:
         raise DataError(f"{path}: damaged (checksum differs): copy it again or train again")
     with np.load(io.BytesIO(body), allow_pickle=False) as stored:
         arrays = {name: stored[name] for name in stored.files}
-    return _from_parts(json.loads(arrays.pop("header").tobytes()), arrays)
+    model = _from_parts(json.loads(arrays.pop("header").tobytes()), arrays)
+    assert isinstance(model, Model)
+    return model
 
 
-def _to_parts(model: Model) -> tuple[dict[str, Any], dict[str, np.ndarray[Any, Any]]]:
-    header = {
-        "kind": model.kind,
-        "name": model.name,
-        "dt_s": model.dt_s,
-        "contact": model.contact,
-        "trained": vars(model.trained),
-        "orders": list(model.features.orders),
-        "provenance": dict(model.provenance),
-    }
-    arrays = {name: getattr(model.regressor, name) for name in _FOREST_ARRAYS}
-    return header, {"taps": model.features.taps, **arrays}
+Arrays = dict[str, np.ndarray[Any, Any]]
 
 
-def _from_parts(header: dict[str, Any], arrays: dict[str, np.ndarray[Any, Any]]) -> Model:
-    return Model(
-        kind=header["kind"],
-        name=header["name"],
-        dt_s=header["dt_s"],
-        contact=header["contact"],
-        trained=TrainedRange(**header["trained"]),
-        features=FirBank(orders=tuple(header["orders"]), taps=arrays["taps"]),
-        regressor=Forest(**{name: arrays[name] for name in _FOREST_ARRAYS}),
-        provenance=header["provenance"],
-    )
+def _to_parts(model: Model) -> tuple[Any, Arrays]:
+    arrays: Arrays = {}
+    return _packed(model, "model", arrays), arrays
+
+
+def _packed(value: Any, path: str, arrays: Arrays) -> Any:
+    """JSON of a part; its arrays go into `arrays` under their path."""
+    if is_dataclass(value):
+        names = [field.name for field in fields(value)]
+        inside = {name: _packed(getattr(value, name), f"{path}.{name}", arrays) for name in names}
+        return {"part": type(value).__name__, **inside}
+    if isinstance(value, np.ndarray):
+        arrays[path] = value
+        return {"array": path}
+    if isinstance(value, tuple):
+        return {"tuple": list(value)}
+    return dict(value) if path == "model.provenance" else value
+
+
+def _from_parts(value: Any, arrays: Arrays) -> Any:
+    if isinstance(value, dict) and "part" in value:
+        inside = {
+            name: item if name == "provenance" else _from_parts(item, arrays)
+            for name, item in value.items()
+            if name != "part"
+        }
+        return _PARTS[value["part"]](**inside)
+    if isinstance(value, dict):
+        return tuple(value["tuple"]) if "tuple" in value else arrays[value["array"]]
+    return value

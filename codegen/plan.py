@@ -8,22 +8,19 @@ import numpy as np
 
 from springpot.codegen.configs import (
     CoupleToolConfig,
-    ForestTable,
-    FracConfig,
     GuardConfig,
     OutputConfig,
     RangeConfig,
     Real,
-    VelocityConfig,
 )
 from springpot.codegen.coupling import tool_config
-from springpot.codegen.forest_table import forest_table, used_features
-from springpot.codegen.ir import FirBank, Forest, Model
-from springpot.codegen.model_file import model_hash
+from springpot.codegen.ir import Model, PositionVelocity
+from springpot.codegen.plan_model import LeftOut, model_stages
 from springpot.codegen.scene import Scene
+from springpot.codegen.stages.hammerstein import HammersteinStage
+from springpot.codegen.stages.position_velocity import VelocityStage, velocity_stage
+from springpot.codegen.stages.stage import FeatureStage, RegressorStage
 from springpot.runtime_c.errors import UsageError
-
-LANES = 4  # SP_FRAC_LANES
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
 LEAST_JUMP_MPS = 1.0
@@ -38,16 +35,6 @@ VELOCITY_WINDOW_S = 0.024
 VELOCITY_BAND_M = 15e-6
 
 
-@dataclass(frozen=True)
-class LeftOut:
-    """One thing that the scene does not need; bytes: tables and state saved, code apart."""
-
-    what: str
-    why: str
-    bytes: int
-    unit: str = ""
-
-
 @dataclass(frozen=True, eq=False)
 class Plan:
     """Everything the emitted C contains. Fields that are None are units left out."""
@@ -58,10 +45,11 @@ class Plan:
     dt_s: float
     guard: GuardConfig
     range: RangeConfig
-    frac: FracConfig
-    forest: ForestTable
+    features: FeatureStage | None
+    regressor: RegressorStage | None
+    passive: HammersteinStage | None
     per_onset: Real | None
-    velocity: VelocityConfig | None
+    velocity: VelocityStage | None
     couple_tool: CoupleToolConfig | None
     smooth_alpha: Real | None
     output: OutputConfig
@@ -87,13 +75,10 @@ class Plan:
 
 def make_plan(model: Model, scene: Scene) -> Plan:
     """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together."""
-    dtype: Callable[[float], Real]
-    dtype, real = (
-        (np.float32, "float") if scene.runtime.number == "float32" else (np.float64, "double")
-    )
+    dtype: type[Any] = np.float32 if scene.runtime.number == "float32" else np.float64
     dt_s = _time_step(model, scene)
     contact = (scene.guard.contact or model.contact) == "surface"
-    frac, dropped = _frac_config(model.features, model.regressor, dtype)
+    features, regressor, passive, dropped = model_stages(model, scene, dtype)
     couple = _couple_tool(scene, dt_s, dtype)
     size = np.dtype(dtype).itemsize
     estimates = couple is not None and scene.device.velocity == "estimate"
@@ -101,17 +86,18 @@ def make_plan(model: Model, scene: Scene) -> Plan:
     return Plan(
         scene=scene,
         model=model,
-        real="float" if real == "float" else "double",
+        real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
         guard=_guard_config(model, dt_s, dtype),
         range=RangeConfig(
             least_m=dtype(0.0 if contact else model.trained.least_m),
             greatest_m=dtype(model.trained.greatest_m),
         ),
-        frac=frac,
-        forest=forest_table(model.regressor, dtype),
+        features=features,
+        regressor=regressor,
+        passive=passive,
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
-        velocity=_velocity_config(dt_s, dtype) if estimates else None,
+        velocity=tool_velocity(dt_s, dtype) if estimates else None,
         couple_tool=couple,
         smooth_alpha=None if alpha is None else dtype(alpha),
         output=_output_config(model, scene, dt_s, contact, dtype),
@@ -121,35 +107,15 @@ def make_plan(model: Model, scene: Scene) -> Plan:
     )
 
 
-def plan_hash_facts(plan: Plan) -> dict[str, Any]:
-    """Return what identifies the plan beside the emitted text."""
-    return {"model": model_hash(plan.model), "scene": plan.scene.name}
-
-
 def _time_step(model: Model, scene: Scene) -> float:
     rate_hz = scene.runtime.rate_hz
     if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-6:
         raise UsageError(
-            f"runtime.rate_hz = {rate_hz:g}: the model's window was fitted at "
+            f"runtime.rate_hz = {rate_hz:g}: the model's features were fitted at "
             f"{1 / model.dt_s:g} Hz and is not exact at another rate: remove the key, or train on "
             f"recordings of {rate_hz:g} Hz"
         )
     return model.dt_s
-
-
-def _frac_config(
-    bank: FirBank, forest: Forest, real: Callable[[float], Real]
-) -> tuple[FracConfig, list[LeftOut]]:
-    """Keep the orders that some split uses; lanes padded to whole vectors."""
-    kept = used_features(forest)
-    length = len(bank.taps)
-    lanes, all_lanes = (-(-n // LANES) * LANES for n in (max(len(kept), 1), len(bank.orders)))
-    taps = np.zeros((length, lanes), dtype=real)  # type: ignore[call-overload]
-    taps[:, : len(kept)] = bank.taps[:, kept]
-    names = [f"{order:g}" for i, order in enumerate(bank.orders) if i not in set(kept.tolist())]
-    saved = (all_lanes - lanes) * length * taps.itemsize
-    dropped = [LeftOut(f"orders {', '.join(names)}", "no split uses them", saved)] if names else []
-    return FracConfig(orders=tuple(bank.orders[i] for i in kept), taps=taps), dropped
 
 
 def _guard_config(model: Model, dt_s: float, real: Callable[[float], Real]) -> GuardConfig:
@@ -185,10 +151,14 @@ def _onset_m(model: Model, scene: Scene) -> float:
     return 0.01 * model.trained.greatest_m
 
 
-def _velocity_config(dt_s: float, real: Callable[[float], Real]) -> VelocityConfig:
-    length = max(1, round(VELOCITY_WINDOW_S / dt_s))
-    per_step = np.array([real(1.0 / (j * dt_s)) for j in range(1, length + 1)])
-    return VelocityConfig(per_step=per_step, band_m=real(VELOCITY_BAND_M))
+def foaw_features(dt_s: float) -> PositionVelocity:
+    """Velocity estimate over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000)."""
+    return PositionVelocity(length=max(1, round(VELOCITY_WINDOW_S / dt_s)), band_m=VELOCITY_BAND_M)
+
+
+def tool_velocity(dt_s: float, dtype: type[Any]) -> VelocityStage:
+    """Velocity of the guarded position, for the coupling."""
+    return velocity_stage(foaw_features(dt_s), dt_s, dtype, "position")
 
 
 def _couple_tool(
@@ -212,16 +182,16 @@ def _units_left_out(contact: bool, coupled: bool, alpha: float | None, size: int
     left_out = []
     if not contact:
         why = "the recordings never leave the object"
-        left_out.append(LeftOut("contact and onset", why, size, unit="sp_contact"))
+        left_out.append(LeftOut("contact and onset", why, size))
     if not coupled:
         # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
         saved = 8 * size + 2 * size + 4
-        left_out.append(LeftOut("coupling", "coupling.mode is off", saved, unit="sp_couple_tool"))
+        left_out.append(LeftOut("coupling", "coupling.mode is off", saved))
         why = "nothing in this scene needs a velocity"
-        left_out.append(LeftOut("velocity estimate", why, 0, unit="sp_velocity"))
+        left_out.append(LeftOut("velocity estimate", why, 0))
     if alpha is None:
         why = "smoothing.time_constant_s is 0"
-        left_out.append(LeftOut("smoothing", why, 2 * size, unit="sp_smooth"))
+        left_out.append(LeftOut("smoothing", why, 2 * size))
     return left_out
 
 

@@ -1,28 +1,36 @@
 """What stands around the scene's C: self-test, example program, Makefile for a build by hand."""
 
+import re
 from importlib.resources import files
 
-from springpot.codegen.glue import prefixed
 from springpot.codegen.plan import Plan
+
+_PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|selftest|state"
+
+
+def prefixed(text: str, prefix: str) -> str:
+    """Give the public names of sp.h (and only those) the scene's prefix."""
+    return re.sub(rf"\bsp_({_PUBLIC})\b", rf"{prefix}_\1", text)
 
 
 def selftest_source(plan: Plan) -> str:
     """C source of sp_selftest: golden vectors through the C, bits compared."""
     velocity = "from_bits(golden_velocity[i])" if plan.needs_device_velocity else "(sp_real)0"
-    return _filled("selftest.c", plan, VELOCITY=velocity)
+    return filled("selftest.c", plan, VELOCITY=velocity)
 
 
 def example_main(plan: Plan) -> str:
     """A program that renders positions from its standard input."""
-    return _filled("main.c", plan)
+    return filled("main.c", plan)
 
 
 def example_makefile(plan: Plan) -> str:
     """Makefile that builds the example and runs the self-test, without Python."""
-    return _filled("Makefile", plan)
+    return filled("Makefile", plan)
 
 
-def _filled(template: str, plan: Plan, **places: str) -> str:
+def filled(template: str, plan: Plan, **places: str) -> str:
+    """Text of a template with @PLACES@ replaced, and in C the scene's prefix."""
     text = (files("springpot.codegen") / "templates" / template).read_text()
     prefix = plan.scene.runtime.prefix
     facts = {

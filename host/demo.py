@@ -46,9 +46,10 @@ def run_demo(out: Path, object_name: str) -> Demo:
         _record(object_name, "validation", _VALIDATION_SEED, out / "validation")
     training, testing = (read_recordings([out / name]) for name in ("training", "validation"))
     with _step("train", seconds):
-        from springpot.trainer.rf_fd import RfFdOptions, fit_rf_fd
+        from springpot.trainer.fit import FitOptions
+        from springpot.trainer.kinds import fit_model
 
-        fit = fit_rf_fd(object_name, training, RfFdOptions())
+        fit = fit_model("rf-fd", object_name, training, FitOptions())
         model_file = out / "model.spm"
         write_model(model_file, fit.model)
     with _step("emit and build", seconds):

@@ -26,7 +26,7 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
     }
     rows = {
         "object": f"{object_name}, simulated",
-        "training": f"{done.fit.rows} of {done.fit.rows_total} rows, fit {done.fit.fit_s:.2f} s",
+        "training": f"{done.fit.rows} rows, fit {done.fit.fit_s:.2f} s",
         **emission_rows(done.emission),
         **validation_rows(done.validation),
         "report": str(done.report),

@@ -20,7 +20,8 @@ def write_report(folder: Path) -> Path:
     plan, model = read_emission(folder)
     stored = read_validation(folder)
     manifest = json.loads((folder / "manifest.json").read_text())
-    shares = model.provenance["importance"]
+    shares = model.provenance.get("importance", [])
+    orders = getattr(model.features, "orders", ())
     typical = figures.typical(stored.series)
     context = {
         "title": plan.scene.name,
@@ -32,7 +33,7 @@ def write_report(folder: Path) -> Path:
         "prediction": figures.prediction(typical),
         "hysteresis": figures.hysteresis(typical),
         "percentage_error": figures.percentage_error(stored.series),
-        "importance": figures.importance(model.features.orders, shares),
+        "importance": figures.importance(orders, shares) if orders and shares else "",
         "ticks": figures.tick_histogram(
             stored.tick_ns, stored.facts["result"]["tick_ns"]["hot_median"]
         ),

@@ -30,7 +30,11 @@ def smallest_model() -> Model:
             right=np.array([2, 0, 4, 0, 0], dtype=np.int32),
             value_n=np.array([0.0, 1.0, 0.0, 4.0, 10.0]),
             roots=np.array([0], dtype=np.int32),
+            weight=1.0,
+            bias_n=0.0,
         ),
+        hammerstein=None,
+        hammerstein_adds=False,
     )
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from springpot.codegen.ir import Model
 from springpot.codegen.model_file import write_model
 from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
+from springpot.trainer.fit import Fit, FitOptions
 from springpot.trainer.fractional import fir_derivatives, gl_taps
+from springpot.trainer.kinds import fit_model
 from springpot.trainer.recording import Recording, Zero
-from springpot.trainer.rf_fd import Fit, RfFdOptions, fit_rf_fd
 
 DT_S = 1e-3
 DEPTH_M = 0.012
@@ -43,7 +44,7 @@ def training() -> tuple[Recording, ...]:
 
 @cache
 def small_fit(trees: int = 5) -> Fit:
-    return fit_rf_fd("small", training(), RfFdOptions(seed=1, trees=trees, leaf=20))
+    return fit_model("rf-fd", "small", training(), FitOptions(seed=1, trees=trees, leaf=20))
 
 
 def small_model() -> Model:

@@ -94,7 +94,7 @@ def test_refusals_are_one_line_with_the_right_status(job: Path, tmp_path: Path) 
     assert "no such file" in refusal(3, *train, tmp_path / "none.h5")
     assert "no .h5 file" in refusal(3, *train, tmp_path)
     assert "Missing argument" in refusal(2, *train)
-    assert "'rf-df' is not 'rf-fd'" in refusal(2, "train", job, "--model", "rf-df", "--out", out)
+    assert "'rf-df' is not one of" in refusal(2, "train", job, "--model", "rf-df", "--out", out)
     assert "end in .spm" in refusal(2, "train", job, "--model", "rf-fd", "--out", "x.pkl")
     assert "No such command 'trian'" in refusal(2, "trian")
     assert "no driver" in refusal(

@@ -16,12 +16,13 @@ from springpot.codegen.forest_table import (
     largest_float32_below,
     used_features,
 )
+from springpot.codegen.forest_walk import forest_force, forest_leaves
 from springpot.codegen.ir import Forest
-from springpot.codegen.reference import forest_force, forest_leaves
 from springpot.host.compiler import shared_library
 from springpot.runtime_c.errors import UsageError
 from springpot.runtime_c.paths import SOURCE
-from springpot.trainer.rf_fd import PAPER_LEAF, PAPER_TREES, unscaled
+from springpot.trainer.fit import PAPER_LEAF, PAPER_TREES
+from springpot.trainer.forests import unscaled
 from springpot.trainer.tree_ir import forest_ir
 
 HARNESS = Path(__file__).parent / "c" / "forest_harness.c"
@@ -154,6 +155,8 @@ def test_a_forest_of_one_leaf_still_renders() -> None:
         right=np.zeros(1, dtype=np.int32),
         value_n=np.array([2.5]),
         roots=np.array([0], dtype=np.int32),
+        weight=1.0,
+        bias_n=0.0,
     )
     table = forest_table(forest, np.float32)
     assert forest_force(table, np.zeros((1, 1), dtype=np.float32))[0] == 2.5

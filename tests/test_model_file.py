@@ -6,7 +6,8 @@ from support import model_file, small_model, training
 
 from springpot.codegen.model_file import model_hash, read_model, write_model
 from springpot.runtime_c.errors import DataError
-from springpot.trainer.rf_fd import RfFdOptions, fit_rf_fd
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.kinds import fit_model
 
 
 def test_round_trip_keeps_everything(tmp_path: Path) -> None:
@@ -52,10 +53,10 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 
 def test_same_seed_and_recordings_give_the_same_hash(tmp_path: Path) -> None:
-    options = RfFdOptions(seed=3, trees=3, leaf=30)
-    first = fit_rf_fd("a", training(), options).model
-    again = fit_rf_fd("a", training(), options).model
-    other = fit_rf_fd("a", training(), RfFdOptions(seed=4, trees=3, leaf=30)).model
+    options = FitOptions(seed=3, trees=3, leaf=30)
+    first = fit_model("rf-fd", "a", training(), options).model
+    again = fit_model("rf-fd", "a", training(), options).model
+    other = fit_model("rf-fd", "a", training(), FitOptions(seed=4, trees=3, leaf=30)).model
     assert model_hash(first) == model_hash(again) != model_hash(other)
     assert write_model(tmp_path / "a.spm", first) == model_hash(first)
     assert (tmp_path / "a.spm").read_bytes()[:17] == b"springpot-model 1"

@@ -43,8 +43,8 @@ def test_unused_orders_are_dropped_with_their_bytes() -> None:
         model.regressor, feature=np.where(model.regressor.feature > 1, 1, model.regressor.feature)
     )
     plan = make_plan(dataclasses.replace(model, regressor=forest), SCENE)
-    assert plan.frac.orders == (0.05, 0.1)
-    assert plan.frac.taps.shape == (171, 4)
+    assert plan.features.orders == (0.05, 0.1)
+    assert plan.features.taps.shape == (171, 4)
     dropped = next(item for item in plan.left_out if item.what.startswith("orders"))
     assert dropped.bytes == (12 - 4) * 171 * 4
 
@@ -67,9 +67,10 @@ def test_large_forests_are_not_for_m2cgen() -> None:
     from support import training
 
     from springpot.codegen.emit import emit_files
-    from springpot.trainer.rf_fd import RfFdOptions, fit_rf_fd
+    from springpot.trainer.fit import FitOptions
+    from springpot.trainer.kinds import fit_model
 
-    large = fit_rf_fd("large", training(), RfFdOptions(trees=30, leaf=2)).model
+    large = fit_model("rf-fd", "large", training(), FitOptions(trees=30, leaf=2)).model
     with pytest.raises(UsageError, match='use "table"'):
         emit_files(make_plan(large, scene(forest="m2cgen")))
 

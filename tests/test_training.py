@@ -4,15 +4,19 @@ import dataclasses
 
 import numpy as np
 import pytest
-from support import DT_S, press, recording, small_fit, training
+from sklearn.ensemble import RandomForestRegressor
+from support import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot.runtime_c.errors import DataError
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.forests import depth_scale
+from springpot.trainer.fractional import fir_derivatives
+from springpot.trainer.kinds import fit_model
 from springpot.trainer.predict import predict_n
 from springpot.trainer.recording import Recording
-from springpot.trainer.rf_fd import RfFdOptions, fit_rf_fd
 from springpot.trainer.rows import choose_rows
 from springpot.trainer.smoothing import smoothed, smoothing_samples
-from springpot.trainer.training_set import contact_of, trained_range
+from springpot.trainer.training_set import contact_of, trained_range, training_set
 
 
 @pytest.mark.parametrize(
@@ -42,20 +46,23 @@ def test_smoothing_is_zero_phase_and_keeps_a_line() -> None:
 
 
 def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
-    fit = small_fit()
-    item = training()[2]
+    model, item = small_fit().model, training()[2]
+    data = training_set(training(), 0.025)
+    rows = data.rows(None, 1)
     scale = 64.0  # the power of two nearest to 1/0.012 m
-    from springpot.trainer.fractional import fir_derivatives
-
-    features = fir_derivatives(scale * item.position_m, fit.model.features.taps)
-    expected = fit.regressor.predict(features.astype(np.float32))
-    np.testing.assert_allclose(predict_n(fit.model, item), expected, atol=1e-5)
+    assert depth_scale(DEPTH_M) == scale
+    forest = RandomForestRegressor(
+        n_estimators=5, min_samples_leaf=20, max_features=1 / 3, random_state=1
+    ).fit(scale * data.features(model.features, rows), data.force_n(rows))
+    features = fir_derivatives(scale * item.position_m, model.features.taps)
+    expected = forest.predict(features.astype(np.float32))
+    np.testing.assert_allclose(predict_n(model, item), expected, atol=1e-5)
 
 
 def test_unscaled_metres_would_not_do() -> None:
     # Positions a thousand times smaller give the same model: the scale follows the depth.
     small = [dataclasses.replace(item, position_m=item.position_m / 1024.0) for item in training()]
-    fit = fit_rf_fd("small", small, RfFdOptions(seed=1, trees=5, leaf=20))
+    fit = fit_model("rf-fd", "small", small, FitOptions(seed=1, trees=5, leaf=20))
     reference = predict_n(small_fit().model, training()[1])
     np.testing.assert_allclose(predict_n(fit.model, small[1]), reference, atol=1e-5)
 
@@ -72,15 +79,15 @@ def test_recordings_that_do_not_fit_together_are_refused() -> None:
     slow = dataclasses.replace(good, name="slow", dt_s=0.01)
     moved = dataclasses.replace(good, name="moved", zero="min")
     outward = dataclasses.replace(good, name="outward", position_m=-good.position_m)
-    options = RfFdOptions(trees=2)
+    options = FitOptions(trees=2)
     with pytest.raises(DataError, match="slow is sampled at 100 Hz"):
-        fit_rf_fd("x", [good, slow], options)
+        fit_model("rf-fd", "x", [good, slow], options)
     with pytest.raises(DataError, match="moved was imported with --zero"):
-        fit_rf_fd("x", [good, moved], options)
+        fit_model("rf-fd", "x", [good, moved], options)
     with pytest.raises(DataError, match="check the sign"):
-        fit_rf_fd("x", [outward], options)
+        fit_model("rf-fd", "x", [outward], options)
     with pytest.raises(DataError, match="no recordings"):
-        fit_rf_fd("x", [], options)
+        fit_model("rf-fd", "x", [], options)
 
 
 def test_contact_follows_the_importers_zero() -> None:
@@ -91,5 +98,5 @@ def test_contact_follows_the_importers_zero() -> None:
 
 @pytest.mark.parametrize("window_s", [0.05, 0.5])
 def test_the_window_is_set_in_seconds(window_s: float) -> None:
-    fit = fit_rf_fd("x", training(), RfFdOptions(trees=2, leaf=50, window_s=window_s))
+    fit = fit_model("rf-fd", "x", training(), FitOptions(trees=2, leaf=50, window_s=window_s))
     assert len(fit.model.features.taps) == round(window_s / DT_S)

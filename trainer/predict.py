@@ -1,20 +1,35 @@
 """A model's own prediction on recordings: no guard, contact, coupling or limits."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.forest_table import forest_table, used_features
-from springpot.codegen.ir import Model
-from springpot.codegen.reference import forest_force
-from springpot.trainer.fractional import fir_derivatives
+from springpot.codegen.forest_walk import forest_force
+from springpot.codegen.ir import Forest, Model, Rbf
+from springpot.trainer.feature_values import Samples, feature_values
+from springpot.trainer.hammerstein import hammerstein_force
+from springpot.trainer.rbf import rbf_force
 from springpot.trainer.recording import Recording
 from springpot.trainer.training_set import depth_m
 
 
-def predict_n(model: Model, recording: Recording) -> NDArray[np.float64]:
+def predict_n(model: Model, recording: Recording) -> Samples:
     """Force of the model along a recording's positions, shape (n,), N."""
     depth = depth_m(recording, model.contact)
-    kept = used_features(model.regressor)
-    features = fir_derivatives(depth, model.features.taps[:, kept]).astype(np.float32)
-    force_n: NDArray[np.float64] = forest_force(forest_table(model.regressor, np.float64), features)
+    rows = np.arange(len(depth))
+    force_n = np.zeros(len(depth))
+    if model.features is not None and model.regressor is not None:
+        values = feature_values(model.features, depth, model.dt_s, rows)
+        force_n += regressor_force(model.regressor, values)
+    if model.hammerstein is not None and model.hammerstein_adds:
+        force_n += hammerstein_force(model.hammerstein, depth, model.dt_s, rows)
     return force_n
+
+
+def regressor_force(regressor: Forest | Rbf, values: Samples) -> Samples:
+    """Force of features (n, features), N."""
+    if isinstance(regressor, Forest):
+        kept = used_features(regressor)
+        table = forest_table(regressor, np.float64)
+        force_n: Samples = forest_force(table, values[:, kept].astype(np.float32))
+        return force_n
+    return rbf_force(regressor, values)

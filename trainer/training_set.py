@@ -1,14 +1,94 @@
-"""What a set of training recordings has in common: time step, contact, range."""
+"""Training recordings, prepared: what they have in common, and the rows that a fit uses."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from springpot.codegen.ir import Contact, TrainedRange
+from springpot.codegen.ir import Contact, Features, TrainedRange
 from springpot.runtime_c.errors import DataError
+from springpot.trainer.feature_values import feature_values
 from springpot.trainer.recording import Recording, Samples
+from springpot.trainer.rows import MOST_ROWS, choose_rows
+from springpot.trainer.smoothing import smoothed
 
 _STEP_TOLERANCE = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingSet:
+    """Recordings smoothed for a fit. `rows` index the samples of all recordings in a row."""
+
+    recordings: tuple[Recording, ...]
+    depths_m: tuple[Samples, ...]
+    dt_s: float
+    contact: Contact
+    trained: TrainedRange
+
+    @cached_property
+    def bounds(self) -> NDArray[np.intp]:
+        """First row of each recording, and the number of all rows."""
+        return np.concatenate([[0], np.cumsum([len(depth) for depth in self.depths_m])])
+
+    @property
+    def rows_total(self) -> int:
+        """Samples of all recordings."""
+        return int(self.bounds[-1])
+
+    @property
+    def longest_s(self) -> float:
+        """Duration of the longest recording, s."""
+        return max(len(depth) for depth in self.depths_m) * self.dt_s
+
+    def rows(self, fraction: float | None, seed: int) -> NDArray[np.intp]:
+        """Rows of a fit; fraction as in `choose_rows`."""
+        return choose_rows(self.rows_total, fraction, np.random.default_rng(seed))
+
+    def many_rows(self) -> NDArray[np.intp]:
+        """All rows, or 50 000 evenly spaced ones: for fits that cost little a row."""
+        count = min(self.rows_total, MOST_ROWS)
+        return np.linspace(0, self.rows_total - 1, count).astype(np.intp)
+
+    def force_n(self, rows: NDArray[np.intp]) -> Samples:
+        """Measured force at rows, N."""
+        forces = [recording.force_n for recording in self.recordings]
+        return np.concatenate([f[local] for f, local in zip(forces, self.split(rows), strict=True)])
+
+    def features(self, features: Features, rows: NDArray[np.intp]) -> Samples:
+        """Features at rows, shape (rows, features)."""
+        parts = zip(self.depths_m, self.split(rows), strict=True)
+        return np.concatenate(
+            [feature_values(features, depth, self.dt_s, local) for depth, local in parts]
+        )
+
+    def split(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+        """Rows (ascending) of each recording, counted from its first sample."""
+        cuts = np.searchsorted(rows, self.bounds)
+        return [
+            rows[begin:end] - first
+            for begin, end, first in zip(cuts[:-1], cuts[1:], self.bounds[:-1], strict=True)
+        ]
+
+    def owner(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Recording of each row."""
+        return np.searchsorted(self.bounds, rows, side="right") - 1
+
+
+def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
+    """Prepare recordings. Raises DataError where they do not fit together."""
+    dt_s = common_time_step(recordings)
+    contact = contact_of(recordings)
+    prepared = tuple(smoothed(recording, smooth_s) for recording in recordings)
+    depths_m = tuple(depth_m(recording, contact) for recording in prepared)
+    return TrainingSet(
+        recordings=prepared,
+        depths_m=depths_m,
+        dt_s=dt_s,
+        contact=contact,
+        trained=trained_range(prepared, contact),
+    )
 
 
 def common_time_step(recordings: Sequence[Recording]) -> float:

@@ -2,9 +2,9 @@
 
 #include "check.h"
 #include "sp_contact.h"
-#include "sp_frac.h"
 #include "sp_smooth.h"
 #include "sp_velocity.h"
+#include "sp_weigh.h"
 #include "sp_window.h"
 
 enum { LENGTH = 7, LANES = 8 };
@@ -34,7 +34,7 @@ static void bank_is_the_plain_sum_in_the_same_order(void)
     for (int k = 0; k < LENGTH; k++) {
         window[k] = (sp_real)1 / (sp_real)(k + 3);
     }
-    sp_frac_bank(taps, window, LENGTH, LANES, derivative);
+    sp_weigh(taps, window, LENGTH, LANES, derivative);
     for (int lane = 0; lane < LANES; lane++) {
         volatile sp_real sum = 0;
         for (int k = 0; k < LENGTH; k++) {

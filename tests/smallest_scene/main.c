@@ -1,4 +1,4 @@
-/* springpot 0.1.0 55c4227d8bae79067de13cb9fd840f263318e50d16e8ced7ef60e871c453d162 */
+/* springpot 0.1.0 6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4 */
 /* Example: one position (m) a line on standard input, one force (N) a line on standard output,
  * a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,16 +1,9 @@
-/* springpot 0.1.0 55c4227d8bae79067de13cb9fd840f263318e50d16e8ced7ef60e871c453d162 */
+/* springpot 0.1.0 6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4 */
 #include <stddef.h>
 
 #include "sp_scene.h"
 #include "sp_tables.h"
 
-enum {
-    N_TAPS = 4,
-    N_LANES = 4,
-    N_ORDERS = 1,
-    N_ROOTS = 8,
-    DEPTH = 3
-};
 static const sp_guard_config guard = {
     .jump_m = 0.001f,
     .reach_m = 10.0f,
@@ -28,26 +21,13 @@ static const sp_output_config output = {
     .watchdog_s = 0.02f,
     .dt_s = 0.001f,
 };
-static const sp_real quantum_n = 9.536743e-07f;
 static const sp_real per_onset = 10000.0f;
 
-/* Fractional derivatives of the window -> forest -> force, N. */
-static sp_real model_force(const sp_real *window)
-{
-    sp_real derivative[N_LANES];
-    float features[SP_FOREST_SLOTS];
-    sp_frac_bank(taps, window, N_TAPS, N_LANES, derivative);
-    for (uint32_t i = 0; i < N_ORDERS; i++) {
-        features[i] = derivative[i];
-    }
-    return (sp_real)sp_forest_sum(nodes, roots, N_ROOTS, DEPTH, features) * quantum_n;
-}
-
-/* A position taken as true without a history: the object has rested there for ever. */
+/* A position is true without a history: the object has rested there for ever. */
 static void restart(sp_state *state, sp_real position, sp_real depth)
 {
-    sp_window_fill(state->history, &state->newest, N_TAPS, depth);
     (void)position;
+    sp_window_fill(state->history, &state->newest, N_TAPS, depth);
     sp_output_restart(&state->output);
 }
 
@@ -57,8 +37,7 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
         return SP_ERROR_NULL;
     }
     int notes = 0;
-    const sp_real position =
-        sp_guard_position(&guard, &state->guard, position_m, &notes);
+    const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);
     sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));
     const sp_real depth = sp_range_clip(&range, position, &notes);
     if (notes & SP_NOTE_RESYNC) {
@@ -69,7 +48,15 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     (void)velocity_mps;
     sp_real force = (sp_real)0;
     if (position > (sp_real)0) {
-        force = model_force(window);
+        sp_real features[4];
+        sp_weigh(taps, window, N_TAPS, N_LANES, features);
+        float slots[SP_FOREST_SLOTS];
+        for (uint32_t i = 0; i < N_FEATURES; i++) {
+            slots[i] = (float)features[i];
+        }
+        const int32_t quanta = sp_forest_sum(nodes, roots, N_ROOTS, DEPTH, slots);
+        const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;
+        force = model_n;
         force = sp_contact_onset(per_onset, position, force);
     } else {
         sp_output_free(&state->output);
@@ -78,8 +65,8 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     return notes;
 }
 
-int sp_run(sp_state *state, uint32_t n, const sp_real *position_m,
-           const sp_real *velocity_mps, sp_real *force_n)
+int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
+           sp_real *force_n)
 {
     if (state == NULL || position_m == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
@@ -129,5 +116,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"55c4227d8bae79067de13cb9fd840f263318e50d16e8ced7ef60e871c453d162\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

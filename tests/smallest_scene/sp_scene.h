@@ -1,4 +1,4 @@
-/* springpot 0.1.0 55c4227d8bae79067de13cb9fd840f263318e50d16e8ced7ef60e871c453d162 */
+/* springpot 0.1.0 6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -10,7 +10,7 @@
 #include "sp_guard.h"
 #include "sp_range.h"
 #include "sp_window.h"
-#include "sp_frac.h"
+#include "sp_weigh.h"
 #include "sp_forest.h"
 #include "sp_contact.h"
 #include "sp_output.h"

@@ -1,0 +1,105 @@
+"""The model's part of a plan: which stages it needs, and the orders that no split uses."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.forest_table import forest_table, used_features
+from springpot.codegen.ir import (
+    Features,
+    FirBank,
+    Forest,
+    Lags,
+    Model,
+    PositionVelocity,
+    RecursiveBank,
+)
+from springpot.codegen.scene import Scene
+from springpot.codegen.stages.fir import fir_stage
+from springpot.codegen.stages.forest import ForestStage, IfsStage
+from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.lags import lags_stage
+from springpot.codegen.stages.position_velocity import PositionVelocityStage, velocity_stage
+from springpot.codegen.stages.rbf import rbf_stage
+from springpot.codegen.stages.recursive import recursive_stage
+from springpot.codegen.stages.stage import FeatureStage, RegressorStage, padded
+
+Columns = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that the scene does not need; bytes: tables and state saved, code apart."""
+
+    what: str
+    why: str
+    bytes: int
+
+
+def model_stages(
+    model: Model, scene: Scene, dtype: type[Any]
+) -> tuple[FeatureStage | None, RegressorStage | None, HammersteinStage | None, list[LeftOut]]:
+    """Stages of the model in the scene's number type, and what its features leave out."""
+    passive = None
+    if model.hammerstein is not None and model.hammerstein_adds:
+        passive = hammerstein_stage(model.hammerstein, model.dt_s, dtype)
+    if model.features is None or model.regressor is None:
+        return None, None, passive, []
+    kept = used_columns(model)
+    features = _feature_stage(model.features, kept, model.dt_s, dtype)
+    regressor = _regressor_stage(model, scene, len(kept), dtype)
+    return features, regressor, passive, _dropped(model.features, kept, dtype)
+
+
+def used_columns(model: Model) -> Columns:
+    """Columns of the model's features that its regressor reads."""
+    if isinstance(model.regressor, Forest):
+        return used_features(model.regressor).astype(np.intp)
+    return np.arange(feature_count(model.features))
+
+
+def feature_count(features: Features | None) -> int:
+    """Number of features."""
+    if isinstance(features, FirBank | RecursiveBank):
+        return len(features.orders)
+    return len(features.samples) if isinstance(features, Lags) else 2
+
+
+def _feature_stage(
+    features: Features, kept: Columns, dt_s: float, dtype: type[Any]
+) -> FeatureStage:
+    if isinstance(features, FirBank):
+        return fir_stage(features, kept, dtype)
+    if isinstance(features, RecursiveBank):
+        return recursive_stage(features, kept, dt_s, dtype)
+    if isinstance(features, Lags):
+        return lags_stage(features, kept)
+    assert isinstance(features, PositionVelocity)
+    return PositionVelocityStage(velocity_stage(features, dt_s, dtype, "depth"))
+
+
+def _regressor_stage(
+    model: Model, scene: Scene, n_features: int, dtype: type[Any]
+) -> RegressorStage:
+    if isinstance(model.regressor, Forest):
+        table = forest_table(model.regressor, dtype)
+        if scene.runtime.forest == "m2cgen":
+            return IfsStage(model.regressor, table, n_features)
+        return ForestStage(table, n_features)
+    assert model.regressor is not None
+    return rbf_stage(model.regressor, dtype)
+
+
+def _dropped(features: Features, kept: Columns, dtype: type[Any]) -> list[LeftOut]:
+    if not isinstance(features, FirBank | RecursiveBank):
+        return []
+    unused = [order for i, order in enumerate(features.orders) if i not in set(kept.tolist())]
+    if not unused:
+        return []
+    rows = len(features.taps if isinstance(features, FirBank) else features.tau_s)
+    lanes = padded(len(features.orders)) - padded(max(len(kept), 1))
+    names = ", ".join(f"{order:g}" for order in unused)
+    saved = lanes * rows * np.dtype(dtype).itemsize
+    return [LeftOut(f"orders {names}", "no split uses them", saved)]

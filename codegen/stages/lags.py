@@ -1,0 +1,84 @@
+"""Past positions: sp_lags.h."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.ir import Lags
+from springpot.codegen.literals import array_text
+from springpot.codegen.stages.stage import REAL, U32, Member, Reals, Starts, held_before
+
+
+@dataclass(frozen=True, eq=False)
+class LagsStage:
+    """lags: those kept, in samples; difference: past positions enter as x(t) - x(t - lag)."""
+
+    lags: NDArray[np.uint32]
+    difference: bool
+
+    headers = ("sp_lags.h",)
+
+    @property
+    def n_features(self) -> int:
+        """One a lag."""
+        return len(self.lags)
+
+    @property
+    def room(self) -> int:
+        """One a lag."""
+        return len(self.lags)
+
+    @property
+    def _length(self) -> int:
+        return int(self.lags.max()) + 1
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The ring and where it begins."""
+        return (
+            Member(f"sp_real past[{self._length}]", (REAL,) * self._length),
+            Member("uint32_t newest", (U32,)),
+        )
+
+    def tables(self) -> list[str]:
+        """Lags and sizes."""
+        return [
+            f"enum {{\n    N_PAST = {self._length},\n    N_LAGS = {len(self.lags)}\n}};",
+            array_text("lags", "uint32_t", self.lags),
+        ]
+
+    def restart(self) -> list[str]:
+        """Fill the ring."""
+        return ["sp_lags_fill(state->past, &state->newest, N_PAST, depth);"]
+
+    def advance(self) -> list[str]:
+        """Push the newest depth."""
+        return ["sp_lags_push(state->past, &state->newest, N_PAST, depth);"]
+
+    def read(self) -> list[str]:
+        """Look back."""
+        past = "sp_lags_at(state->past, state->newest, N_PAST, lags[i])"
+        value = f"lags[i] == 0 ? depth : depth - {past}" if self.difference else past
+        return [
+            "for (uint32_t i = 0; i < N_LAGS; i++) {",
+            f"    features[i] = {value};",
+            "}",
+        ]
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """Look back."""
+        longest = self._length - 1
+        result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
+        for rows, samples in held_before(depth, starts, longest):
+            n = len(samples) - longest
+            for i, lag in enumerate(self.lags.tolist()):
+                past = samples[longest - lag : longest - lag + n]
+                result[rows, i] = samples[longest:] - past if self.difference and lag else past
+        return result
+
+
+def lags_stage(lags: Lags, kept: NDArray[np.intp]) -> LagsStage:
+    """Keep the lags `kept`."""
+    chosen = np.array([lags.samples[i] for i in kept] or [0], dtype=np.uint32)
+    return LagsStage(lags=chosen, difference=lags.difference)

@@ -1,0 +1,133 @@
+"""Depth and its velocity by first-order adaptive windowing: sp_window.h and sp_velocity.h."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.codegen.ir import PositionVelocity
+from springpot.codegen.literals import array_text, literal
+from springpot.codegen.stages.stage import REAL, U32, Member, Real, Reals, Starts, segments
+
+
+@dataclass(frozen=True, eq=False)
+class VelocityStage:
+    """per_step: shape (length,), 1/s; `source` is the variable whose velocity it estimates."""
+
+    per_step: Reals
+    band_m: Real
+    source: str
+
+    headers = ("sp_window.h", "sp_velocity.h")
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The window, twice, and where it begins."""
+        length = len(self.per_step) + 1
+        return (
+            Member(f"sp_real {self.source}_track[2 * {length}]", (REAL,) * (2 * length)),
+            Member(f"uint32_t {self.source}_newest", (U32,)),
+        )
+
+    def tables(self) -> list[str]:
+        """1/(j dt), band and size."""
+        name = self.source.upper()
+        return [
+            f"enum {{\n    N_{name}_STEPS = {len(self.per_step)}\n}};",
+            array_text(f"{self.source}_per_step", "sp_real", self.per_step),
+            f"static const sp_real {self.source}_band_m = {literal(self.band_m)};",
+        ]
+
+    def restart(self) -> list[str]:
+        """Fill the window."""
+        s = self.source
+        length = f"N_{s.upper()}_STEPS + 1"
+        return [f"sp_window_fill(state->{s}_track, &state->{s}_newest, {length}, {s});"]
+
+    def advance(self) -> list[str]:
+        """Push the newest sample and estimate."""
+        s = self.source
+        steps = f"N_{s.upper()}_STEPS"
+        return [
+            f"const sp_real *{s}_track =",
+            f"    sp_window_push(state->{s}_track, &state->{s}_newest, {steps} + 1, {s});",
+            f"const sp_real {s}_mps =",
+            f"    sp_velocity_foaw({s}_track, {s}_per_step, {steps}, {s}_band_m);",
+        ]
+
+    def reference(self, x: Reals, starts: Starts) -> Reals:
+        """Velocity of every tick, shape (n,), m/s."""
+        result = np.zeros_like(x)
+        for begin, end, held in segments(len(x), starts):
+            result[begin:end] = foaw(self.per_step, self.band_m, x[begin:end], held)
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class PositionVelocityStage:
+    """Features: depth, velocity of the depth."""
+
+    velocity: VelocityStage
+
+    n_features = 2
+    room = 2
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """Those of the velocity."""
+        return self.velocity.headers
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """Those of the velocity."""
+        return self.velocity.members
+
+    def tables(self) -> list[str]:
+        """Those of the velocity."""
+        return self.velocity.tables()
+
+    def restart(self) -> list[str]:
+        """That of the velocity."""
+        return self.velocity.restart()
+
+    def advance(self) -> list[str]:
+        """That of the velocity."""
+        return self.velocity.advance()
+
+    def read(self) -> list[str]:
+        """Equation (13)."""
+        return ["features[0] = depth;", "features[1] = depth_mps;"]
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """Shape (n, 2)."""
+        return np.stack([depth, self.velocity.reference(depth, starts)], axis=1)
+
+
+def velocity_stage(
+    features: PositionVelocity, dt_s: float, dtype: type, source: str
+) -> VelocityStage:
+    """Velocity of the variable `source`."""
+    per_step: Reals = np.array(
+        [1.0 / (j * dt_s) for j in range(1, features.length + 1)], dtype=dtype
+    )
+    return VelocityStage(per_step=per_step, band_m=dtype(features.band_m), source=source)
+
+
+def foaw(per_step: Reals, band_m: Real, x: Reals, held: bool) -> Reals:
+    """sp_velocity.h over one stretch, shape (n,); before it x[0] was held, or zeros."""
+    length = len(per_step)
+    before = np.full(length, x[0] if held else x.dtype.type(0), dtype=x.dtype)
+    samples = np.concatenate([before, x])
+    slope = least = greatest = np.zeros_like(x)
+    longer = np.ones(len(x), dtype=bool)
+    for j in range(length):
+        rise = x - samples[length - j - 1 : length - j - 1 + len(x)]
+        candidate = rise * per_step[j]
+        low, high = (rise - band_m) * per_step[j], (rise + band_m) * per_step[j]
+        if j == 0:
+            slope, least, greatest = candidate, low, high
+            continue
+        longer &= (candidate >= least) & (candidate <= greatest)
+        slope = np.where(longer, candidate, slope)
+        least = np.where(longer & (low > least), low, least)
+        greatest = np.where(longer & (high < greatest), high, greatest)
+    return slope

@@ -1,0 +1,91 @@
+"""Radial basis functions on two features: sp_rbf.h."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.codegen.ir import Rbf
+from springpot.codegen.literals import array_text
+from springpot.codegen.stages.stage import Reals, padded
+from springpot.runtime_c.errors import UsageError
+
+LANES = 8  # SP_RBF_LANES
+
+
+@dataclass(frozen=True, eq=False)
+class RbfStage:
+    """standard: shape (2, 4): least, greatest, mean, 1/scale of each feature.
+
+    centers: (2, padded centers); weights_n: (padded centers,); tail_n: (3,).
+    """
+
+    standard: Reals
+    centers: Reals
+    weights_n: Reals
+    tail_n: Reals
+
+    headers = ("sp_number.h", "sp_rbf.h")
+
+    def tables(self) -> list[str]:
+        """Centers, weights and scales."""
+        return [
+            f"enum {{\n    N_CENTERS = {len(self.weights_n)}\n}};",
+            "/* least, greatest, mean, 1/scale of each feature */",
+            array_text("standard", "sp_real", self.standard),
+            array_text("centers", "sp_real", self.centers),
+            array_text("center_weights", "sp_real", self.weights_n),
+            array_text("tail", "sp_real", self.tail_n),
+        ]
+
+    def force(self) -> list[str]:
+        """Standardise, then sum."""
+        return [
+            "const sp_real z[2] = {",
+            *(
+                f"    sp_rbf_standard(features[{i}], standard[{4 * i}], standard[{4 * i + 1}], "
+                f"standard[{4 * i + 2}],\n                    standard[{4 * i + 3}]),"
+                for i in range(2)
+            ),
+            "};",
+            "const sp_real model_n = sp_rbf_force(z, centers, center_weights, N_CENTERS, tail);",
+        ]
+
+    def reference(self, features: Reals) -> Reals:
+        """The same eight partial sums, added in the same order."""
+        z = []
+        for i in range(2):
+            least, greatest, mean, per_scale = self.standard[i]
+            below = np.where(features[:, i] < greatest, features[:, i], greatest)
+            inside = np.where(below > least, below, least)
+            z.append((inside - mean) * per_scale)
+        sums = np.zeros((LANES, len(features)), dtype=features.dtype)
+        for block in range(0, len(self.weights_n), LANES):
+            for i in range(LANES):
+                d0 = z[0] - self.centers[0, block + i]
+                d1 = z[1] - self.centers[1, block + i]
+                square = d0 * d0 + d1 * d1
+                sums[i] += self.weights_n[block + i] * (square * np.sqrt(square))
+        s = sums
+        radial = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]))
+        tail = self.tail_n
+        force_n: Reals = radial + (tail[0] + (tail[1] * z[0] + tail[2] * z[1]))
+        return force_n
+
+
+def rbf_stage(rbf: Rbf, dtype: type) -> RbfStage:
+    """Pad the centers. Raises UsageError for anything but two features."""
+    n, n_features = rbf.centers.shape
+    if n_features != 2:
+        raise UsageError(f"radial basis functions on {n_features} features: the C has two")
+    room = padded(n, LANES)
+    centers: Reals = np.zeros((2, room), dtype=dtype)
+    centers[:, :n] = rbf.centers.T
+    weights: Reals = np.zeros(room, dtype=dtype)
+    weights[:n] = rbf.weights_n
+    standard = np.stack([rbf.least, rbf.greatest, rbf.mean, 1.0 / rbf.scale], axis=1)
+    return RbfStage(
+        standard=standard.astype(dtype),
+        centers=centers,
+        weights_n=weights,
+        tail_n=rbf.tail_n.astype(dtype),
+    )

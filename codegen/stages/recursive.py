@@ -1,0 +1,161 @@
+"""Fractional derivatives by exponentials that all orders share: sp_poles.h and sp_weigh.h."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.ir import RecursiveBank
+from springpot.codegen.literals import array_text
+from springpot.codegen.stages.stage import (
+    DOUBLE,
+    REAL,
+    Member,
+    Reals,
+    Starts,
+    padded,
+    segments,
+)
+
+SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
+SMALLEST = 1e-30  # SP_POLES_SMALLEST
+
+
+def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:
+    """1 - exp(-dt/tau), and the gain of an input that is linear within the step."""
+    loss = -np.expm1(-dt_s / tau_s)
+    return loss, loss * tau_s / dt_s
+
+
+def pole_states(loss: Reals, rises: Reals, n_poles: int) -> Reals:
+    """sp_poles.h: states after each tick, shape (n, poles); rises (n,) or (n, poles)."""
+    real = loss.dtype.type
+    smallest = real(SMALLEST)
+    states = np.empty((len(rises), n_poles), dtype=loss.dtype)
+    h = np.zeros(n_poles, dtype=loss.dtype)
+    for i, rise in enumerate(rises):
+        h = h + (rise - loss * h)
+        h[np.abs(h) < smallest] = real(0)
+        states[i] = h
+    return states
+
+
+@dataclass(frozen=True, eq=False)
+class RecursiveStage:
+    """Poles fast first; weights: shape (poles, lanes), gains folded in."""
+
+    orders: tuple[float, ...]
+    loss: Reals
+    slow_loss: NDArray[np.float64]
+    weights: Reals
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """The slow poles' unit only where there is one."""
+        slow = ("sp_slow_poles.h",) if len(self.slow_loss) else ()
+        return ("sp_number.h", "sp_poles.h", *slow, "sp_weigh.h")
+
+    @property
+    def n_features(self) -> int:
+        """Orders kept."""
+        return len(self.orders)
+
+    @property
+    def room(self) -> int:
+        """Lanes."""
+        return int(self.weights.shape[1])
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """States of all poles, the slow ones' own, and the depth of the tick before."""
+        n_poles, n_slow = len(self.weights), len(self.slow_loss)
+        slow = (Member(f"double slow[{n_slow}]", (DOUBLE,) * n_slow),) if n_slow else ()
+        return (
+            *slow,
+            Member(f"sp_real poles[{n_poles}]", (REAL,) * n_poles),
+            Member("sp_real depth_before", (REAL,)),
+        )
+
+    def tables(self) -> list[str]:
+        """Losses, weights and sizes."""
+        names = ", ".join(f"{order:g}" for order in self.orders)
+        n_poles, lanes = self.weights.shape
+        n_fast = len(self.loss)
+        slow = [array_text("slow_loss", "double", self.slow_loss)] if len(self.slow_loss) else []
+        fast = [array_text("loss", "sp_real", self.loss)] if n_fast else []
+        return [
+            f"enum {{\n    N_POLES = {n_poles},\n    N_FAST = {n_fast},\n"
+            f"    N_LANES = {lanes}\n}};",
+            *fast,
+            *slow,
+            f"/* Poles to orders: a row a pole, a lane each for the orders {names}. */",
+            array_text("weights", "sp_real", self.weights),
+        ]
+
+    def restart(self) -> list[str]:
+        """Relaxed poles."""
+        lines = [
+            "for (uint32_t i = 0; i < N_POLES; i++) {",
+            "    state->poles[i] = (sp_real)0;",
+            "}",
+        ]
+        if len(self.slow_loss):
+            lines += [
+                "for (uint32_t i = 0; i < N_POLES - N_FAST; i++) {",
+                "    state->slow[i] = 0.0;",
+                "}",
+            ]
+        return [*lines, "state->depth_before = depth;"]
+
+    def advance(self) -> list[str]:
+        """One multiply-add a pole."""
+        lines = [
+            "const sp_real rise = depth - state->depth_before;",
+            "state->depth_before = depth;",
+        ]
+        if len(self.loss):
+            lines.append("sp_poles_shared(loss, N_FAST, rise, state->poles);")
+        if len(self.slow_loss):
+            lines += [
+                "sp_slow_poles(slow_loss, N_POLES - N_FAST, rise, state->slow,",
+                "              state->poles + N_FAST);",
+            ]
+        return lines
+
+    def read(self) -> list[str]:
+        """All orders from the poles."""
+        return ["sp_weigh(weights, state->poles, N_POLES, N_LANES, features);"]
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """The same recurrences and sums in the same order."""
+        result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
+        for begin, end, held in segments(len(depth), starts):
+            first = depth[begin] if held else depth.dtype.type(0)
+            rises = np.diff(depth[begin:end], prepend=first)
+            fast = pole_states(self.loss, rises, len(self.loss))
+            slow = pole_states(self.slow_loss, rises.astype(np.float64), len(self.slow_loss))
+            states = np.concatenate([fast, slow.astype(depth.dtype)], axis=1)
+            for i in range(self.n_features):
+                total = np.zeros(end - begin, dtype=depth.dtype)
+                for k in range(len(self.weights)):
+                    total += self.weights[k, i] * states[:, k]
+                result[begin:end, i] = total
+        return result
+
+
+def recursive_stage(
+    bank: RecursiveBank, kept: NDArray[np.intp], dt_s: float, dtype: type
+) -> RecursiveStage:
+    """Keep the columns `kept`; order the poles fast first."""
+    order = np.argsort(bank.tau_s)
+    loss, gain = loss_and_gain(bank.tau_s[order], dt_s)
+    slow = bank.tau_s[order] > SLOW_TICKS * dt_s
+    slow &= dtype is np.float32
+    weights: Reals = np.zeros((len(order), padded(max(len(kept), 1))), dtype=dtype)
+    weights[:, : len(kept)] = gain[:, None] * bank.weights[order][:, kept]
+    return RecursiveStage(
+        orders=tuple(bank.orders[i] for i in kept),
+        loss=loss[~slow].astype(dtype),
+        slow_loss=loss[slow],
+        weights=weights,
+    )

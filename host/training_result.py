@@ -1,0 +1,104 @@
+"""What `springpot train` says of a fit, and the model's own error on other recordings."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.codegen.ir import FirBank, Lags, Model, RecursiveBank
+from springpot.host.metrics import Accuracy, accuracy
+from springpot.runtime_c.errors import DataError
+from springpot.trainer.recording import Recording
+
+if TYPE_CHECKING:
+    from springpot.trainer.fit import Fit, FitOptions
+
+
+def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
+    """Keys of `train --json` that the fit knows."""
+    model = fit.model
+    return {
+        "model": model.kind,
+        "seed": options.seed,
+        "rows": fit.rows,
+        "rows_total": model.provenance["rows_total"],
+        "feature_s": fit.feature_s,
+        "fit_s": fit.fit_s,
+        "search_s": fit.search_s,
+        "orders": list(getattr(model.features, "orders", ())),
+        "window_s": window_s(model),
+        "engine": "recursive" if isinstance(model.features, RecursiveBank) else "fir",
+        **fit.facts,
+    }
+
+
+def training_rows(
+    fit: "Fit", out: Path, result: dict[str, Any], found: Accuracy | None, tested: int
+) -> dict[str, str]:
+    """A person's view of a fit."""
+    sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
+             if key in result]  # fmt: skip
+    rows = {
+        "model": f"{fit.model.kind}, {', '.join(sizes)}, {out}",
+        "rows": f"{fit.rows} of {result['rows_total']}",
+        "memory": f"{result['window_s']:.4g} s",
+        "time": f"features {fit.feature_s:.2f} s, fit {fit.fit_s:.2f} s, "
+        f"search {fit.search_s:.2f} s",
+        "hash": result["hash"],
+    }
+    for score in result.get("scores", ()):
+        mark = " <- chosen" if score["name"] == result["chosen"] else ""
+        rows[f"  {score['name']}"] = (
+            f"{score['mean_n']:.4g} N held out (recordings {score['recordings_n']:.4g}, "
+            f"conditions {score['conditions_n']:.4g}){mark}"
+        )
+    for what, value in result.get("material", {}).items():
+        rows[f"  {what}"] = str(value)
+    if found is not None:
+        rows["error"] = (
+            f"RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, on "
+            f"{tested} validation recordings"
+        )
+    return rows
+
+
+def window_s(model: Model) -> float:
+    """How far back the model remembers, s."""
+    features, passive = model.features, model.hammerstein
+    remembered = [0.0]
+    if isinstance(features, FirBank):
+        remembered.append(len(features.taps) * model.dt_s)
+    elif isinstance(features, RecursiveBank):
+        remembered.append(float(features.tau_s.max()))
+    elif isinstance(features, Lags):
+        remembered.append(max(features.samples) * model.dt_s)
+    if passive is not None and model.hammerstein_adds and len(passive.tau_s):
+        remembered.append(float(passive.tau_s.max()))
+    return max(remembered)
+
+
+def validated(model: Model, recordings: list[Recording], smooth_s: float) -> Accuracy:
+    """Error of the model's own prediction. Raises DataError for recordings of another frame."""
+    from springpot.trainer.predict import predict_n
+    from springpot.trainer.smoothing import smoothed
+
+    for recording in recordings:
+        refuse_other_frame(recording, model)
+    prepared = [smoothed(recording, smooth_s) for recording in recordings]
+    return accuracy(
+        [recording.force_n for recording in prepared],
+        [predict_n(model, recording) for recording in prepared],
+    )
+
+
+def refuse_other_frame(recording: Recording, model: Model) -> None:
+    """Raise DataError for another sampling rate, or another meaning of position 0."""
+    if abs(recording.dt_s / model.dt_s - 1.0) > 1e-3:
+        raise DataError(
+            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the model at "
+            f"{1 / model.dt_s:g} Hz: import it with --resample-hz {1 / model.dt_s:g}"
+        )
+    if (recording.zero != "none") != (model.contact == "always"):
+        raise DataError(
+            f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "
+            f"{'with' if model.contact == 'always' else 'without'} --zero first or min: import "
+            "all the same way"
+        )

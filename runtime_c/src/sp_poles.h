@@ -1,0 +1,41 @@
+/* Poles: h' = g' - h/tau for many tau at once, with g linear within a step (exact at any rate):
+ *
+ *     h[n] = exp(-dt/tau) h[n-1] + gain (g[n] - g[n-1])
+ *
+ * loss = 1 - exp(-dt/tau); the gain, tau/dt (1 - exp(-dt/tau)), is folded into what is read off h
+ * or put into g. At rest h is 0, so that a start in equilibrium needs no history. */
+#ifndef SP_POLES_H
+#define SP_POLES_H
+
+#include <stdint.h>
+
+#include "sp_number.h"
+
+/* Below this a state is 0: a denormal costs a hundred times a number's time on some processors. */
+#define SP_POLES_SMALLEST ((sp_real)1e-30)
+
+static inline sp_real sp_poles_next(sp_real h, sp_real loss, sp_real rise)
+{
+    const sp_real next = h + (rise - loss * h);
+    return sp_abs(next) < SP_POLES_SMALLEST ? (sp_real)0 : next;
+}
+
+/* All poles see the same input, which rose by `rise` since the last tick. */
+static inline void sp_poles_shared(const sp_real *loss, uint32_t n_poles, sp_real rise, sp_real *h)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        h[i] = sp_poles_next(h[i], loss[i], rise);
+    }
+}
+
+/* Each pole has an input of its own: g now, `before` at the last tick. */
+static inline void sp_poles_apart(const sp_real *loss, uint32_t n_poles, const sp_real *g,
+                                  sp_real *before, sp_real *h)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        h[i] = sp_poles_next(h[i], loss[i], g[i] - before[i]);
+        before[i] = g[i];
+    }
+}
+
+#endif

@@ -1,0 +1,23 @@
+/* Poles whose time constant is above 1e5 ticks: in float their states would stop moving, so they
+ * are kept in double whatever the scene's number type. See sp_poles.h. */
+#ifndef SP_SLOW_POLES_H
+#define SP_SLOW_POLES_H
+
+#include <stdint.h>
+
+#include "sp_real.h"
+
+#define SP_SLOW_POLES_SMALLEST 1e-30
+
+/* h: states; out: the same in the scene's type. */
+static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real rise, double *h,
+                                 sp_real *out)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        const double next = h[i] + ((double)rise - loss[i] * h[i]);
+        h[i] = (next < 0.0 ? -next : next) < SP_SLOW_POLES_SMALLEST ? 0.0 : next;
+        out[i] = (sp_real)h[i];
+    }
+}
+
+#endif

@@ -1,0 +1,198 @@
+"""Kind `auto`: the candidate of least cross-validated error; the validation data is never seen."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
+
+from springpot.codegen.ir import Features
+from springpot.trainer.feature_values import Samples
+from springpot.trainer.fit import Fit, FitOptions
+from springpot.trainer.fit_hammerstein import (
+    HYBRID_LEAF,
+    HYBRID_TREES,
+    choices,
+    derivative_features,
+    fit_hammerstein,
+    fit_hybrid,
+    lag_features,
+    term_columns,
+)
+from springpot.trainer.fit_rbf import fit_rbf_fd
+from springpot.trainer.folds import Folds, condition_folds, recording_folds
+from springpot.trainer.forests import FEATURES_AT_SPLIT, depth_scale
+from springpot.trainer.hammerstein import Terms, standard_terms
+from springpot.trainer.nonnegative import normal_equations
+from springpot.trainer.rf_fd import fit_boosted_fd, fit_rf_fd, fractional_features
+from springpot.trainer.training_set import TrainingSet
+
+NEARLY = 1.005  # of the least error: the cheaper of two within it is taken
+_ROWS = 10_000  # of each fit under cross-validation
+_TREES = 40
+
+Predict = Callable[[Samples], Samples]
+_FitWhole = Callable[[str, TrainingSet, FitOptions], Fit]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One way to fit: `values` of its rows, `learn` on some of them, `fit` the whole model.
+
+    cost: rank of its time in C, the lower the cheaper.
+    """
+
+    name: str
+    cost: int
+    values: Callable[[TrainingSet, NDArray[np.intp]], Samples]
+    learn: Callable[[Samples, Samples], Predict]
+    fit: _FitWhole
+
+
+@dataclass(frozen=True)
+class Score:
+    """Geometric mean of a candidate's held-out RMSEs, N: recordings, conditions, and both."""
+
+    name: str
+    cost: int
+    recordings_n: float
+    conditions_n: float
+    mean_n: float
+
+
+def fit_auto(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+    """Fit the best candidate on all training recordings; the table of scores is in its facts."""
+    begin = time.perf_counter()
+    rows = _search_rows(data, options.seed)
+    folds = [recording_folds(data, rows, options.seed)]
+    by_condition = condition_folds(data, rows, options.seed)
+    folds += [by_condition] if by_condition is not None else []
+    known = candidates(data, options)
+    scores = [_score(candidate, data, rows, folds) for candidate in known]
+    best = choose(scores)
+    search_s = time.perf_counter() - begin
+    fit = next(c for c in known if c.name == best.name).fit(name, data, options)
+    facts = {**fit.facts, "chosen": best.name, "scores": [vars(score) for score in scores]}
+    return Fit(fit.model, fit.rows, fit.feature_s, fit.fit_s, search_s, facts)
+
+
+def choose(scores: list[Score]) -> Score:
+    """The cheapest of those within half a per cent of the least error."""
+    least = min(score.mean_n for score in scores)
+    near = [score for score in scores if score.mean_n <= NEARLY * least]
+    return min(near, key=lambda score: (score.cost, score.mean_n))
+
+
+def candidates(data: TrainingSet, options: FitOptions) -> list[Candidate]:
+    """Hammerstein with both bases, hybrids on both features, and the paper's models."""
+    short = fractional_features(data.dt_s, options.window_s)
+    long = derivative_features(data)
+    trees = partial(_learn_trees, scale=depth_scale(_span_m(data)), seed=options.seed)
+    boosted = partial(_learn_boosted, scale=depth_scale(_span_m(data)), seed=options.seed)
+    found = []
+    for choice in choices(data):
+        terms = standard_terms(data, *choice)
+        label = f"{choice[0]}{' bias' if choice[1] else ''}"
+        values = partial(term_columns, terms)
+        fit: _FitWhole = partial(fit_hammerstein, among=[choice])
+        found.append(Candidate(f"hammerstein {label}", 1, values, _learn_passive, fit))
+        for how, features in (("lags", lag_features(data)), ("derivatives", long)):
+            values = partial(_hybrid_values, terms, features)
+            learn = partial(_learn_hybrid, terms.count, scale=depth_scale(_span_m(data)))
+            fit = partial(fit_hybrid, features=features, among=[choice])
+            found.append(Candidate(f"hybrid {how}, {label}", 4, values, learn, fit))
+    for label, features, cost in (("rf-fd", short, 5), ("rf-fd long", long, 6)):
+        values = partial(_feature_values, features)
+        fit_forest = fit_rf_fd if cost == 5 else partial(fit_rf_fd, features=long)
+        found.append(Candidate(label, cost, values, trees, fit_forest))
+    found.append(Candidate("boosted", 3, partial(_feature_values, short), boosted, fit_boosted_fd))
+    found.append(Candidate("rbf-fd", 2, partial(_feature_values, short), _learn_rbf, fit_rbf_fd))
+    return found
+
+
+def _search_rows(data: TrainingSet, seed: int) -> NDArray[np.intp]:
+    return data.rows(min(1.0, _ROWS / data.rows_total), seed)
+
+
+def _score(
+    candidate: Candidate, data: TrainingSet, rows: NDArray[np.intp], folds: list[Folds]
+) -> Score:
+    values, force_n = candidate.values(data, rows), data.force_n(rows)
+    means = []
+    for fold in folds:
+        errors = []
+        for number in fold.tested:
+            held = fold.number == number
+            if held.all() or not held.any():
+                continue
+            predict = candidate.learn(values[~held], force_n[~held])
+            errors.append(rms(predict(values[held]) - force_n[held]))
+        means.append(geometric_mean(errors))
+    return Score(candidate.name, candidate.cost, means[0], means[-1], geometric_mean(means))
+
+
+def geometric_mean(errors: list[float]) -> float:
+    """Mean that one fold of extrapolation does not decide alone."""
+    return float(np.exp(np.mean(np.log(np.maximum(errors, 1e-12)))))
+
+
+def rms(values: Samples) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _span_m(data: TrainingSet) -> float:
+    return data.trained.greatest_m - min(data.trained.least_m, 0.0)
+
+
+def _feature_values(features: Features, data: TrainingSet, rows: NDArray[np.intp]) -> Samples:
+    return data.features(features, rows)
+
+
+def _hybrid_values(
+    terms: Terms, features: Features, data: TrainingSet, rows: NDArray[np.intp]
+) -> Samples:
+    return np.concatenate([term_columns(terms, data, rows), data.features(features, rows)], axis=1)
+
+
+def _learn_passive(values: Samples, force_n: Samples) -> Predict:
+    weights = normal_equations(values, force_n).solve()
+    return lambda held: held @ weights
+
+
+def _learn_hybrid(n_terms: int, values: Samples, force_n: Samples, scale: float) -> Predict:
+    passive = _learn_passive(values[:, :n_terms], force_n)
+    residual_n = force_n - passive(values[:, :n_terms])
+    forest = RandomForestRegressor(
+        n_estimators=HYBRID_TREES,
+        min_samples_leaf=HYBRID_LEAF,
+        max_features=FEATURES_AT_SPLIT,
+        random_state=0,
+        n_jobs=-1,
+    ).fit(scale * values[:, n_terms:], residual_n)
+    return lambda held: passive(held[:, :n_terms]) + forest.predict(scale * held[:, n_terms:])
+
+
+def _learn_trees(values: Samples, force_n: Samples, scale: float, seed: int) -> Predict:
+    forest = RandomForestRegressor(
+        n_estimators=_TREES, min_samples_leaf=5, max_features=FEATURES_AT_SPLIT,
+        random_state=seed, n_jobs=-1,
+    ).fit(scale * values, force_n)  # fmt: skip
+    return lambda held: forest.predict(scale * held)
+
+
+def _learn_boosted(values: Samples, force_n: Samples, scale: float, seed: int) -> Predict:
+    trees = HistGradientBoostingRegressor(max_depth=4, random_state=seed, early_stopping=False)
+    trees.fit(scale * values, force_n)
+    return lambda held: trees.predict(scale * held)
+
+
+def _learn_rbf(values: Samples, force_n: Samples) -> Predict:
+    from springpot.trainer.rbf import fit_rbf, rbf_force
+
+    pair = values[:, [0, 3]]
+    rbf, _ = fit_rbf(pair, force_n, 100, "farthest")
+    return lambda held: rbf_force(rbf, held[:, [0, 3]])

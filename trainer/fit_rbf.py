@@ -1,0 +1,133 @@
+"""Kinds `rbf-fd` and `rbf-pv`: radial basis functions, and the choice of two orders."""
+
+import time
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from springpot.codegen.ir import FirBank, PositionVelocity, RecursiveBank
+from springpot.codegen.plan import foaw_features
+from springpot.runtime_c.errors import UsageError
+from springpot.trainer.feature_values import Samples, feature_values
+from springpot.trainer.fit import Fit, FitOptions, assemble
+from springpot.trainer.folds import condition_folds, recording_folds
+from springpot.trainer.nonnegative import normal_equations
+from springpot.trainer.rbf import farthest_points, fit_rbf, kernel, rbf_force, standard
+from springpot.trainer.recording import Recording
+from springpot.trainer.rf_fd import PAPER_ORDERS, fractional_features
+from springpot.trainer.training_set import TrainingSet, depth_m
+
+_RIDGE = 1e-11  # of the mean diagonal, in the search only
+Pair = tuple[int, int]
+
+
+def fit_rbf_fd(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
+    """Radial basis functions on two fractional derivatives, the pair chosen from all 45.
+
+    By cross-validation over recordings; with options.select "paper" by the error on the
+    validation recordings, as the paper did. Raises UsageError where those are missing then.
+    """
+    from springpot.trainer.fit_hammerstein import fit_passive
+
+    begin = time.perf_counter()
+    rows = data.rows(options.fraction, options.seed)
+    bank = fractional_features(data.dt_s, options.window_s)
+    assert isinstance(bank, FirBank | RecursiveBank)
+    values, force_n = data.features(bank, rows), data.force_n(rows)
+    feature_s = time.perf_counter() - begin
+    begin = time.perf_counter()
+    by_folds = _pair_errors(values, force_n, recording_folds(data, rows, options.seed).number)
+    if (conditions := condition_folds(data, rows, options.seed)) is not None:
+        # Pairs that interpolate between recordings alike differ in what they do between conditions.
+        across = _pair_errors(values, force_n, conditions.number)
+        by_folds = {pair: error * across[pair] for pair, error in by_folds.items()}
+    pairs = {"cv": min(by_folds, key=lambda pair: by_folds[pair])}
+    if validation:
+        by_paper = _paper_errors(bank, values, force_n, data, validation, options)
+        pairs["paper"] = min(by_paper, key=lambda pair: by_paper[pair])
+    if options.select not in pairs:
+        raise UsageError("--select paper chooses orders on validation recordings: give --validate")
+    search_s = time.perf_counter() - begin
+    begin = time.perf_counter()
+    chosen = pairs[options.select]
+    rbf, condition = fit_rbf(values[:, chosen], force_n, options.n_centers, options.centers)
+    fit_s = time.perf_counter() - begin
+    passive, _, _ = fit_passive(data, options)
+    facts = {
+        "n_centers": len(rbf.centers),
+        "condition": condition,
+        "pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()},
+    }
+    parts = (_columns(bank, chosen), rbf)
+    model = assemble("rbf-fd", name, data, options, len(rows), parts, passive, False, facts)
+    return Fit(model, len(rows), feature_s, fit_s, search_s, facts)
+
+
+def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+    """Radial basis functions on position and velocity ([13])."""
+    from springpot.trainer.fit_hammerstein import fit_passive
+
+    begin = time.perf_counter()
+    rows = data.rows(options.fraction, options.seed)
+    features: PositionVelocity = foaw_features(data.dt_s)
+    values, force_n = data.features(features, rows), data.force_n(rows)
+    feature_s = time.perf_counter() - begin
+    begin = time.perf_counter()
+    rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
+    fit_s = time.perf_counter() - begin
+    passive, _, _ = fit_passive(data, options)
+    facts = {"n_centers": len(rbf.centers), "condition": condition}
+    parts = (features, rbf)
+    model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, facts)
+    return Fit(model, len(rows), feature_s, fit_s, facts=facts)
+
+
+def _pair_errors(values: Samples, force_n: Samples, fold: np.ndarray) -> dict[Pair, float]:
+    """Cross-validated RMSE of every pair. A fold's normal equations serve all fits but one."""
+    errors = {}
+    folds = np.unique(fold)
+    for pair in combinations(range(values.shape[1]), 2):
+        z = standard(values[:, pair])(values[:, pair])
+        system = kernel(z, z[farthest_points(z, 100)])
+        system /= np.sqrt(np.square(system).mean(axis=0))
+        parts = [normal_equations(system[fold == f], force_n[fold == f]) for f in folds]
+        matrix, vector = sum(p.matrix for p in parts), sum(p.vector for p in parts)
+        squares = 0.0
+        for part in parts:
+            left = matrix - part.matrix
+            ridge = _RIDGE * np.trace(left) / len(left) * np.eye(len(left))
+            squares += part.error(np.linalg.solve(left + ridge, vector - part.vector))
+        errors[pair] = float(np.sqrt(squares / len(force_n)))
+    return errors
+
+
+def _paper_errors(
+    bank: FirBank | RecursiveBank,
+    values: Samples,
+    force_n: Samples,
+    data: TrainingSet,
+    validation: Sequence[Recording],
+    options: FitOptions,
+) -> dict[Pair, float]:
+    """RMSE of every pair on the validation recordings."""
+    tests = [
+        (feature_values(bank, depth_m(rec, data.contact), rec.dt_s,
+                        np.arange(len(rec.force_n))), rec.force_n)
+        for rec in validation
+    ]  # fmt: skip
+    errors = {}
+    for pair in combinations(range(values.shape[1]), 2):
+        rbf, _ = fit_rbf(values[:, pair], force_n, options.n_centers, options.centers)
+        squares = [np.mean(np.square(rbf_force(rbf, v[:, pair]) - f)) for v, f in tests]
+        errors[pair] = float(np.sqrt(np.mean(squares)))
+    return errors
+
+
+def _columns(bank: FirBank | RecursiveBank, pair: Pair) -> FirBank | RecursiveBank:
+    orders = tuple(bank.orders[i] for i in pair)
+    if isinstance(bank, FirBank):
+        return FirBank(orders=orders, taps=bank.taps[:, pair])
+    return RecursiveBank(orders=orders, tau_s=bank.tau_s, weights=bank.weights[:, pair])

@@ -1,0 +1,78 @@
+"""Fitting tree ensembles on features with the dimension of a depth, and their way into the IR."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
+
+from springpot.codegen.ir import Forest
+from springpot.runtime_c.errors import UsageError
+from springpot.trainer.tree_ir import boosted_ir, forest_ir
+
+Samples = NDArray[np.float64]
+FEATURES_AT_SPLIT = 1 / 3
+
+
+def depth_scale(span_m: float) -> float:
+    """Power of two near 1/depth.
+
+    scikit-learn takes values closer than 1e-7 for equal, and only a power of two folds back into
+    the thresholds exactly.
+    """
+    return float(2.0 ** -np.round(np.log2(span_m)))
+
+
+def fit_forest(
+    features: Samples, force_n: Samples, scale: float, trees: int, leaf: int, seed: int
+) -> tuple[Forest, NDArray[np.float64]]:
+    """Random forest on scaled features; returns it unscaled, and each feature's importance."""
+    regressor = RandomForestRegressor(
+        n_estimators=trees,
+        min_samples_leaf=leaf,
+        max_features=FEATURES_AT_SPLIT,
+        random_state=seed,
+        n_jobs=-1,
+    ).fit((scale * features).astype(np.float32), force_n)
+    return unscaled(forest_ir(regressor), scale), regressor.feature_importances_
+
+
+def fit_boosted(
+    features: Samples, force_n: Samples, scale: float, trees: int, seed: int, monotone: bool
+) -> Forest:
+    """Gradient-boosted trees of depth 4; monotone: force never falls as a derivative rises."""
+    regressor = HistGradientBoostingRegressor(
+        max_iter=trees,
+        max_depth=4,
+        random_state=seed,
+        early_stopping=False,
+        monotonic_cst=[1] * features.shape[1] if monotone else None,
+    ).fit((scale * features).astype(np.float32), force_n)
+    return unscaled(boosted_ir(regressor), scale)
+
+
+def ensemble_ir(regressor: Any) -> Forest:
+    """Node table of an ensemble that was fitted elsewhere. Raises UsageError for other kinds."""
+    kind = type(regressor).__name__
+    if kind in {"RandomForestRegressor", "ExtraTreesRegressor"}:
+        return forest_ir(regressor)
+    if kind == "HistGradientBoostingRegressor":
+        return boosted_ir(regressor)
+    raise UsageError(
+        f"{kind}: give a fitted RandomForestRegressor, ExtraTreesRegressor or "
+        "HistGradientBoostingRegressor"
+    )
+
+
+def unscaled(forest: Forest, scale: float) -> Forest:
+    """Fold a power-of-two scale of the features back into the thresholds, exactly."""
+    return Forest(
+        feature=forest.feature,
+        threshold=forest.threshold / scale,
+        left=forest.left,
+        right=forest.right,
+        value_n=forest.value_n,
+        roots=forest.roots,
+        weight=forest.weight,
+        bias_n=forest.bias_n,
+    )

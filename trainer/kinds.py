@@ -1,0 +1,56 @@
+"""Kinds of models by name, and how each is fitted."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from springpot.trainer.auto import fit_auto
+from springpot.trainer.fit import Fit, FitOptions
+from springpot.trainer.fit_hammerstein import fit_hammerstein, fit_hybrid
+from springpot.trainer.fit_rbf import fit_rbf_fd, fit_rbf_pv
+from springpot.trainer.fit_springpot import fit_springpot
+from springpot.trainer.recording import Recording
+from springpot.trainer.rf_fd import fit_boosted_fd, fit_rf_fd, fit_rf_history
+from springpot.trainer.training_set import TrainingSet, training_set
+
+WINDOWS = 3  # recordings shorter than this many windows cannot teach what the window holds
+
+_FITS: dict[str, Callable[[str, TrainingSet, FitOptions], Fit]] = {
+    "rf-fd": fit_rf_fd,
+    "rbf-fd": fit_rbf_fd,
+    "rbf-pv": fit_rbf_pv,
+    "rf-history": fit_rf_history,
+    "hammerstein": fit_hammerstein,
+    "hybrid": fit_hybrid,
+    "boosted": fit_boosted_fd,
+    "auto": fit_auto,
+    "springpot": fit_springpot,
+}
+
+
+def fit_model(
+    kind: str,
+    name: str,
+    recordings: Sequence[Recording],
+    options: FitOptions,
+    validation: Sequence[Recording] = (),
+) -> Fit:
+    """Fit one model. `validation` decides only for rbf-fd with select "paper".
+
+    Raises DataError where the recordings do not fit together.
+    """
+    data = training_set(recordings, options.smooth_s)
+    if kind == "rbf-fd":
+        fit = fit_rbf_fd(name, data, options, validation)
+    else:
+        fit = _FITS[kind](name, data, options)
+    return replace(fit, warnings=(*fit.warnings, *_short_recordings(data, options)))
+
+
+def _short_recordings(data: TrainingSet, options: FitOptions) -> tuple[str, ...]:
+    window_s = options.window_s
+    if window_s is None or data.longest_s >= WINDOWS * window_s:
+        return ()
+    return (
+        f"--window-s {window_s:g}: the longest recording lasts {data.longest_s:.3g} s, under "
+        f"{WINDOWS} windows: memory that long is guessed, not learned; record longer holds",
+    )

@@ -1,0 +1,77 @@
+"""Non-negative least squares from normal equations, and the removal of terms that add little."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+Samples = NDArray[np.float64]
+_RIDGE = 1e-10  # of the mean diagonal: keeps the factor of nearly equal columns real
+
+
+@dataclass(frozen=True, eq=False)
+class Normal:
+    """Normal equations of rows A w = y: A'A, A'y, y'y, and the number of rows."""
+
+    matrix: Samples
+    vector: Samples
+    square: float
+    rows: int
+
+    def __add__(self, other: "Normal") -> "Normal":
+        return Normal(
+            self.matrix + other.matrix,
+            self.vector + other.vector,
+            self.square + other.square,
+            self.rows + other.rows,
+        )
+
+    def solve(self, active: NDArray[np.bool_] | None = None) -> Samples:
+        """Weights >= 0 of least error; 0 for terms that are not active."""
+        chosen = np.ones(len(self.vector), dtype=bool) if active is None else active
+        size = np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
+        scaled = self.matrix / np.outer(size, size)
+        scaled = scaled[np.ix_(chosen, chosen)]
+        factor = np.linalg.cholesky(scaled + _RIDGE * np.eye(len(scaled)))
+        target = np.linalg.solve(factor, (self.vector / size)[chosen])
+        weights = np.zeros(len(self.vector))
+        weights[chosen] = nnls(factor.T, target, maxiter=30 * len(target))[0]
+        result: Samples = weights / size
+        return result
+
+    def error(self, weights: Samples) -> float:
+        """Sum of squared errors of weights on these rows."""
+        crossed = float(weights @ self.vector)
+        return max(self.square - 2.0 * crossed + float(weights @ self.matrix @ weights), 0.0)
+
+    def rmse(self, weights: Samples) -> float:
+        """RMSE of weights on these rows."""
+        return float(np.sqrt(self.error(weights) / self.rows))
+
+
+def normal_equations(columns: Samples, target: Samples) -> Normal:
+    """Normal equations of rows."""
+    return Normal(columns.T @ columns, columns.T @ target, float(target @ target), len(target))
+
+
+def sparse_solve(normal: Normal, loss: float) -> Samples:
+    """Weights >= 0 with as few terms as keep the RMSE within a share `loss` of the best."""
+    best = normal.solve()
+    limit = (1.0 + loss) * normal.rmse(best)
+    weights = best
+    while True:
+        active = weights > 0.0
+        trials = []
+        for term in np.flatnonzero(active):
+            without = active.copy()
+            without[term] = False
+            if without.any():
+                trial = normal.solve(without)
+                trials.append((normal.rmse(trial), trial))
+        if not trials:
+            return weights
+        error, trial = min(trials, key=lambda pair: pair[0])
+        if error > limit:
+            return weights
+        weights = trial
