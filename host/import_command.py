@@ -8,6 +8,7 @@ import click
 import numpy as np
 
 from springpot.host.check_command import say_quality
+from springpot.host.options import NOT_NEGATIVE, FiniteRange
 from springpot.host.output import say
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.conditioning import Conditioning
@@ -54,11 +55,13 @@ AUTO_OR_N = _AutoOrNumber()
 @click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
 @click.option("--dbc", type=click.Path(path_type=Path), help="Database of a CAN log.")
 @click.option("--block", metavar="KIND", help="Mach-1: only such blocks, for instance Sinusoid.")
-@click.option("--position-delay-s", type=float, default=0.0, help="Of the position's sensor.")
-@click.option("--force-delay-s", type=float, default=0.0, help="Of the force's sensor.")
+@click.option(
+    "--position-delay-s", type=FiniteRange(), default=0.0, help="Of the position's sensor."
+)
+@click.option("--force-delay-s", type=FiniteRange(), default=0.0, help="Of the force's sensor.")
 @click.option("--align", is_flag=True, help="Take the stated delays out, not only note them.")
 @click.option(
-    "--mass-kg", type=float, default=0.0, help="Beyond the load cell: inertia is removed."
+    "--mass-kg", type=NOT_NEGATIVE, default=0.0, help="Beyond the load cell: inertia is removed."
 )
 @click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
 @click.option(
@@ -95,10 +98,6 @@ def import_(
     conditioning = Conditioning(
         position_delay_s, force_delay_s, align, mass_kg, tare, contact_force
     )
-    for name, value in (("position-delay-s", position_delay_s), ("force-delay-s", force_delay_s),
-                        ("mass-kg", mass_kg)):  # fmt: skip
-        if not np.isfinite(value) or (name == "mass-kg" and value < 0.0):
-            raise UsageError(f"--{name}: {value} cannot be: give a number")
     options = ImportOptions(dbc, block, decimal, conditioning)
     recordings, guesses = [], []
     for file in files:
