@@ -48,6 +48,7 @@ ns:
 C_BUILD ?= build/c
 C_EXTRA ?=
 test-c:
+	@test -n "$(COMPILERS)" || { echo "no C compiler: install gcc or clang"; exit 1; }
 	@set -e; for cc in $(COMPILERS); do for test in $(C_TESTS); do for real in float double; do \
 	  out=$(C_BUILD)/$$cc/$$real/$$(basename $$test .c); mkdir -p $$(dirname $$out); \
 	  $$cc $(SP_CFLAGS) $(SP_STRICT) $(C_EXTRA) -D_POSIX_C_SOURCE=200809L -Iruntime_c/include/$$real \

@@ -18,7 +18,8 @@ class GuardConfig:
     """sp_guard.h."""
 
     jump_m: Real
-    reach_m: Real
+    least_m: Real
+    greatest_m: Real
     resync_ticks: int
 
 

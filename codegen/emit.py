@@ -2,13 +2,14 @@
 
 import hashlib
 import json
+from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.glue import public_header, scene_header, scene_source
-from springpot.codegen.golden import golden_positions, golden_velocities
+from springpot.codegen.golden import golden_positions, golden_velocities, probe, weighed
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model_file import model_hash
 from springpot.codegen.plan import Plan
@@ -16,6 +17,7 @@ from springpot.codegen.project import example_main, example_makefile, selftest_s
 from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.fir import FirStage
 from springpot.codegen.stages.forest import ForestStage, IfsStage
+from springpot.codegen.stages.stage import RegressorStage, Stage
 from springpot.codegen.units import planned_headers, stages, state_bytes
 from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
 
@@ -31,13 +33,15 @@ def emit_files(plan: Plan) -> dict[str, str]:
     files = {
         f"{prefix}.h": public_header(plan),
         f"{prefix}_scene.h": scene_header(plan),
-        f"{prefix}_tables.h": _tables(plan),
+        f"{prefix}_tables.h": _tables(plan, "tables", stages(plan)),
         f"{prefix}_scene.c": scene_source(plan, json.dumps(_short_manifest(plan))),
         f"{prefix}_golden.h": _golden(plan),
         f"{prefix}_selftest.c": selftest_source(plan),
         "main.c": example_main(plan),
         "Makefile": example_makefile(plan),
     }
+    if plan.regressor is not None:
+        files[f"{prefix}_regressor.h"] = _tables(plan, "regressor", [plan.regressor])
     files = {name: _stamp(name) + text for name, text in files.items()}
     for header in ["sp_notes.h", *planned_headers(plan)]:
         folder = INCLUDE if header == "sp_notes.h" else SOURCE
@@ -110,10 +114,9 @@ def _stamp(name: str) -> str:
     return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"
 
 
-def _tables(plan: Plan) -> str:
+def _tables(plan: Plan, name: str, parts: Sequence[Stage | RegressorStage]) -> str:
     prefix = plan.scene.runtime.prefix
-    guard = f"{prefix.upper()}_TABLES_H"
-    parts = [*stages(plan)] + ([plan.regressor] if plan.regressor is not None else [])
+    guard = f"{prefix}_{name}_H".upper()
     lines = [line for part in parts for line in ("", *part.tables())]
     head = f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n\n"
     return "\n".join([f'{head}#include "{prefix}_scene.h"', *lines, "\n#endif\n"])
@@ -128,11 +131,16 @@ def _golden(plan: Plan) -> str:
     columns = {"golden_position": positions}
     if velocities is not None:
         columns["golden_velocity"] = velocities
-    columns["golden_force"] = run_reference(plan, positions, velocities).force_n
+    run = run_reference(plan, positions, velocities)
+    columns["golden_force"] = run.force_n
+    if plan.features is not None and (weights := weighed(plan.features)) is not None:
+        columns["golden_probe"] = probe(weights)
     bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
     parts = [f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"]
     for name, values in columns.items():
         items = [f"0x{pattern:x}" for pattern in values.view(bits).tolist()]
         parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
         parts += [*wrapped(items), "};"]
+    notes = map(str, run.notes.tolist())
+    parts += [f"static const uint8_t golden_notes[{len(run.notes)}] = {{", *wrapped(notes), "};"]
     return "\n".join([*parts, "\n#endif\n"])

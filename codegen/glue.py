@@ -6,7 +6,7 @@ from pathlib import Path
 from springpot.codegen.literals import literal, struct_text
 from springpot.codegen.plan import Plan
 from springpot.codegen.project import filled, prefixed
-from springpot.codegen.units import planned_headers, stages, state_members
+from springpot.codegen.units import planned_headers, stages, state_bytes, state_members
 from springpot.runtime_c.paths import INCLUDE
 
 ABI_VERSION = 1
@@ -32,7 +32,10 @@ def scene_header(plan: Plan) -> str:
         f"#ifndef {guard}\n#define {guard}\n\n"
         f'#include <stdint.h>\n\n#include "{prefix}.h"\n#include "sp_real.h"\n{includes}\n\n'
         f"/* {plan.scene.name}: what one tick hands to the next. */\n"
-        f"struct {prefix}_state {{\n{members}\n}};\n\n#endif\n"
+        f"struct {prefix}_state {{\n{members}\n}};\n\n"
+        "/* Fails where a header of another number type or version was included first. */\n"
+        f"typedef char {prefix}_state_is_as_planned"
+        f"[sizeof(struct {prefix}_state) == {state_bytes(plan)} ? 1 : -1];\n\n#endif\n"
     )
 
 
@@ -40,7 +43,8 @@ def scene_source(plan: Plan, manifest: str) -> str:
     """Constants and the public functions. The tick reads like figure 12 of the paper."""
     prefix = plan.scene.runtime.prefix
     parts = [
-        f'#include <stddef.h>\n\n#include "{prefix}_scene.h"\n#include "{prefix}_tables.h"',
+        f'#include <stddef.h>\n\n#include "{prefix}_scene.h"\n#include "{prefix}_tables.h"'
+        + (f'\n#include "{prefix}_regressor.h"' if plan.regressor is not None else ""),
         _constants(plan),
         _restart(plan),
         _step(plan),
@@ -59,6 +63,8 @@ def _constants(plan: Plan) -> str:
         parts.append(struct_text("couple", "sp_couple_tool_config", plan.couple_tool))
     if plan.per_onset is not None:
         parts.append(f"static const sp_real per_onset = {literal(plan.per_onset)};")
+    if plan.needs_device_velocity:
+        parts.append(f"static const sp_real greatest_mps = {literal(plan.greatest_mps)};")
     if plan.smooth_alpha is not None:
         parts.append(f"static const sp_real smooth_alpha = {literal(plan.smooth_alpha)};")
     return "\n".join(parts)
@@ -85,26 +91,19 @@ def _step(plan: Plan) -> str:
         "}",
         "int notes = 0;",
         "const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);",
+        *_device_velocity(plan),
         "sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));",
-        "const sp_real depth = sp_range_clip(&range, position, &notes);",
+        *_depth(plan),
         "if (notes & SP_NOTE_RESYNC) {",
         "    restart(state, position, depth);",
         "}",
         *(line for stage in stages(plan) for line in stage.advance()),
-        *_device_velocity(plan),
-    ]
-    if plan.contact:
-        lines += [
-            "sp_real force = (sp_real)0;",
-            "if (position > (sp_real)0) {",
-            *_indented([*_model_force(plan), *_shape(plan)]),
-            "} else {",
-            *_indented([*_forget(plan), "sp_output_free(&state->output);"]),
-            "}",
-        ]
-    else:
-        lines += ["sp_real force;", *_model_force(plan), *_shape(plan)]
-    lines += [
+        "sp_real force = (sp_real)0;",
+        f"if ({'position > (sp_real)0' if plan.contact else 'state->guard.started'}) {{",
+        *_indented([*_model_force(plan), *_shape(plan)]),
+        "} else {",
+        *_indented([*_forget(plan), "sp_output_free(&state->output);"]),
+        "}",
         "*force_n = sp_output_force(&output, &state->output, force, &notes);",
         "return notes;",
     ]
@@ -153,7 +152,16 @@ def _device_velocity(plan: Plan) -> list[str]:
         return ["(void)velocity_mps;"]
     return [
         "const sp_real device_mps =",
-        "    sp_guard_velocity(&guard, velocity_mps, output.dt_s, &notes);",
+        "    sp_guard_velocity(greatest_mps, &state->good_mps, velocity_mps, &notes);",
+    ]
+
+
+def _depth(plan: Plan) -> list[str]:
+    if not plan.contact:
+        return ["const sp_real depth = sp_range_clip(&range, position, &notes);"]
+    return [
+        "const sp_real below = position > (sp_real)0 ? position : (sp_real)0;",
+        "const sp_real depth = sp_range_clip(&range, below, &notes);",
     ]
 
 

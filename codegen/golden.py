@@ -6,8 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.plan import Plan
+from springpot.codegen.stages.fir import FirStage
+from springpot.codegen.stages.recursive import RecursiveStage
+from springpot.codegen.stages.stage import FeatureStage
 
 LEG_TICKS = 60
+PROBE_INPUTS = 64
 _GLITCH_M = 0.5
 # Depths as shares of the trained range; below 0 is free air where there is contact.
 _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
@@ -40,3 +44,22 @@ def backward_velocity(
 ) -> NDArray[np.float32 | np.float64]:
     """Backward differences, m/s, of the positions' type; 0 at the first."""
     return np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
+
+
+def weighed(features: FeatureStage) -> NDArray[np.float32 | np.float64] | None:
+    """Weights that turn a window or poles into features; None for stages without arithmetic."""
+    if isinstance(features, FirStage):
+        return features.taps
+    return features.weights if isinstance(features, RecursiveStage) else None
+
+
+def probe(weights: NDArray[np.float32 | np.float64]) -> NDArray[np.float32 | np.float64]:
+    """Weighted sums of made-up inputs, shape (lanes,).
+
+    The self-test compares their bits: leaves of trees hide small differences of features.
+    """
+    real = weights.dtype.type
+    total = np.zeros(weights.shape[1], dtype=weights.dtype)
+    for k, row in enumerate(weights[:PROBE_INPUTS]):
+        total += row * (real((37 * k) % 101) / real(128))
+    return total

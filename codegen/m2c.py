@@ -29,7 +29,7 @@ def score_source(forest: Forest, table: ForestTable) -> str:
     trees = [_tree(table, int(row)) for row in table.roots[: len(forest.roots)]]
     text = str(CInterpreter().interpret(_balanced_sum(trees)))
     return text[text.index(_HEAD) :].replace(
-        _HEAD, "static double forest_score(const double *input)"
+        _HEAD, "static inline double forest_score(const double *input)"
     )
 
 

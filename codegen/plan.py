@@ -1,6 +1,5 @@
 """Plan: model and scene resolved into exactly what will be emitted, and what is left out."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -20,14 +19,17 @@ from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage
 from springpot.codegen.stages.position_velocity import VelocityStage, velocity_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
-from springpot.runtime_c.errors import UsageError
+from springpot.runtime_c.errors import DataError, UsageError
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
 LEAST_JUMP_MPS = 1.0
 JUMP_PER_TRAINED_SPEED = 8.0
-REACH_M = 10.0
-REACH_PER_DEPTH = 100.0
-RESYNC_TICKS = 5
+FREE_M = 10.0  # a tool may wait this far from the surface
+LEAST_REACH_M = 0.1
+REACH_PER_DEPTH = 10.0
+RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
+LEAST_WATCHDOG_TICKS = 3
+RATES_HZ = (10.0, 8000.0)
 RAMP_S = 0.05
 WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
 FORCE_MARGIN = 1.2
@@ -51,6 +53,7 @@ class Plan:
     per_onset: Real | None
     velocity: VelocityStage | None
     couple_tool: CoupleToolConfig | None
+    greatest_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
     left_out: tuple[LeftOut, ...]
@@ -77,10 +80,10 @@ def make_plan(model: Model, scene: Scene) -> Plan:
     """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together."""
     dtype: type[Any] = np.float32 if scene.runtime.number == "float32" else np.float64
     dt_s = _time_step(model, scene)
+    watchdog_s = _watchdog_s(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
     features, regressor, passive, dropped = model_stages(model, scene, dtype)
     couple = _couple_tool(scene, dt_s, dtype)
-    size = np.dtype(dtype).itemsize
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
     return Plan(
@@ -88,7 +91,7 @@ def make_plan(model: Model, scene: Scene) -> Plan:
         model=model,
         real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
-        guard=_guard_config(model, dt_s, dtype),
+        guard=_guard_config(model, watchdog_s, dt_s, contact, dtype),
         range=RangeConfig(
             least_m=dtype(0.0 if contact else model.trained.least_m),
             greatest_m=dtype(model.trained.greatest_m),
@@ -99,48 +102,82 @@ def make_plan(model: Model, scene: Scene) -> Plan:
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
         velocity=tool_velocity(dt_s, dtype) if estimates else None,
         couple_tool=couple,
+        greatest_mps=dtype(greatest_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
-        output=_output_config(model, scene, dt_s, contact, dtype),
-        left_out=tuple(dropped + _units_left_out(contact, couple is not None, alpha, size)),
+        output=_output_config(model, scene, watchdog_s, dt_s, contact, dtype),
+        left_out=tuple(
+            dropped + _units_left_out(contact, couple is not None, estimates, alpha, dt_s, dtype)
+        ),
         coupling=_coupling_note(scene),
         outside=_outside_note(scene),
     )
 
 
 def _time_step(model: Model, scene: Scene) -> float:
-    rate_hz = scene.runtime.rate_hz
-    if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-6:
+    trained_hz = 1.0 / model.dt_s
+    if not RATES_HZ[0] * 0.999 <= trained_hz <= RATES_HZ[1] * 1.001:
         raise UsageError(
-            f"runtime.rate_hz = {rate_hz:g}: the model's features were fitted at "
-            f"{1 / model.dt_s:g} Hz and is not exact at another rate: remove the key, or train on "
-            f"recordings of {rate_hz:g} Hz"
+            f"the model was recorded at {trained_hz:g} Hz: a loop runs at {RATES_HZ[0]:g} to "
+            f"{RATES_HZ[1]:g} Hz: import the recordings with --resample-hz"
+        )
+    rate_hz = scene.runtime.rate_hz
+    if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-3:
+        raise UsageError(
+            f"runtime.rate_hz = {rate_hz:g}: the model's features were fitted at {trained_hz:g} Hz "
+            f"and are not exact at another rate: remove the key, or train on recordings of "
+            f"{rate_hz:g} Hz"
         )
     return model.dt_s
 
 
-def _guard_config(model: Model, dt_s: float, real: Callable[[float], Real]) -> GuardConfig:
+def _watchdog_s(scene: Scene, dt_s: float) -> float:
+    watchdog_s = 1e-3 * (scene.guard.watchdog_ms or max(20.0, 3e3 * dt_s))
+    if watchdog_s < (LEAST_WATCHDOG_TICKS - 0.5) * dt_s:
+        raise UsageError(
+            f"guard.watchdog_ms = {1e3 * watchdog_s:g}: at {1 / dt_s:g} Hz give at least "
+            f"{1e3 * LEAST_WATCHDOG_TICKS * dt_s:g}, or one bad sample latches"
+        )
+    return watchdog_s
+
+
+def _guard_config(
+    model: Model, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
+) -> GuardConfig:
     trained = model.trained
     deepest_m = max(abs(trained.least_m), abs(trained.greatest_m))
+    reach_m = max(LEAST_REACH_M, REACH_PER_DEPTH * deepest_m)
+    before_latch = int(watchdog_s / dt_s) - 1
     return GuardConfig(
-        jump_m=real(dt_s * max(LEAST_JUMP_MPS, JUMP_PER_TRAINED_SPEED * trained.greatest_mps)),
-        reach_m=real(max(REACH_M, REACH_PER_DEPTH * deepest_m)),
-        resync_ticks=RESYNC_TICKS,
+        jump_m=real(dt_s * greatest_mps(model)),
+        least_m=real(-FREE_M if contact else -reach_m),
+        greatest_m=real(reach_m),
+        resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
     )
 
 
+def greatest_mps(model: Model) -> float:
+    """Greatest believable speed of the hand, m/s."""
+    return max(LEAST_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.greatest_mps)
+
+
 def _output_config(
-    model: Model, scene: Scene, dt_s: float, contact: bool, real: Callable[[float], Real]
+    model: Model, scene: Scene, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
 ) -> OutputConfig:
     trained = model.trained
-    greatest_n = scene.guard.max_force_n or FORCE_MARGIN * trained.greatest_n
+    peak_n = trained.greatest_n if contact else max(abs(trained.least_n), abs(trained.greatest_n))
+    greatest_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n
+    if greatest_n <= 0.0:
+        raise DataError(
+            f"the model's forces never push out (greatest {trained.greatest_n:g} N): turn the sign "
+            "round on import, for example --map force=COL:-1N, and train again"
+        )
     least_n = 0.0 if contact else max(-greatest_n, min(0.0, FORCE_MARGIN * trained.least_n))
-    watchdog_ms = scene.guard.watchdog_ms or max(20.0, 3e3 * dt_s)
     return OutputConfig(
         least_n=real(least_n),
         greatest_n=real(greatest_n),
         rise=real(min(1.0, dt_s / RAMP_S)),
-        fall_nps=real(max(greatest_n, -least_n) / WATCHDOG_FALL_S),
-        watchdog_s=real(watchdog_ms * 1e-3),
+        fall_nps=real(greatest_n / WATCHDOG_FALL_S),
+        watchdog_s=real(watchdog_s),
         dt_s=real(dt_s),
     )
 
@@ -161,9 +198,7 @@ def tool_velocity(dt_s: float, dtype: type[Any]) -> VelocityStage:
     return velocity_stage(foaw_features(dt_s), dt_s, dtype, "position")
 
 
-def _couple_tool(
-    scene: Scene, dt_s: float, real: Callable[[float], Real]
-) -> CoupleToolConfig | None:
+def _couple_tool(scene: Scene, dt_s: float, real: type[Any]) -> CoupleToolConfig | None:
     mode = scene.coupling.mode
     if mode == "proxy":
         raise UsageError(
@@ -178,20 +213,29 @@ def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
     return None if time_constant_s == 0.0 else float(-np.expm1(-dt_s / time_constant_s))
 
 
-def _units_left_out(contact: bool, coupled: bool, alpha: float | None, size: int) -> list[LeftOut]:
+def _units_left_out(
+    contact: bool,
+    coupled: bool,
+    estimates: bool,
+    alpha: float | None,
+    dt_s: float,
+    dtype: type[Any],
+) -> list[LeftOut]:
+    size = np.dtype(dtype).itemsize
     left_out = []
     if not contact:
-        why = "the recordings never leave the object"
-        left_out.append(LeftOut("contact and onset", why, size))
+        left_out.append(LeftOut("contact and onset", "the recordings never leave the object", size))
     if not coupled:
         # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
         saved = 8 * size + 2 * size + 4
         left_out.append(LeftOut("coupling", "coupling.mode is off", saved))
-        why = "nothing in this scene needs a velocity"
-        left_out.append(LeftOut("velocity estimate", why, 0))
+    if not estimates:
+        why = "the device gives it" if coupled else "nothing in this scene needs a velocity"
+        length = len(tool_velocity(dt_s, dtype).per_step)
+        saved = (length + 2 * (length + 1)) * size + 4
+        left_out.append(LeftOut("velocity estimate", why, saved))
     if alpha is None:
-        why = "smoothing.time_constant_s is 0"
-        left_out.append(LeftOut("smoothing", why, 2 * size))
+        left_out.append(LeftOut("smoothing", "smoothing.time_constant_s is 0", 2 * size))
     return left_out
 
 

@@ -56,7 +56,8 @@ def model_stages(
 def used_columns(model: Model) -> Columns:
     """Columns of the model's features that its regressor reads."""
     if isinstance(model.regressor, Forest):
-        return used_features(model.regressor).astype(np.intp)
+        used = used_features(model.regressor).astype(np.intp)
+        return used if len(used) else np.zeros(1, dtype=np.intp)  # trees without a split
     return np.arange(feature_count(model.features))
 
 

@@ -31,13 +31,19 @@ def run_reference(plan: Plan, position_m: Reals, velocity_mps: Reals | None = No
     raw = np.asarray(position_m, dtype=plan.dtype)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
         position, notes = Guarding(plan.guard).run(raw)
+        velocity, bad = _device_velocity(plan, velocity_mps, len(raw))
+        notes |= np.where(bad, HELD, 0).astype(np.int32)
         held = (notes & HELD) != 0
-        depth, outside = clip(plan.range, position)
-        notes |= np.where(outside, OUTSIDE, 0).astype(np.int32)
         starts = np.flatnonzero(notes & RESYNC)
-        contact = position > 0 if plan.contact else np.ones(len(position), dtype=bool)
+        started = np.arange(len(raw)) >= (starts[0] if len(starts) else len(raw))
+        contact = position > 0 if plan.contact else started
+        depth, outside = clip(
+            plan.range, np.where(contact, position, 0) if plan.contact else position
+        )
+        notes |= np.where(outside, OUTSIDE, 0).astype(np.int32)
         model_n = model_force(plan, depth, starts, contact)
-        velocity = _velocity(plan, position, starts, velocity_mps, notes)
+        if plan.velocity is not None:
+            velocity = plan.velocity.reference(position, starts)
         force_n = Tail(plan).run(position, velocity, model_n, contact, held, notes)
     return Run(force_n=force_n, notes=notes)
 
@@ -54,22 +60,21 @@ def model_force(plan: Plan, depth: Reals, starts: Starts, contact: NDArray[np.bo
     return np.where(contact, force_n, plan.dtype(0))
 
 
-def clip(config: RangeConfig, position: Reals) -> tuple[Reals, NDArray[np.bool_]]:
-    """sp_range.h: clipped depth, and where it was too deep."""
-    outside = position > config.greatest_m
-    clipped = np.where(outside, config.greatest_m, position)
-    return np.where(clipped < config.least_m, config.least_m, clipped), outside
+def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, NDArray[np.bool_]]:
+    """sp_range.h: clipped depth, and where it was outside."""
+    deep, shallow = depth > config.greatest_m, depth < config.least_m
+    clipped = np.where(deep, config.greatest_m, np.where(shallow, config.least_m, depth))
+    return clipped.astype(depth.dtype), deep | shallow
 
 
-def _velocity(
-    plan: Plan, position: Reals, starts: Starts, velocity_mps: Reals | None, notes: Notes
-) -> Reals:
-    if plan.velocity is not None:
-        return plan.velocity.reference(position, starts)
-    velocity = np.zeros(len(position), dtype=plan.dtype)
-    if plan.needs_device_velocity and velocity_mps is not None:
-        velocity = np.asarray(velocity_mps, dtype=plan.dtype)
-        good = np.abs(velocity) * plan.output.dt_s <= plan.guard.jump_m
-        notes |= np.where(good, 0, HELD).astype(np.int32)
-        velocity = np.where(good, velocity, plan.dtype(0))
-    return velocity
+def _device_velocity(
+    plan: Plan, velocity_mps: Reals | None, length: int
+) -> tuple[Reals, NDArray[np.bool_]]:
+    """sp_guard_velocity.h: believable velocities, and where the last good one served."""
+    if not plan.needs_device_velocity or velocity_mps is None:
+        return np.zeros(length, dtype=plan.dtype), np.zeros(length, dtype=bool)
+    velocity = np.asarray(velocity_mps, dtype=plan.dtype)
+    good = np.abs(velocity) <= plan.greatest_mps
+    last = np.maximum.accumulate(np.where(good, np.arange(length), -1))
+    kept = np.where(last >= 0, velocity[last], plan.dtype(0))
+    return kept.astype(plan.dtype), ~good

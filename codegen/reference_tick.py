@@ -23,13 +23,13 @@ class Guarding:
 
     def run(self, raw: Reals) -> tuple[Reals, Notes]:
         """Positions that the tick may believe, and HELD or RESYNC for each."""
-        jump_m, reach_m = self._config.jump_m, self._config.reach_m
+        jump_m = self._config.jump_m
         position = raw.copy()
         notes = np.zeros(len(raw), dtype=np.int32)
         good = suspect = raw.dtype.type(0)
         agreeing = 0
         started = False
-        plausible = np.isfinite(raw) & (np.abs(raw) <= reach_m)
+        plausible = (raw >= self._config.least_m) & (raw <= self._config.greatest_m)
         for i, x in enumerate(raw):
             if not plausible[i]:
                 agreeing = 0
@@ -141,6 +141,7 @@ class _Output:
 
     def free(self) -> None:
         self._share = self._real(1)
+        self._force = self._real(0)
 
     def watch(self, held: bool) -> None:
         self._silent = self._silent + self._config.dt_s if held else self._real(0)

@@ -6,11 +6,9 @@ The types carry each key's bounds; the host checks a file against them and names
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Interval
+from annotated_types import Gt, Interval
 
-Positive = Annotated[float, Gt(0)]
-NotNegative = Annotated[float, Ge(0)]
-_CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": False}
+_CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 
 @dataclass(frozen=True)
@@ -31,9 +29,9 @@ class Coupling:
 
     __pydantic_config__ = _CLOSED
     mode: Literal["auto", "off", "tool", "proxy"] = "auto"
-    stiffness_npm: Positive = 1500.0
-    damping_nspm: Positive = 20.0
-    mass_kg: Positive = 0.05
+    stiffness_npm: Annotated[float, Interval(ge=1e-3, le=1e7)] = 1500.0
+    damping_nspm: Annotated[float, Interval(ge=1e-6, le=1e7)] = 20.0
+    mass_kg: Annotated[float, Interval(ge=1e-6, le=1e3)] = 0.05
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class Smoothing:
     """Exponential moving average of the force; 0 leaves it out."""
 
     __pydantic_config__ = _CLOSED
-    time_constant_s: NotNegative = 0.0
+    time_constant_s: Annotated[float, Interval(ge=0, le=1)] = 0.0
 
 
 @dataclass(frozen=True)
@@ -49,11 +47,11 @@ class Guard:
     """Limits; None means the default that the plan derives from the model."""
 
     __pydantic_config__ = _CLOSED
-    max_force_n: Positive | None = None
+    max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
     outside: Literal["fallback", "hold", "zero"] = "fallback"
-    watchdog_ms: Positive | None = None
+    watchdog_ms: Annotated[float, Interval(gt=0, le=1000)] | None = None
     contact: Literal["surface", "always"] | None = None
-    onset_mm: Positive | None = None
+    onset_mm: Annotated[float, Interval(ge=1e-4, le=100)] | None = None
 
 
 @dataclass(frozen=True)
@@ -73,7 +71,7 @@ class Budget:
     __pydantic_config__ = _CLOSED
     flash_bytes: Annotated[int, Gt(0)] | None = None
     ram_bytes: Annotated[int, Gt(0)] | None = None
-    tick_us: Positive | None = None
+    tick_us: Annotated[float, Gt(0)] | None = None
 
 
 @dataclass(frozen=True)

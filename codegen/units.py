@@ -16,6 +16,7 @@ def planned_headers(plan: Plan) -> list[str]:
     if plan.regressor is not None:
         parts.append(plan.regressor)
     headers = ["sp_number.h", "sp_guard.h", "sp_range.h"]
+    headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
     headers += [header for part in parts for header in part.headers]
     headers += ["sp_contact.h"] if plan.contact else []
     headers += ["sp_couple_tool.h"] if plan.couple_tool is not None else []
@@ -27,6 +28,8 @@ def state_members(plan: Plan) -> list[Member]:
     """Members of sp_state, in order."""
     members = [Member("sp_guard_state guard", (REAL, REAL, U32, U32))]
     members += [member for stage in stages(plan) for member in stage.members]
+    if plan.needs_device_velocity:
+        members.append(Member("sp_real good_mps", (REAL,)))
     if plan.couple_tool is not None:
         members.append(Member("sp_couple_tool_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:

@@ -54,6 +54,10 @@ def main() -> None:
     except click.ClickException as error:
         say(f"springpot: {error.format_message()}")
         sys.exit(2)
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        say(f"springpot: {place}{error.strerror or error}: choose another place, or free this one")
+        sys.exit(2)
     except click.exceptions.Abort:
         say("springpot: interrupted")
         sys.exit(130)
@@ -63,5 +67,6 @@ def main() -> None:
         package = (error.name or "").split(".")[0]
         if package == "springpot":
             raise
-        say(f"springpot: {package} is not installed: `pip install 'springpot[train,report,can]'`")
+        extras = "springpot[train,report,can,m2cgen]"
+        say(f"springpot: {package} is not installed: `pip install '{extras}'`")
         sys.exit(2)

@@ -15,7 +15,11 @@ from springpot.runtime_c.paths import flags
 
 
 class CompilerError(SpringpotError):
-    """No C compiler, or one that refuses our sources."""
+    """A C compiler that refuses our sources."""
+
+
+class NoCompilerError(CompilerError):
+    """No C compiler at all."""
 
 
 def cache_folder() -> Path:
@@ -28,18 +32,18 @@ def cache_folder() -> Path:
 def find_compiler() -> str:
     """Return the path of $CC, gcc, clang or cc, the first that exists.
 
-    Raises CompilerError with what to install where there is none.
+    Raises NoCompilerError with what to install where there is none.
     """
     asked = os.environ.get("CC")
     if asked:
         found = shutil.which(asked)
         if found is None:
-            raise CompilerError(f"CC={asked}: no such compiler on PATH: unset CC or install it")
+            raise NoCompilerError(f"CC={asked}: no such compiler on PATH: unset CC or install it")
         return found
     for name in ("gcc", "clang", "cc"):
         if found := shutil.which(name):
             return found
-    raise CompilerError(
+    raise NoCompilerError(
         "no C compiler on PATH (looked for gcc, clang, cc): install one, "
         "for example with `apt-get install gcc`, or set CC"
     )
@@ -72,9 +76,15 @@ def shared_library(
     """
     build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
     library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
-    if library.exists():
+    seal = library.with_suffix(".sha256")
+    if _sealed(library, seal):
         return library
-    library.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        library.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CompilerError(
+            f"{library.parent}: {error.strerror}: set XDG_CACHE_HOME to a folder that you can write"
+        ) from None
     with tempfile.TemporaryDirectory(dir=library.parent) as aside:
         built = Path(aside) / library.name
         run_compiler(
@@ -87,8 +97,21 @@ def shared_library(
                 "-lm",
             ]
         )
+        if not built.exists():
+            raise CompilerError(f"{find_compiler()} wrote no library: set CC to a C compiler")
+        digest = hashlib.sha256(built.read_bytes()).hexdigest()
+        built.with_suffix(".sha256").write_text(digest)
         built.replace(library)
+        built.with_suffix(".sha256").replace(seal)
     return library
+
+
+def _sealed(library: Path, seal: Path) -> bool:
+    """Whether the library is there as it was built: a damaged one would crash the process."""
+    try:
+        return hashlib.sha256(library.read_bytes()).hexdigest() == seal.read_text()
+    except OSError:
+        return False
 
 
 def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence[str]) -> str:

@@ -1,7 +1,9 @@
 """Emission: files written aside, built, self-tested, and only then renamed into place."""
 
+import hashlib
 import json
 import shutil
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +15,7 @@ from springpot.codegen.model_file import read_model
 from springpot.codegen.plan import Plan, make_plan
 from springpot.codegen.scene import Scene
 from springpot.codegen.units import state_bytes
-from springpot.host.compiler import CompilerError
+from springpot.host.compiler import NoCompilerError
 from springpot.host.footprint import Footprint, measure_footprint
 from springpot.host.library import SceneLibrary
 from springpot.host.scene_file import scene_from_json, scene_to_json
@@ -23,6 +25,9 @@ from springpot.runtime_c.errors import BudgetError, DataError, MismatchError, Us
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
 MODEL_COPY = "from/model.spm"
 SCENE_COPY = "from/scene.json"
+SEALS = "from/files.json"
+# What validation, report and a build by hand put beside it.
+_OWN_LATER = {"validation", "report.html", "example"}
 
 
 @dataclass(frozen=True)
@@ -49,17 +54,15 @@ def emit(scene: Scene, model_file: Path, folder: Path) -> Emission:
     _refuse_foreign(folder)
     model = read_model(model_file)
     plan = make_plan(model, scene)
-    aside = folder.with_name(folder.name + ".part")
-    shutil.rmtree(aside, ignore_errors=True)
-    begin = time.perf_counter()
-    _write(plan, scene, model_file, aside)
-    write_s = time.perf_counter() - begin
-    try:
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as scratch:
+        aside = Path(scratch) / "new"
+        begin = time.perf_counter()
+        _write(plan, scene, model_file, aside)
+        write_s = time.perf_counter() - begin
         emission = _built(plan, aside, folder, write_s)
-    except Exception:
-        shutil.rmtree(aside, ignore_errors=True)
-        raise
-    _replace(aside, folder)
+        if folder.exists():
+            folder.rename(Path(scratch) / "old")
+        aside.rename(folder)
     return emission
 
 
@@ -78,10 +81,11 @@ def _write(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
     shutil.copyfile(model_file, folder / MODEL_COPY)
+    _seal(folder)
 
 
 def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
-    notices = []
+    notices = _unchecked(plan.scene)
     footprint = compile_s = None
     try:
         begin = time.perf_counter()
@@ -94,7 +98,7 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             )
         footprint, notice = _footprint(plan, aside)
         notices += [notice] if notice else []
-    except CompilerError as error:
+    except NoCompilerError as error:
         notices.append(f"not built, sizes unknown: {error}")
     facts = json.loads((aside / "manifest.json").read_text())
     emission = Emission(
@@ -140,19 +144,49 @@ def _check_budget(emission: Emission) -> None:
 
 
 def _refuse_foreign(folder: Path) -> None:
+    """Refuse to replace a folder in which anything is not as springpot wrote it."""
     if folder.is_file():
         raise UsageError(f"{folder}: is a file: give a folder to --out")
-    if folder.exists() and any(folder.iterdir()) and not (folder / SCENE_COPY).exists():
-        raise UsageError(
-            f"{folder}: holds files that springpot did not emit: give --out an empty or new folder"
-        )
+    if folder.exists() and any(folder.iterdir()):
+        if not (folder / SEALS).exists():
+            raise UsageError(
+                f"{folder}: holds files that springpot did not emit: give --out an empty or new "
+                "folder"
+            )
+        known = json.loads((folder / SEALS).read_text())
+        for file in sorted(folder.rglob("*")):
+            name = str(file.relative_to(folder))
+            if file.is_dir() or name == SEALS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
+                continue
+            if known.get(name) != hashlib.sha256(file.read_bytes()).hexdigest():
+                raise UsageError(
+                    f"{file}: not as springpot emitted it: move your changes out of {folder}, or "
+                    "give --out another folder"
+                )
     folder.parent.mkdir(parents=True, exist_ok=True)
 
 
-def _replace(aside: Path, folder: Path) -> None:
-    before = folder.with_name(folder.name + ".old")
-    shutil.rmtree(before, ignore_errors=True)
-    if folder.exists():
-        folder.rename(before)
-    aside.rename(folder)
-    shutil.rmtree(before, ignore_errors=True)
+def _seal(folder: Path) -> None:
+    files = [file for file in folder.rglob("*") if file.is_file()]
+    seals = {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+    }
+    (folder / SEALS).write_text(json.dumps(seals, indent=2, sort_keys=True) + "\n")
+
+
+def _unchecked(scene: Scene) -> list[str]:
+    """Keys of the scene that this version reads but does not act on."""
+    told = []
+    if scene.budget.tick_us is not None:
+        told.append("budget.tick_us is not checked at emission: `springpot validate` measures it")
+    if scene.device.delay_samples:
+        told.append("device.delay_samples is not acted on: no loop check exists yet")
+    if scene.device.surface_mm:
+        told.append("device.surface_mm is for drivers: the C counts positions from the surface")
+    if scene.runtime.number == "float64" and scene.runtime.target != "host":
+        told.append(
+            f"float64 on {scene.runtime.target}: doubles run in software there, and the flash of "
+            "their library is not counted"
+        )
+    return told

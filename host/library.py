@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.glue import ABI_VERSION, declarations
-from springpot.host.compiler import shared_library
+from springpot.host.compiler import CompilerError, shared_library
 from springpot.runtime_c.errors import DataError, UsageError
 
 Reals = NDArray[Any]
@@ -38,7 +38,10 @@ class SceneLibrary:
         self._prefix = scene_prefix(folder)
         self._ffi = cffi.FFI()
         self._ffi.cdef(declarations(folder, self._prefix))
-        self._lib = self._ffi.dlopen(str(self.path))
+        try:
+            self._lib = self._ffi.dlopen(str(self.path))
+        except OSError as error:
+            raise CompilerError(f"{self.path}: cannot be loaded here ({error}): check CC") from None
         found = self.function("abi_version")()
         if found != ABI_VERSION:
             raise DataError(
@@ -102,6 +105,8 @@ class SceneState:
     def run(self, position_m: Reals, velocity_mps: Reals | None = None) -> tuple[Reals, int]:
         """A batch: forces, shape (n,), N, and all notes. Inputs are rounded to the scene's type."""
         position = np.ascontiguousarray(position_m, dtype=self._library.dtype)
+        if velocity_mps is not None and len(velocity_mps) != len(position):
+            raise UsageError(f"{len(position)} positions and {len(velocity_mps)} velocities")
         force = np.empty_like(position)
         velocity = self._ffi.NULL
         if velocity_mps is not None:
@@ -110,6 +115,8 @@ class SceneState:
         notes = self._library.function("run")(
             self._state, len(position), self._pointer(position), velocity, self._pointer(force)
         )
+        if notes < 0:
+            raise UsageError("this scene reads the device's velocity: give velocity_mps")
         return force, notes
 
     def _pointer(self, values: Reals) -> Any:

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.runtime_c.errors import DataError
+
 Samples = NDArray[np.float64]
 
 # Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
 # drawn, not scored.
 WEBER_FRACTION = 0.10
 SCORED_ABOVE_N = 2.0
-# Absolute threshold that the drawn curve tends to below: Weber fraction x 2 N.
 _BOOTSTRAPS = 2000
 
 
@@ -43,6 +44,8 @@ def accuracy(measured_n: Sequence[Samples], predicted_n: Sequence[Samples]) -> A
         for measured, predicted in zip(measured_n, predicted_n, strict=True)
     ]
     error, measured = np.concatenate(errors), np.concatenate(measured_n)
+    if not measured.any():
+        raise DataError("the measured force is 0 everywhere: there is nothing to compare with")
     each = np.array([rms(values) for values in errors])
     rmse_n = rms(error)
     return Accuracy(

@@ -8,6 +8,7 @@ from typing import Any
 import click
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 progress_console = Console(stderr=True)
 
@@ -26,7 +27,7 @@ def print_result(result: Mapping[str, Any], as_json: bool, rows: Mapping[str, st
         return
     table = Table(show_header=False, box=None, pad_edge=False)
     for name, value in rows.items():
-        table.add_row(name, value)
+        table.add_row(Text(name), Text(value, overflow="fold"))
     Console(file=sys.stdout).print(table)
 
 

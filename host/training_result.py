@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.ir import FirBank, Lags, Model, RecursiveBank
+from springpot.host.frames import refuse_other_frame
 from springpot.host.metrics import Accuracy, accuracy
-from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import Recording
 
 if TYPE_CHECKING:
@@ -87,18 +87,3 @@ def validated(model: Model, recordings: list[Recording], smooth_s: float) -> Acc
         [recording.force_n for recording in prepared],
         [predict_n(model, recording) for recording in prepared],
     )
-
-
-def refuse_other_frame(recording: Recording, model: Model) -> None:
-    """Raise DataError for another sampling rate, or another meaning of position 0."""
-    if abs(recording.dt_s / model.dt_s - 1.0) > 1e-3:
-        raise DataError(
-            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the model at "
-            f"{1 / model.dt_s:g} Hz: import it with --resample-hz {1 / model.dt_s:g}"
-        )
-    if (recording.zero != "none") != (model.contact == "always"):
-        raise DataError(
-            f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "
-            f"{'with' if model.contact == 'always' else 'without'} --zero first or min: import "
-            "all the same way"
-        )

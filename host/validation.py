@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.reference import run_reference
 from springpot.host.emission import read_emission
+from springpot.host.frames import refuse_other_frame
 from springpot.host.library import SceneLibrary
 from springpot.host.metrics import Accuracy, accuracy
 from springpot.host.replay import Replay, TickTimes
-from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import Recording
 
 NOTE_NAMES = {1: "held", 2: "resync", 4: "outside", 8: "clamped", 16: "ramped", 32: "latched"}
@@ -38,13 +38,9 @@ class Validation:
 
 def validate(folder: Path, recordings: Sequence[Recording], paced_s: float = PACED_S) -> Validation:
     """Replay every recording from a fresh state. Raises DataError for another sampling rate."""
-    plan, _ = read_emission(folder)
+    plan, model = read_emission(folder)
     for recording in recordings:
-        if abs(recording.dt_s / plan.dt_s - 1.0) > 1e-3:
-            raise DataError(
-                f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the scene runs at "
-                f"{1 / plan.dt_s:g} Hz: import it with --resample-hz {1 / plan.dt_s:g}"
-            )
+        refuse_other_frame(recording, model)
     library = SceneLibrary(folder)
     replay = Replay(library)
     predicted: list[NDArray[np.float64]] = []

@@ -7,7 +7,7 @@ import pytest
 SHARED_DATA = Path(__file__).parents[1].parent / "shared" / "data"
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def shared_data() -> Path:
     """The folder of recordings made by others, which is no part of the project."""
     if not SHARED_DATA.is_dir():

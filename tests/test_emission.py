@@ -81,15 +81,21 @@ def test_builds_by_hand_without_python(tmp_path: Path) -> None:
     result = subprocess.run([tmp_path / "c" / "example"], input="0\n0.001\n0.002\n", text=True,
                             capture_output=True, check=True)  # fmt: skip
     assert f'"hash": "{emission.hash}"' in result.stderr
-    forces = [float(line) for line in result.stdout.split()]
+    forces = [float(line.split()[0]) for line in result.stdout.splitlines()]
     state = SceneLibrary(tmp_path / "c").new_state()
     assert forces == pytest.approx([state.step(x)[0] for x in (0.0, 0.001, 0.002)])
     assert forces[0] == 0.0 < forces[2]
+    wrong = subprocess.run([tmp_path / "c" / "example"], input="0\nx\n", text=True,
+                           capture_output=True, check=False)  # fmt: skip
+    assert wrong.returncode == 1
+    assert "line 2 is not a number" in wrong.stderr
 
 
 @pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
-def test_selftest_catches_other_floating_point(tmp_path: Path) -> None:
-    emit(scene(mode="tool"), model_file(tmp_path), tmp_path / "c")
+@pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
+@pytest.mark.parametrize("mode", ["off", "tool"])
+def test_selftest_catches_other_floating_point(tmp_path: Path, mode: str) -> None:
+    emit(scene(mode=mode), model_file(tmp_path), tmp_path / "c")
     contracted = ["-std=c11", "-O2", "-mfma", "-ffp-contract=fast"]
     for options, passes in ((flags("SP_CFLAGS"), True), (contracted, False)):
         sources = [str(path) for path in sorted((tmp_path / "c").glob("*.c"))]
@@ -98,6 +104,15 @@ def test_selftest_catches_other_floating_point(tmp_path: Path) -> None:
         result = subprocess.run([program], input="", capture_output=True, text=True, check=False)
         assert (result.returncode == 0) is passes
         assert ("self-test passed" if passes else "-ffp-contract=off") in result.stderr
+
+
+def test_fast_math_does_not_compile(tmp_path: Path) -> None:
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
+    command = ["gcc", "-O2", "-ffast-math", "-c", tmp_path / "c" / "sp_scene.c", "-o",
+               tmp_path / "x.o"]  # fmt: skip
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode != 0
+    assert "without -ffast-math" in result.stderr
 
 
 def test_a_library_that_differs_is_not_emitted(
@@ -154,6 +169,30 @@ def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="did not emit"):
         emit(SHAPES["plain"], model, mine)
     assert (mine / "thesis.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["main.c", "mine.c", "from/note.txt"])
+def test_emission_never_overwrites_what_a_user_changed(tmp_path: Path, name: str) -> None:
+    model = model_file(tmp_path)
+    emit(SHAPES["plain"], model, tmp_path / "c")
+    (tmp_path / "c" / name).write_text("mine")
+    (tmp_path / "c.old").mkdir()
+    with pytest.raises(UsageError, match=name):
+        emit(SHAPES["plain"], model, tmp_path / "c")
+    assert (tmp_path / "c" / name).read_text() == "mine"
+    assert (tmp_path / "c.old").exists()
+
+
+def test_headers_of_two_number_types_do_not_meet_in_one_file(tmp_path: Path) -> None:
+    model = model_file(tmp_path)
+    emit(scene(prefix="soft"), model, tmp_path / "soft")
+    emit(scene(prefix="hard", number="float64"), model, tmp_path / "hard")
+    source = tmp_path / "both.c"
+    source.write_text('#include "soft/soft_scene.h"\n#include "hard/hard_scene.h"\n')
+    result = subprocess.run(["gcc", "-c", source, "-o", tmp_path / "both.o"], capture_output=True,
+                            text=True, check=False)  # fmt: skip
+    assert result.returncode != 0
+    assert "hard_state_is_as_planned" in result.stderr
 
 
 def test_budget_is_kept(tmp_path: Path) -> None:

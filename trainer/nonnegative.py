@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 Samples = NDArray[np.float64]
+_TRIED = 5  # terms of least contribution tried for removal at each step
 _RIDGE = 1e-10  # of the mean diagonal: keeps the factor of nearly equal columns real
 
 
@@ -59,11 +60,13 @@ def sparse_solve(normal: Normal, loss: float) -> Samples:
     """Weights >= 0 with as few terms as keep the RMSE within a share `loss` of the best."""
     best = normal.solve()
     limit = (1.0 + loss) * normal.rmse(best)
+    size = np.sqrt(np.maximum(np.diag(normal.matrix), 0.0))
     weights = best
     while True:
         active = weights > 0.0
         trials = []
-        for term in np.flatnonzero(active):
+        smallest = np.argsort(np.where(active, weights * size, np.inf))[:_TRIED]
+        for term in smallest[active[smallest]]:
             without = active.copy()
             without[term] = False
             if without.any():

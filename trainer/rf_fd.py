@@ -5,6 +5,7 @@ import time
 import numpy as np
 
 from springpot.codegen.ir import Features, FirBank, Forest, Lags
+from springpot.runtime_c.errors import UsageError
 from springpot.trainer.exponentials import recursive_bank
 from springpot.trainer.fit import Fit, FitOptions, assemble
 from springpot.trainer.forests import depth_scale, fit_boosted, fit_forest
@@ -16,20 +17,32 @@ PAPER_TAPS = 171
 HISTORY_LAGS = 10
 MOST_TAPS = 1024  # longer windows are cheaper as exponentials
 BOOSTED_TREES = 100
+LEAST_WINDOW = 10  # samples
+MOST_WINDOW_S = 1e5
 
 
 def fractional_features(dt_s: float, window_s: float | None) -> Features:
     """The ten orders over `window_s`: 171 taps by default, exponentials where it is long."""
-    length = PAPER_TAPS if window_s is None else max(2, round(window_s / dt_s))
+    length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     if length > MOST_TAPS:
         return recursive_bank(PAPER_ORDERS, dt_s, length * dt_s)
     taps = np.stack([gl_taps(order, length, dt_s) for order in PAPER_ORDERS], axis=1)
     return FirBank(orders=PAPER_ORDERS, taps=taps)
 
 
+def window_samples(window_s: float, dt_s: float) -> int:
+    """Samples of a window. Raises UsageError where it holds fewer than ten, or is a day long."""
+    if not LEAST_WINDOW * dt_s <= window_s <= MOST_WINDOW_S:
+        raise UsageError(
+            f"--window-s {window_s:g}: at {1 / dt_s:g} Hz give {LEAST_WINDOW * dt_s:g} to "
+            f"{MOST_WINDOW_S:g} s"
+        )
+    return round(window_s / dt_s)
+
+
 def history_features(dt_s: float, window_s: float | None) -> Lags:
     """Ten positions, evenly spaced over the window ([24])."""
-    length = PAPER_TAPS if window_s is None else max(HISTORY_LAGS, round(window_s / dt_s))
+    length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     lags = np.round(np.linspace(0, length - 1, HISTORY_LAGS)).astype(int)
     return Lags(samples=tuple(lags.tolist()), difference=False)
 

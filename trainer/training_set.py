@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.ir import Contact, Features, TrainedRange
-from springpot.runtime_c.errors import DataError
+from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.feature_values import feature_values
 from springpot.trainer.recording import Recording, Samples
 from springpot.trainer.rows import MOST_ROWS, choose_rows
 from springpot.trainer.smoothing import smoothed
 
 _STEP_TOLERANCE = 1e-3
+MOST_SMOOTHED = 0.25  # of the shortest recording
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +81,12 @@ def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSe
     """Prepare recordings. Raises DataError where they do not fit together."""
     dt_s = common_time_step(recordings)
     contact = contact_of(recordings)
+    shortest = min(recordings, key=lambda recording: len(recording.force_n))
+    if smooth_s > MOST_SMOOTHED * shortest.duration_s:
+        raise UsageError(
+            f"--smooth-s {smooth_s:g}: {shortest.name} lasts {shortest.duration_s:g} s: smooth "
+            "over a quarter of that at most"
+        )
     prepared = tuple(smoothed(recording, smooth_s) for recording in recordings)
     depths_m = tuple(depth_m(recording, contact) for recording in prepared)
     return TrainingSet(
@@ -128,10 +135,15 @@ def trained_range(recordings: Sequence[Recording], contact: Contact) -> TrainedR
     depths = [depth_m(recording, contact) for recording in recordings]
     least_m = min(float(depth.min()) for depth in depths)
     greatest_m = max(float(depth.max()) for depth in depths)
-    if greatest_m <= max(least_m, 0.0):
+    if greatest_m <= (0.0 if contact == "surface" else least_m):
         raise DataError(
             f"{recordings[0].name}: positions never go deeper than {greatest_m:g} m: position must "
             "grow into the object; check the sign and the unit on import"
+        )
+    if contact == "surface" and max(float(rec.force_n.max()) for rec in recordings) <= 0.0:
+        raise DataError(
+            f"{recordings[0].name}: the force never pushes out (all at or below 0): turn its sign "
+            "round on import, for example --map force=COL:-1N"
         )
     speeds = [
         float(np.abs(np.diff(depth)).max()) / recording.dt_s

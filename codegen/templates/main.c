@@ -1,5 +1,5 @@
-/* Example: one position (m) a line on standard input, one force (N) a line on standard output,
- * a tick of @DT@ s each. Checks the compiler first. */
+/* Example: one position (m) a line on standard input, force (N) and notes on standard
+ * output, a tick of @DT@ s each. Checks the compiler first. */
 #include <stdio.h>
 
 #include "@PREFIX@_scene.h"
@@ -9,6 +9,8 @@ int main(void)
     static sp_state state;
     double position_m;
     double before_m = 0.0;
+    long line = 0;
+    int read;
     const int differs = sp_selftest();
     if (differs != 0) {
         fprintf(stderr,
@@ -19,12 +21,17 @@ int main(void)
     }
     fprintf(stderr, "self-test passed: %s\n", sp_manifest());
     sp_init(&state);
-    while (scanf("%lf", &position_m) == 1) {
+    while ((read = scanf("%lf", &position_m)) == 1) {
         const double velocity_mps = (position_m - before_m) / @DT@;
         @REAL@ force_n = 0;
-        (void)sp_step(&state, (@REAL@)position_m, (@REAL@)velocity_mps, &force_n);
-        printf("%.9g\n", (double)force_n);
+        const int notes = sp_step(&state, (@REAL@)position_m, (@REAL@)velocity_mps, &force_n);
+        printf("%.17g %d\n", (double)force_n, notes);
         before_m = position_m;
+        line++;
+    }
+    if (read != EOF) {
+        fprintf(stderr, "line %ld is not a number: give one position in m a line\n", line + 1);
+        return 1;
     }
     return 0;
 }

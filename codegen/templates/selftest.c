@@ -2,7 +2,7 @@
 
 #include "@PREFIX@_golden.h"
 #include "@PREFIX@_scene.h"
-
+@TABLES@
 typedef union {
     @BITS@ bits;
     sp_real real;
@@ -13,15 +13,15 @@ static sp_real from_bits(@BITS@ bits)
     const pattern p = {.bits = bits};
     return p.real;
 }
-
+@PROBE@
 int sp_selftest(void)
 {
     sp_state state;
-    sp_init(&state);
+@FIRST@    sp_init(&state);
     for (size_t i = 0; i < sizeof golden_position / sizeof golden_position[0]; i++) {
         pattern force = {.bits = 0};
-        (void)sp_step(&state, from_bits(golden_position[i]), @VELOCITY@, &force.real);
-        if (force.bits != golden_force[i]) {
+        const int notes = sp_step(&state, from_bits(golden_position[i]), @VELOCITY@, &force.real);
+        if (force.bits != golden_force[i] || notes != (int)golden_notes[i]) {
             return 1 + (int)i;
         }
     }

@@ -15,9 +15,8 @@
  * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
  * tick of delay costs most of the stiffness that a loop can render stably.
  *
- * What a call returns: 0, fine; positive, notes (bits, in
- * sp_notes.h): time advanced and the force is
- * safe; negative, misuse: nothing has changed, and *force_n was not written.
+ * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
+ * misuse: nothing has changed, and *force_n was not written.
  */
 #ifndef SP_H
 #define SP_H
@@ -55,11 +54,13 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);
 
-/* dt_s (s) have passed without a sample: the last force, until the watchdog takes it to zero. */
+/* dt_s (s) have passed without a sample: the last force, until the watchdog takes it to zero. The
+ * object's memory waits: it advances with samples only. */
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
- * differs. Catches a compiler whose defaults change floating-point results. */
+ * differs. Catches a compiler whose defaults change floating-point results. Needs the stack to hold
+ * one sp_state. */
 int sp_selftest(void);
 /* springpot declarations end */
 

@@ -6,7 +6,7 @@
 enum {
     SP_NOTE_HELD = 1,    /* the sample was missing or not believable: the last good one served */
     SP_NOTE_RESYNC = 2,  /* a new position was taken as true: history restarts at it */
-    SP_NOTE_OUTSIDE = 4, /* deeper than trained: the model saw the greatest trained depth */
+    SP_NOTE_OUTSIDE = 4, /* outside the trained depth: the model saw the nearest trained one */
     SP_NOTE_CLAMPED = 8, /* the force was cut to the scene's limits */
     SP_NOTE_RAMPED = 16, /* the force rises from zero after a start or restart at depth */
     SP_NOTE_LATCHED = 32 /* the watchdog tripped: the force goes to zero, until sp_reset */

@@ -13,7 +13,8 @@
 
 typedef struct {
     sp_real jump_m;        /* greatest believable step in one tick */
-    sp_real reach_m;       /* greatest believable distance from the surface */
+    sp_real least_m;       /* believable positions: from here */
+    sp_real greatest_m;    /* to here */
     uint32_t resync_ticks; /* agreeing samples after which a new position is true */
 } sp_guard_config;
 
@@ -26,7 +27,7 @@ typedef struct {
 
 static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
 {
-    return sp_is_finite(x) && sp_abs(x) <= config->reach_m;
+    return sp_is_finite(x) && x >= config->least_m && x <= config->greatest_m;
 }
 
 static inline int sp_guard_near(const sp_guard_config *config, sp_real x, sp_real y)
@@ -65,17 +66,6 @@ static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_
     state->good_m = x;
     *notes |= SP_NOTE_RESYNC;
     return x;
-}
-
-/* The device's own velocity, m/s; 0 where it is not finite or faster than a hand. */
-static inline sp_real sp_guard_velocity(const sp_guard_config *config, sp_real v, sp_real dt_s,
-                                        int *notes)
-{
-    if (!sp_is_finite(v) || sp_abs(v) * dt_s > config->jump_m) {
-        *notes |= SP_NOTE_HELD;
-        return (sp_real)0;
-    }
-    return v;
 }
 
 #endif

@@ -4,6 +4,10 @@
 
 #include "sp_real.h"
 
+#if defined(__FAST_MATH__)
+#error "springpot needs IEEE arithmetic: build without -ffast-math (see flags.mk)"
+#endif
+
 /* Not NaN and not infinite, without libm. */
 static inline int sp_is_finite(sp_real x)
 {

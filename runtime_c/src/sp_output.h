@@ -34,6 +34,7 @@ static inline void sp_output_restart(sp_output_state *state)
 static inline void sp_output_free(sp_output_state *state)
 {
     state->share = (sp_real)1;
+    state->force_n = (sp_real)0;
 }
 
 /* dt_s have passed; was there a good sample in them? */

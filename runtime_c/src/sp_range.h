@@ -16,7 +16,11 @@ static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, in
         *notes |= SP_NOTE_OUTSIDE;
         return config->greatest_m;
     }
-    return x < config->least_m ? config->least_m : x;
+    if (x < config->least_m) {
+        *notes |= SP_NOTE_OUTSIDE;
+        return config->least_m;
+    }
+    return x;
 }
 
 #endif

@@ -1,6 +1,6 @@
-/* springpot 0.1.0 6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4 */
-/* Example: one position (m) a line on standard input, one force (N) a line on standard output,
- * a tick of 0.001 s each. Checks the compiler first. */
+/* springpot 0.1.0 04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50 */
+/* Example: one position (m) a line on standard input, force (N) and notes on standard
+ * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>
 
 #include "sp_scene.h"
@@ -10,6 +10,8 @@ int main(void)
     static sp_state state;
     double position_m;
     double before_m = 0.0;
+    long line = 0;
+    int read;
     const int differs = sp_selftest();
     if (differs != 0) {
         fprintf(stderr,
@@ -20,12 +22,17 @@ int main(void)
     }
     fprintf(stderr, "self-test passed: %s\n", sp_manifest());
     sp_init(&state);
-    while (scanf("%lf", &position_m) == 1) {
+    while ((read = scanf("%lf", &position_m)) == 1) {
         const double velocity_mps = (position_m - before_m) / 0.001;
         float force_n = 0;
-        (void)sp_step(&state, (float)position_m, (float)velocity_mps, &force_n);
-        printf("%.9g\n", (double)force_n);
+        const int notes = sp_step(&state, (float)position_m, (float)velocity_mps, &force_n);
+        printf("%.17g %d\n", (double)force_n, notes);
         before_m = position_m;
+        line++;
+    }
+    if (read != EOF) {
+        fprintf(stderr, "line %ld is not a number: give one position in m a line\n", line + 1);
+        return 1;
     }
     return 0;
 }

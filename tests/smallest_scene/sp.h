@@ -1,4 +1,4 @@
-/* springpot 0.1.0 6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4 */
+/* springpot 0.1.0 04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
@@ -16,9 +16,8 @@
  * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
  * tick of delay costs most of the stiffness that a loop can render stably.
  *
- * What a call returns: 0, fine; positive, notes (bits, in
- * sp_notes.h): time advanced and the force is
- * safe; negative, misuse: nothing has changed, and *force_n was not written.
+ * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
+ * misuse: nothing has changed, and *force_n was not written.
  */
 #ifndef SP_H
 #define SP_H
@@ -55,11 +54,13 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
 int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n);
 
-/* dt_s (s) have passed without a sample: the last force, until the watchdog takes it to zero. */
+/* dt_s (s) have passed without a sample: the last force, until the watchdog takes it to zero. The
+ * object's memory waits: it advances with samples only. */
 int sp_idle(sp_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
- * differs. Catches a compiler whose defaults change floating-point results. */
+ * differs. Catches a compiler whose defaults change floating-point results. Needs the stack to hold
+ * one sp_state. */
 int sp_selftest(void);
 /* springpot declarations end */
 

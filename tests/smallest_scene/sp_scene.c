@@ -1,12 +1,14 @@
-/* springpot 0.1.0 6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4 */
+/* springpot 0.1.0 04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50 */
 #include <stddef.h>
 
 #include "sp_scene.h"
 #include "sp_tables.h"
+#include "sp_regressor.h"
 
 static const sp_guard_config guard = {
     .jump_m = 0.001f,
-    .reach_m = 10.0f,
+    .least_m = -10.0f,
+    .greatest_m = 0.1f,
     .resync_ticks = 5,
 };
 static const sp_range_config range = {
@@ -38,14 +40,15 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     }
     int notes = 0;
     const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);
+    (void)velocity_mps;
     sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));
-    const sp_real depth = sp_range_clip(&range, position, &notes);
+    const sp_real below = position > (sp_real)0 ? position : (sp_real)0;
+    const sp_real depth = sp_range_clip(&range, below, &notes);
     if (notes & SP_NOTE_RESYNC) {
         restart(state, position, depth);
     }
     const sp_real *window =
         sp_window_push(state->history, &state->newest, N_TAPS, depth);
-    (void)velocity_mps;
     sp_real force = (sp_real)0;
     if (position > (sp_real)0) {
         sp_real features[4];
@@ -116,5 +119,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 6c8d0400ad24cd4d314af50f69b21443d983407c78cd768de8a86bdd53cd97d4 */
+/* springpot 0.1.0 04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -22,5 +22,8 @@ struct sp_state {
     uint32_t newest;
     sp_output_state output;
 };
+
+/* Fails where a header of another number type or version was included first. */
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 68 ? 1 : -1];
 
 #endif

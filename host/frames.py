@@ -1,0 +1,20 @@
+"""Whether a recording and a model mean the same by a position and a tick."""
+
+from springpot.codegen.ir import Model
+from springpot.runtime_c.errors import DataError
+from springpot.trainer.recording import Recording
+
+
+def refuse_other_frame(recording: Recording, model: Model) -> None:
+    """Raise DataError for another sampling rate, or another meaning of position 0."""
+    if abs(recording.dt_s / model.dt_s - 1.0) > 1e-3:
+        raise DataError(
+            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the model at "
+            f"{1 / model.dt_s:g} Hz: import it with --resample-hz {1 / model.dt_s:g}"
+        )
+    if (recording.zero != "none") != (model.contact == "always"):
+        raise DataError(
+            f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "
+            f"{'with' if model.contact == 'always' else 'without'} --zero first or min: import "
+            "all the same way"
+        )
