@@ -33,7 +33,7 @@ def emit_files(plan: Plan) -> dict[str, str]:
     files = {
         f"{prefix}.h": public_header(plan),
         f"{prefix}_scene.h": scene_header(plan),
-        f"{prefix}_tables.h": _tables(plan, "tables", stages(plan)),
+        f"{prefix}_tables.h": _tables(plan, "tables", _once(plan)),
         f"{prefix}_scene.c": scene_source(plan, json.dumps(_short_manifest(plan))),
         f"{prefix}_golden.h": _golden(plan),
         f"{prefix}_selftest.c": selftest_source(plan),
@@ -120,6 +120,11 @@ def _tables(plan: Plan, name: str, parts: Sequence[Stage | RegressorStage]) -> s
     lines = [line for part in parts for line in ("", *part.tables())]
     head = f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n\n"
     return "\n".join([f'{head}#include "{prefix}_scene.h"', *lines, "\n#endif\n"])
+
+
+def _once(plan: Plan) -> list[Stage]:
+    """Stages with tables of their own: the two of the excess share theirs."""
+    return [stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]]
 
 
 def _golden(plan: Plan) -> str:

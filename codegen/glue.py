@@ -72,13 +72,15 @@ def _constants(plan: Plan) -> str:
 
 def _restart(plan: Plan) -> str:
     lines = [line for stage in stages(plan) for line in stage.restart()]
-    position = [] if plan.velocity is not None else ["(void)position;"]
+    unused = [] if plan.velocity is not None else ["(void)position;"]
+    unused += [] if _goes_deep(plan) else ["(void)deep;"]
+    unused += [] if any("depth" in line for line in lines) else ["(void)depth;"]
     return "\n".join(
         [
             "/* A position is true without a history: the object has rested there for ever. */",
-            "static void restart(sp_state *state, sp_real position, sp_real depth)",
+            "static void restart(sp_state *state, sp_real position, sp_real deep, sp_real depth)",
             "{",
-            *_indented([*position, *lines, *_forget(plan), "sp_output_restart(&state->output);"]),
+            *_indented([*unused, *lines, *_forget(plan), "sp_output_restart(&state->output);"]),
             "}",
         ]
     )
@@ -95,7 +97,7 @@ def _step(plan: Plan) -> str:
         "sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));",
         *_depth(plan),
         "if (notes & SP_NOTE_RESYNC) {",
-        "    restart(state, position, depth);",
+        "    restart(state, position, deep, depth);",
         "}",
         *(line for stage in stages(plan) for line in stage.advance()),
         "sp_real force = (sp_real)0;",
@@ -114,14 +116,24 @@ def _step(plan: Plan) -> str:
 
 
 def _model_force(plan: Plan) -> list[str]:
-    if plan.features is None or plan.regressor is None:
-        return ["force = passive_n;"]
-    return [
-        f"sp_real features[{plan.features.room}];",
-        *plan.features.read(),
-        *plan.regressor.force(),
-        "force = passive_n + model_n;" if plan.passive is not None else "force = model_n;",
-    ]
+    lines, terms = [], []
+    if plan.passive is not None:
+        terms.append(f"{plan.passive.follows}_passive_n")
+    if plan.features is not None and plan.regressor is not None:
+        lines = [
+            f"sp_real features[{plan.features.room}];",
+            *plan.features.read(),
+            *plan.regressor.force(),
+        ]
+        terms.append("model_n")
+    if plan.excess is not None:
+        terms.append("(deep_passive_n - depth_passive_n)")
+    return [*lines, f"force = {' + '.join(terms)};"]
+
+
+def _goes_deep(plan: Plan) -> bool:
+    follows = plan.passive.follows if plan.passive is not None else ""
+    return plan.excess is not None or follows == "deep"
 
 
 def _shape(plan: Plan) -> list[str]:
@@ -157,11 +169,12 @@ def _device_velocity(plan: Plan) -> list[str]:
 
 
 def _depth(plan: Plan) -> list[str]:
-    if not plan.contact:
-        return ["const sp_real depth = sp_range_clip(&range, position, &notes);"]
+    """`deep`: the position in the object; `depth`: the same within the trained range."""
+    least = "(sp_real)0" if plan.contact else "range.least_m"
+    source = "deep" if plan.contact else "position"
     return [
-        "const sp_real below = position > (sp_real)0 ? position : (sp_real)0;",
-        "const sp_real depth = sp_range_clip(&range, below, &notes);",
+        f"const sp_real deep = position > {least} ? position : {least};",
+        f"const sp_real depth = sp_range_clip(&range, {source}, &notes);",
     ]
 
 

@@ -50,6 +50,7 @@ class Plan:
     features: FeatureStage | None
     regressor: RegressorStage | None
     passive: HammersteinStage | None
+    excess: tuple[HammersteinStage, HammersteinStage] | None
     per_onset: Real | None
     velocity: VelocityStage | None
     couple_tool: CoupleToolConfig | None
@@ -82,7 +83,7 @@ def make_plan(model: Model, scene: Scene) -> Plan:
     dt_s = _time_step(model, scene)
     watchdog_s = _watchdog_s(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
-    features, regressor, passive, dropped = model_stages(model, scene, dtype)
+    stages = model_stages(model, scene, dtype)
     couple = _couple_tool(scene, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
@@ -96,20 +97,22 @@ def make_plan(model: Model, scene: Scene) -> Plan:
             least_m=dtype(0.0 if contact else model.trained.least_m),
             greatest_m=dtype(model.trained.greatest_m),
         ),
-        features=features,
-        regressor=regressor,
-        passive=passive,
+        features=stages.features,
+        regressor=stages.regressor,
+        passive=stages.passive,
+        excess=stages.excess,
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
         velocity=tool_velocity(dt_s, dtype) if estimates else None,
         couple_tool=couple,
         greatest_mps=dtype(greatest_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
         output=_output_config(model, scene, watchdog_s, dt_s, contact, dtype),
-        left_out=tuple(
-            dropped + _units_left_out(contact, couple is not None, estimates, alpha, dt_s, dtype)
+        left_out=(
+            *stages.left_out,
+            *_units_left_out(contact, couple is not None, estimates, alpha, dt_s, dtype),
         ),
         coupling=_coupling_note(scene),
-        outside=_outside_note(scene),
+        outside=_outside_note(model, scene),
     )
 
 
@@ -245,12 +248,14 @@ def _coupling_note(scene: Scene) -> str:
     return f"{scene.coupling.mode}: stated in the scene"
 
 
-def _outside_note(scene: Scene) -> str:
+def _outside_note(model: Model, scene: Scene) -> str:
     if scene.guard.outside == "zero":
         raise UsageError(
             'guard.outside = "zero" drops the force at the greatest trained depth, and this '
             'version cannot yet do it without a step: use "hold" or "fallback"'
         )
-    if scene.guard.outside == "fallback":
-        return "hold: fallback holds the greatest trained depth until a fallback model exists"
-    return "hold: stated in the scene"
+    if scene.guard.outside == "hold":
+        return "hold: stated in the scene; the force stays that of the greatest trained depth"
+    if model.hammerstein is None:
+        return "hold: the model file has no passive part to fall back on"
+    return "fallback: the passive model adds its share of the depth beyond the trained one"

@@ -38,19 +38,41 @@ class LeftOut:
     bytes: int
 
 
-def model_stages(
-    model: Model, scene: Scene, dtype: type[Any]
-) -> tuple[FeatureStage | None, RegressorStage | None, HammersteinStage | None, list[LeftOut]]:
-    """Stages of the model in the scene's number type, and what its features leave out."""
-    passive = None
+@dataclass(frozen=True, eq=False)
+class ModelStages:
+    """Stages of the model in the scene's number type.
+
+    force = regressor(features) + passive, where there are such, + excess[0] - excess[1]: what the
+    passive model adds for the depth beyond the trained one.
+    """
+
+    features: FeatureStage | None
+    regressor: RegressorStage | None
+    passive: HammersteinStage | None
+    excess: tuple[HammersteinStage, HammersteinStage] | None
+    left_out: tuple[LeftOut, ...]
+
+
+def model_stages(model: Model, scene: Scene, dtype: type[Any]) -> ModelStages:
+    """Resolve the model's part; outside the trained depth as the scene says."""
+    falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
+    passive, excess = None, None
     if model.hammerstein is not None and model.hammerstein_adds:
-        passive = hammerstein_stage(model.hammerstein, model.dt_s, dtype)
+        follows = "deep" if falls_back else "depth"
+        passive = hammerstein_stage(model.hammerstein, model.dt_s, dtype, follows)
+    elif model.hammerstein is not None and falls_back:
+        deep, trained = (
+            hammerstein_stage(model.hammerstein, model.dt_s, dtype, follows)
+            for follows in ("deep", "depth")
+        )
+        excess = (deep, trained)
     if model.features is None or model.regressor is None:
-        return None, None, passive, []
+        return ModelStages(None, None, passive, excess, ())
     kept = used_columns(model)
     features = _feature_stage(model.features, kept, model.dt_s, dtype)
     regressor = _regressor_stage(model, scene, len(kept), dtype)
-    return features, regressor, passive, _dropped(model.features, kept, dtype)
+    left_out = _dropped(model.features, kept, dtype)
+    return ModelStages(features, regressor, passive, excess, tuple(left_out))
 
 
 def used_columns(model: Model) -> Columns:

@@ -37,26 +37,35 @@ def run_reference(plan: Plan, position_m: Reals, velocity_mps: Reals | None = No
         starts = np.flatnonzero(notes & RESYNC)
         started = np.arange(len(raw)) >= (starts[0] if len(starts) else len(raw))
         contact = position > 0 if plan.contact else started
-        depth, outside = clip(
-            plan.range, np.where(contact, position, 0) if plan.contact else position
-        )
+        least = plan.dtype(0) if plan.contact else plan.range.least_m
+        deep = np.where(position > least, position, least)
+        depth, outside = clip(plan.range, deep if plan.contact else position)
         notes |= np.where(outside, OUTSIDE, 0).astype(np.int32)
-        model_n = model_force(plan, depth, starts, contact)
+        model_n = model_force(plan, {"deep": deep, "depth": depth}, starts, contact)
         if plan.velocity is not None:
             velocity = plan.velocity.reference(position, starts)
         force_n = Tail(plan).run(position, velocity, model_n, contact, held, notes)
     return Run(force_n=force_n, notes=notes)
 
 
-def model_force(plan: Plan, depth: Reals, starts: Starts, contact: NDArray[np.bool_]) -> Reals:
-    """Force of the model's stages, N; 0 where there is no contact."""
-    force_n = np.zeros(len(depth), dtype=plan.dtype)
-    if plan.features is not None and plan.regressor is not None:
-        features = plan.features.reference(depth, starts)
-        force_n[contact] = plan.regressor.reference(features[contact])
+def model_force(
+    plan: Plan, motion: dict[str, Reals], starts: Starts, contact: NDArray[np.bool_]
+) -> Reals:
+    """Force of the model's stages, N; 0 where there is no contact. motion: "deep" and "depth"."""
+    terms: list[Reals] = []
     if plan.passive is not None:
-        passive_n = plan.passive.reference(depth, starts)
-        force_n = passive_n if plan.regressor is None else passive_n + force_n
+        terms.append(plan.passive.reference(motion[plan.passive.follows], starts))
+    if plan.features is not None and plan.regressor is not None:
+        model_n = np.zeros(len(contact), dtype=plan.dtype)
+        features = plan.features.reference(motion["depth"], starts)
+        model_n[contact] = plan.regressor.reference(features[contact])
+        terms.append(model_n)
+    if plan.excess is not None:
+        deep, trained = (stage.reference(motion[stage.follows], starts) for stage in plan.excess)
+        terms.append(deep - trained)
+    force_n = terms[0]
+    for term in terms[1:]:
+        force_n = force_n + term
     return np.where(contact, force_n, plan.dtype(0))
 
 

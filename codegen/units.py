@@ -6,7 +6,8 @@ from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, RegressorS
 
 def stages(plan: Plan) -> list[Stage]:
     """Stages that keep a state, in the order of a tick."""
-    found: tuple[Stage | None, ...] = (plan.features, plan.passive, plan.velocity)
+    excess = plan.excess or (None, None)
+    found: tuple[Stage | None, ...] = (plan.features, plan.passive, *excess, plan.velocity)
     return [stage for stage in found if stage is not None]
 
 

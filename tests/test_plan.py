@@ -26,7 +26,7 @@ def test_defaults_come_from_the_model() -> None:
     assert plan.per_onset == pytest.approx(1 / (0.01 * DEPTH_M), rel=1e-2)
     assert plan.guard.jump_m >= np.float32(1e-3)
     assert plan.coupling.startswith("off: auto")
-    assert plan.outside.startswith("hold: fallback")
+    assert plan.outside.startswith("fallback: ")
 
 
 def test_a_model_that_never_leaves_the_object_has_no_contact() -> None:

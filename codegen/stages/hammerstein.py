@@ -35,9 +35,11 @@ class HammersteinConfig:
 
 @dataclass(frozen=True, eq=False)
 class HammersteinStage:
-    """Arrays of sp_hammerstein_tables.
+    """Arrays of sp_hammerstein_tables, and the variable of the tick that it follows.
 
     weights: (basis, lanes), lane 0 the spring. loss: (lanes,). stop_weights: (stops, basis).
+    follows: "depth" (clipped to the trained range) or "deep" (not clipped). Its force is the C
+    variable `{follows}_passive_n`.
     """
 
     config: HammersteinConfig
@@ -46,6 +48,7 @@ class HammersteinStage:
     loss: Reals
     stop_weights: Reals
     radius: Reals
+    follows: str
 
     headers = (
         "sp_number.h", "sp_basis.h", "sp_poles.h", "sp_stops.h", "sp_weigh.h", "sp_hammerstein.h",
@@ -55,10 +58,11 @@ class HammersteinStage:
     def members(self) -> tuple[Member, ...]:
         """Input and state of each branch, play of each stop."""
         lanes, stops = self.config.n_lanes, self.config.n_stops
-        play = (Member(f"sp_real play[{stops}]", (REAL,) * stops),) if stops else ()
+        name = self.follows
+        play = (Member(f"sp_real {name}_play[{stops}]", (REAL,) * stops),) if stops else ()
         return (
-            Member(f"sp_real before[{lanes}]", (REAL,) * lanes),
-            Member(f"sp_real held[{lanes}]", (REAL,) * lanes),
+            Member(f"sp_real {name}_before[{lanes}]", (REAL,) * lanes),
+            Member(f"sp_real {name}_held[{lanes}]", (REAL,) * lanes),
             *play,
         )
 
@@ -87,22 +91,23 @@ class HammersteinStage:
 
     @property
     def _play(self) -> str:
-        return "state->play" if self.config.n_stops else "NULL"
+        return f"state->{self.follows}_play" if self.config.n_stops else "NULL"
 
     def restart(self) -> list[str]:
         """Relaxed branches."""
         return [
-            "sp_hammerstein_rest(&passive, &passive_tables, depth, state->before, state->held,",
-            f"                    {self._play});",
+            f"sp_hammerstein_rest(&passive, &passive_tables, {self.follows},",
+            f"                    state->{self.follows}_before, state->{self.follows}_held, "
+            f"{self._play});",
         ]
 
     def advance(self) -> list[str]:
         """Its force."""
         return [
-            f"sp_real branch[{self.config.n_lanes}];",
-            "const sp_real passive_n =",
-            "    sp_hammerstein_step(&passive, &passive_tables, depth, state->before, state->held,",
-            f"                        {self._play}, branch);",
+            f"sp_real {self.follows}_branch[{self.config.n_lanes}];",
+            f"const sp_real {self.follows}_passive_n = sp_hammerstein_step(",
+            f"    &passive, &passive_tables, {self.follows}, state->{self.follows}_before,",
+            f"    state->{self.follows}_held, {self._play}, {self.follows}_branch);",
         ]
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
@@ -159,7 +164,9 @@ def basis(kind: Basis, u: Reals) -> Reals:
     return np.stack(ramps, axis=1)
 
 
-def hammerstein_stage(model: Hammerstein, dt_s: float, dtype: type) -> HammersteinStage:
+def hammerstein_stage(
+    model: Hammerstein, dt_s: float, dtype: type, follows: str
+) -> HammersteinStage:
     """Fold the poles' gains into the weights; lane 0 is the spring."""
     n_basis = BASIS_SIZE[model.basis]
     n_branches, n_stops = len(model.tau_s), len(model.radius_m)
@@ -185,4 +192,5 @@ def hammerstein_stage(model: Hammerstein, dt_s: float, dtype: type) -> Hammerste
         loss=loss,
         stop_weights=model.stop_n.reshape(n_stops, n_basis).astype(dtype),
         radius=(model.radius_m / model.span_m).astype(dtype),
+        follows=follows,
     )

@@ -73,7 +73,7 @@ class RecursiveStage:
         return (
             *slow,
             Member(f"sp_real poles[{n_poles}]", (REAL,) * n_poles),
-            Member("sp_real depth_before", (REAL,)),
+            Member("sp_real last_depth", (REAL,)),
         )
 
     def tables(self) -> list[str]:
@@ -105,13 +105,13 @@ class RecursiveStage:
                 "    state->slow[i] = 0.0;",
                 "}",
             ]
-        return [*lines, "state->depth_before = depth;"]
+        return [*lines, "state->last_depth = depth;"]
 
     def advance(self) -> list[str]:
         """One multiply-add a pole."""
         lines = [
-            "const sp_real rise = depth - state->depth_before;",
-            "state->depth_before = depth;",
+            "const sp_real rise = depth - state->last_depth;",
+            "state->last_depth = depth;",
         ]
         if len(self.loss):
             lines.append("sp_poles_shared(loss, N_FAST, rise, state->poles);")

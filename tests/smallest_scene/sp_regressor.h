@@ -1,4 +1,4 @@
-/* springpot 0.1.0 04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50 */
+/* springpot 0.1.0 11714c470eb5eb41c407d011afe9c5e28efbb735a84ed34c607e713d0272d786 */
 #ifndef SP_REGRESSOR_H
 #define SP_REGRESSOR_H
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50 */
+/* springpot 0.1.0 11714c470eb5eb41c407d011afe9c5e28efbb735a84ed34c607e713d0272d786 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -26,9 +26,10 @@ static const sp_output_config output = {
 static const sp_real per_onset = 10000.0f;
 
 /* A position is true without a history: the object has rested there for ever. */
-static void restart(sp_state *state, sp_real position, sp_real depth)
+static void restart(sp_state *state, sp_real position, sp_real deep, sp_real depth)
 {
     (void)position;
+    (void)deep;
     sp_window_fill(state->history, &state->newest, N_TAPS, depth);
     sp_output_restart(&state->output);
 }
@@ -42,10 +43,10 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);
     (void)velocity_mps;
     sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));
-    const sp_real below = position > (sp_real)0 ? position : (sp_real)0;
-    const sp_real depth = sp_range_clip(&range, below, &notes);
+    const sp_real deep = position > (sp_real)0 ? position : (sp_real)0;
+    const sp_real depth = sp_range_clip(&range, deep, &notes);
     if (notes & SP_NOTE_RESYNC) {
-        restart(state, position, depth);
+        restart(state, position, deep, depth);
     }
     const sp_real *window =
         sp_window_push(state->history, &state->newest, N_TAPS, depth);
@@ -119,5 +120,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"04e80172aa89a6b548533d97e14a34a6c4c87b3c2eb33fedadfef46bf2d1aa50\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"11714c470eb5eb41c407d011afe9c5e28efbb735a84ed34c607e713d0272d786\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

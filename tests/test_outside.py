@@ -1,0 +1,70 @@
+"""Beyond the trained depth: the passive model adds its share, continuously, and can be left out."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import DEPTH_M, model_file, scene, small_model, training
+
+from springpot.codegen.plan import make_plan
+from springpot.codegen.reference_tick import OUTSIDE
+from springpot.codegen.scene import Guard
+from springpot.codegen.units import state_bytes
+from springpot.host.emission import emit
+from springpot.host.library import SceneLibrary
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.kinds import fit_model
+
+
+def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarray, int]:
+    """Depth, force and notes of a slow press to 1.3 x the trained depth and back."""
+    model = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20)).model
+    chosen = dataclasses.replace(
+        scene(number="float64"), guard=Guard(outside=outside, max_force_n=1000.0)
+    )
+    emit(chosen, model_file(folder, model), folder / "c")
+    down = np.linspace(0.0, 1.3 * DEPTH_M, 2000)
+    motion = np.concatenate([down, down[::-1]])
+    force_n, notes = SceneLibrary(folder / "c").new_state().run(motion)
+    return motion, force_n, notes
+
+
+@pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein", "hybrid"])
+def test_force_goes_on_rising_beyond_the_trained_depth(tmp_path: Path, kind: str) -> None:
+    motion, force_n, notes = pressed(tmp_path, kind, "fallback")
+    assert notes & OUTSIDE
+    border = int(np.searchsorted(motion[:2000], small_model().trained.greatest_m))
+    steps = np.abs(np.diff(force_n[border - 3 : border + 4]))
+    assert steps.max() < 0.05 * force_n[border]  # no jump at the border
+    beyond = force_n[border + 5 : 2000]
+    assert np.all(np.diff(beyond) > 0.0)
+    assert beyond[-1] > 1.2 * beyond[0]
+
+
+def test_hold_stays_at_the_greatest_trained_depth(tmp_path: Path) -> None:
+    motion, force_n, _ = pressed(tmp_path, "hammerstein", "hold")
+    border = int(np.searchsorted(motion[:2000], small_model().trained.greatest_m))
+    assert np.ptp(force_n[border + 5 : 2000]) < 0.1 * force_n[border]
+
+
+@pytest.mark.parametrize("kind", ["hammerstein", "rf-fd"])
+def test_excess_takes_energy(tmp_path: Path, kind: str) -> None:
+    motion, force_n, _ = pressed(tmp_path, kind, "fallback")
+    outside = motion >= small_model().trained.greatest_m
+    worked_j = np.trapezoid(force_n[outside], motion[outside])
+    assert worked_j > -1e-9
+
+
+def test_hold_leaves_the_passive_units_out() -> None:
+    with_fallback = make_plan(small_model(), scene())
+    held = make_plan(small_model(), dataclasses.replace(scene(), guard=Guard(outside="hold")))
+    assert held.excess is None
+    assert state_bytes(held) < state_bytes(with_fallback)
+
+
+def test_a_model_without_a_passive_part_holds_and_says_so() -> None:
+    bare = dataclasses.replace(small_model(), hammerstein=None)
+    plan = make_plan(bare, scene())
+    assert plan.excess is None
+    assert "no passive part" in plan.outside
