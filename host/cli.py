@@ -22,6 +22,8 @@ _COMMANDS = {
     "build": ("emit_command", "build"),
     "validate": ("validate_command", "validate_"),
     "report": ("report_command", "report"),
+    "reproduce": ("reproduce_command", "reproduce"),
+    "material": ("material_command", "material"),
 }
 
 

@@ -13,11 +13,13 @@ from springpot.trainer.feature_values import Samples, feature_values
 from springpot.trainer.fit import Fit, FitOptions, assemble
 from springpot.trainer.folds import condition_folds, recording_folds
 from springpot.trainer.nonnegative import normal_equations
-from springpot.trainer.rbf import farthest_points, fit_rbf, kernel, rbf_force, standard
+from springpot.trainer.rbf import farthest_points, fit_rbf, kernel, standard
 from springpot.trainer.recording import Recording
 from springpot.trainer.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.training_set import TrainingSet, depth_m
 
+SEARCH_CENTERS = 100
+SEARCH_ROWS = 10_000  # of the validation recordings
 _RIDGE = 1e-11  # of the mean diagonal, in the search only
 Pair = tuple[int, int]
 
@@ -39,14 +41,14 @@ def fit_rbf_fd(
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     begin = time.perf_counter()
-    by_folds = _pair_errors(values, force_n, recording_folds(data, rows, options.seed).number)
+    folds = [recording_folds(data, rows, options.seed).number]
     if (conditions := condition_folds(data, rows, options.seed)) is not None:
         # Pairs that interpolate between recordings alike differ in what they do between conditions.
-        across = _pair_errors(values, force_n, conditions.number)
-        by_folds = {pair: error * across[pair] for pair, error in by_folds.items()}
+        folds.append(conditions.number)
+    by_folds = _pair_errors(values, force_n, folds)
     pairs = {"cv": min(by_folds, key=lambda pair: by_folds[pair])}
     if validation:
-        by_paper = _paper_errors(bank, values, force_n, data, validation, options)
+        by_paper = _paper_errors(bank, values, force_n, data, validation)
         pairs["paper"] = min(by_paper, key=lambda pair: by_paper[pair])
     if options.select not in pairs:
         raise UsageError("--select paper chooses orders on validation recordings: give --validate")
@@ -85,23 +87,35 @@ def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     return Fit(model, len(rows), feature_s, fit_s, facts=facts)
 
 
-def _pair_errors(values: Samples, force_n: Samples, fold: np.ndarray) -> dict[Pair, float]:
-    """Cross-validated RMSE of every pair. A fold's normal equations serve all fits but one."""
+def _pair_errors(
+    values: Samples, force_n: Samples, folds: Sequence[np.ndarray]
+) -> dict[Pair, float]:
+    """Cross-validated RMSE of every pair; over several ways to fold, their product.
+
+    A fold's normal equations serve all fits but one.
+    """
     errors = {}
-    folds = np.unique(fold)
     for pair in combinations(range(values.shape[1]), 2):
         z = standard(values[:, pair])(values[:, pair])
-        system = kernel(z, z[farthest_points(z, 100)])
+        system = kernel(z, z[farthest_points(z, SEARCH_CENTERS)])
         system /= np.sqrt(np.square(system).mean(axis=0))
-        parts = [normal_equations(system[fold == f], force_n[fold == f]) for f in folds]
-        matrix, vector = sum(p.matrix for p in parts), sum(p.vector for p in parts)
-        squares = 0.0
-        for part in parts:
-            left = matrix - part.matrix
-            ridge = _RIDGE * np.trace(left) / len(left) * np.eye(len(left))
-            squares += part.error(np.linalg.solve(left + ridge, vector - part.vector))
-        errors[pair] = float(np.sqrt(squares / len(force_n)))
+        errors[pair] = float(np.prod([_held_out_rmse(system, force_n, fold) for fold in folds]))
     return errors
+
+
+def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float:
+    parts = [normal_equations(system[fold == f], force_n[fold == f]) for f in np.unique(fold)]
+    matrix, vector = sum(p.matrix for p in parts), sum(p.vector for p in parts)
+    squares = sum(
+        part.error(_ridge_solve(matrix - part.matrix, vector - part.vector)) for part in parts
+    )
+    return float(np.sqrt(squares / len(force_n)))
+
+
+def _ridge_solve(matrix: Samples, vector: Samples) -> Samples:
+    ridge = _RIDGE * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
+    weights: Samples = np.linalg.solve(matrix + ridge, vector)
+    return weights
 
 
 def _paper_errors(
@@ -110,19 +124,26 @@ def _paper_errors(
     force_n: Samples,
     data: TrainingSet,
     validation: Sequence[Recording],
-    options: FitOptions,
 ) -> dict[Pair, float]:
-    """RMSE of every pair on the validation recordings."""
+    """RMSE of every pair on evenly spaced rows of the validation recordings."""
+    step = max(1, sum(len(rec.force_n) for rec in validation) // SEARCH_ROWS)
     tests = [
         (feature_values(bank, depth_m(rec, data.contact), rec.dt_s,
-                        np.arange(len(rec.force_n))), rec.force_n)
+                        np.arange(0, len(rec.force_n), step)), rec.force_n[::step])
         for rec in validation
     ]  # fmt: skip
+    tested, measured_n = (np.concatenate(parts) for parts in zip(*tests, strict=True))
     errors = {}
     for pair in combinations(range(values.shape[1]), 2):
-        rbf, _ = fit_rbf(values[:, pair], force_n, options.n_centers, options.centers)
-        squares = [np.mean(np.square(rbf_force(rbf, v[:, pair]) - f)) for v, f in tests]
-        errors[pair] = float(np.sqrt(np.mean(squares)))
+        scaling = standard(values[:, pair])
+        z = scaling(values[:, pair])
+        centers = z[farthest_points(z, SEARCH_CENTERS)]
+        system = kernel(z, centers)
+        size = np.sqrt(np.square(system).mean(axis=0))
+        normal = normal_equations(system / size, force_n)
+        weights = _ridge_solve(normal.matrix, normal.vector) / size
+        predicted_n = kernel(scaling(tested[:, pair]), centers) @ weights
+        errors[pair] = float(np.sqrt(np.mean(np.square(predicted_n - measured_n))))
     return errors
 
 

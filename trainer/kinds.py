@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from threadpoolctl import threadpool_limits
+
 from springpot.trainer.auto import fit_auto
 from springpot.trainer.fit import Fit, FitOptions
 from springpot.trainer.fit_hammerstein import fit_hammerstein, fit_hybrid
@@ -27,6 +29,11 @@ _FITS: dict[str, Callable[[str, TrainingSet, FitOptions], Fit]] = {
 }
 
 
+def kind_names() -> tuple[str, ...]:
+    """All kinds."""
+    return tuple(_FITS)
+
+
 def fit_model(
     kind: str,
     name: str,
@@ -39,10 +46,13 @@ def fit_model(
     Raises DataError where the recordings do not fit together.
     """
     data = training_set(recordings, options.smooth_s)
-    if kind == "rbf-fd":
-        fit = fit_rbf_fd(name, data, options, validation)
-    else:
-        fit = _FITS[kind](name, data, options)
+    # The matrices are small: more threads of BLAS wait for each other, ten times longer on a
+    # machine that has other work.
+    with threadpool_limits(1, user_api="blas"):
+        if kind == "rbf-fd":
+            fit = fit_rbf_fd(name, data, options, validation)
+        else:
+            fit = _FITS[kind](name, data, options)
     return replace(fit, warnings=(*fit.warnings, *_short_recordings(data, options)))
 
 

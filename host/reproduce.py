@@ -1,0 +1,175 @@
+"""The paper's protocol on one object after the other: record, fit, emit, build, validate."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.codegen.model_file import write_model
+from springpot.codegen.scene import Coupling, Scene
+from springpot.host.emission import emit
+from springpot.host.protocols import RATE_HZ, load_protocol
+from springpot.host.recording_session import open_device
+from springpot.host.validation import Validation, validate
+from springpot.trainer.recording import Recording, Samples
+
+if TYPE_CHECKING:
+    from springpot.trainer.fit import Fit
+
+PAPER_KINDS = ("rf-fd", "rbf-fd", "rbf-pv")
+KINDS = (*PAPER_KINDS, "hammerstein", "hybrid")
+_TRAINING_SEED, _VALIDATION_SEED = 1, 2
+_COMPILERS = 2
+
+
+@dataclass(frozen=True)
+class Work:
+    """How much is done. The defaults are the paper's; smaller ones are for trials.
+
+    presses: every so many training presses is used. signals: validation signals.
+    """
+
+    kinds: tuple[str, ...] = KINDS
+    trees: int = 100
+    presses: int = 1
+    signals: int = 10
+    paced_s: float = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """Recordings of one object. commands_n: the commanded force of each training recording."""
+
+    name: str
+    training: tuple[Recording, ...]
+    validation: tuple[Recording, ...]
+    commands_n: tuple[Samples, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """One model of one object: its fit, its emitted folder, and its validation through the C."""
+
+    fit: "Fit"
+    folder: Path
+    validation: Validation
+
+    @property
+    def modelling_s(self) -> float:
+        """Features and training, s, as the paper counts it: without a search."""
+        return self.fit.feature_s + self.fit.fit_s
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectResult:
+    """All models of one object, by kind."""
+
+    data: Data
+    models: Mapping[str, Modelled]
+
+    @property
+    def depth_m(self) -> float:
+        """Greatest depth of the training recordings."""
+        return float(max(recording.position_m.max() for recording in self.data.training))
+
+    def rmse_n(self, kind: str) -> float:
+        """RMSE averaged over the validation recordings (figure 9)."""
+        return self.models[kind].validation.accuracy.mean_recording_rmse_n
+
+
+def simulated(name: str, variant: str, work: Work) -> Data:
+    """Record the paper's protocols on a simulated object. Raises UsageError for unknown names."""
+    url = f"sim://{name}?variant={variant}"
+    training = load_protocol("paper", _TRAINING_SEED)[:: work.presses]
+    signals = load_protocol("validation", _VALIDATION_SEED)[: work.signals]
+    recordings = []
+    for seed, profiles in ((_TRAINING_SEED, training), (_VALIDATION_SEED, signals)):
+        device = open_device(url, seed)
+        recordings.append(
+            tuple(
+                Recording(f"{name}-{profile.name}", *device.press(profile.command_n), 1 / RATE_HZ,
+                          source=url, details={"command": dict(profile.facts)})
+                for profile in profiles
+            )
+        )  # fmt: skip
+    commands_n = tuple(profile.command_n for profile in training)
+    return Data(name, recordings[0], recordings[1], commands_n)
+
+
+def reproduce_object(
+    data: Data, folder: Path, work: Work, say: Callable[[str], None]
+) -> ObjectResult:
+    """Fit every kind, emit and build its C into `folder`, and validate that.
+
+    Raises DataError where the recordings do not fit together.
+    """
+    begin = time.perf_counter()
+    fits = {kind: _fit(kind, data, work) for kind in work.kinds}
+    fitted_s = time.perf_counter() - begin
+    # Compilers run beside each other; nothing is timed meanwhile.
+    with ThreadPoolExecutor(_COMPILERS) as pool:
+        folders = dict(
+            zip(
+                fits,
+                pool.map(lambda kind: _emit(kind, fits[kind], data.name, folder), fits),
+                strict=True,
+            )
+        )
+    models = {
+        kind: Modelled(fit, folders[kind], validate(folders[kind], data.validation, work.paced_s))
+        for kind, fit in fits.items()
+    }
+    result = ObjectResult(data, models)
+    errors = ", ".join(f"{kind} {result.rmse_n(kind):.3f}" for kind in models)
+    all_s = time.perf_counter() - begin
+    say(f"{data.name}: RMSE {errors} N ({all_s:.1f} s, fits {fitted_s:.1f} s)")
+    return result
+
+
+def plain_scene(name: str, mode: str = "off") -> Scene:
+    """A scene of the model alone, or with the paper's coupling."""
+    return Scene(
+        schema=1,
+        name=name,
+        model="model.spm",
+        coupling=Coupling(mode="tool" if mode == "tool" else "off"),
+    )
+
+
+def model_facts(model: Modelled) -> dict[str, Any]:
+    """Keys of one model in `reproduce.json`."""
+    found = model.validation.accuracy
+    return {
+        "rmse_n": found.mean_recording_rmse_n,
+        "rmse_interval_n": list(found.interval_n or ()),
+        "p99_abs_error_n": found.p99_abs_error_n,
+        "max_abs_error_n": found.max_abs_error_n,
+        "ape_below_jnd": found.ape_below_jnd,
+        "modelling_s": model.modelling_s,
+        "search_s": model.fit.search_s,
+        "tick_ns": model.validation.ticks.hot_median,
+        "tick_paced_ns": model.validation.ticks.p50,
+        "mismatches": model.validation.mismatches,
+    }
+
+
+def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
+    """Objects from the softest, the one pressed deepest, to the hardest."""
+    return sorted(results, key=lambda result: -result.depth_m)
+
+
+def _fit(kind: str, data: Data, work: Work) -> "Fit":
+    from springpot.trainer.fit import FitOptions  # scikit-learn, only where it fits
+    from springpot.trainer.kinds import fit_model
+
+    validation = data.validation if kind == "rbf-fd" else ()
+    return fit_model(kind, data.name, data.training, FitOptions(trees=work.trees), validation)
+
+
+def _emit(kind: str, fit: "Fit", name: str, folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    model_file = folder / f"{kind}.spm"
+    write_model(model_file, fit.model)
+    return emit(plain_scene(name), model_file, folder / kind).folder

@@ -1,0 +1,93 @@
+"""Tree ensembles of one's own on springpot's features, as models that can be emitted."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.ir import Features, Model
+from springpot.runtime_c.errors import UsageError
+from springpot.trainer.feature_values import Samples
+from springpot.trainer.fit import FitOptions, assemble
+from springpot.trainer.fit_hammerstein import fit_passive
+from springpot.trainer.forests import depth_scale, ensemble_ir, unscaled
+from springpot.trainer.predict import regressor_force
+from springpot.trainer.recording import Recording
+from springpot.trainer.rf_fd import fractional_features
+from springpot.trainer.smoothing import PAPER_SMOOTH_S
+from springpot.trainer.training_set import TrainingSet, training_set
+
+KIND = "ensemble"
+_AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
+_CHECKED_ROWS = 5000
+
+
+def ensemble_data(
+    recordings: Sequence[Recording],
+    features: Features | None = None,
+    fraction: float | None = None,
+    smooth_s: float = PAPER_SMOOTH_S,
+    seed: int = 0,
+) -> tuple[Samples, Samples]:
+    """Features (rows, features) to fit an ensemble on, and forces (rows,), N.
+
+    features: default the paper's ten orders. They are scaled by a power of two and rounded to
+    float32, since scikit-learn takes values closer than 1e-7 for equal; `from_ensemble` undoes it.
+    """
+    data = training_set(recordings, smooth_s)
+    features = features or fractional_features(data.dt_s, None)
+    rows = data.rows(fraction, seed)
+    return _scaled(data, features, rows), data.force_n(rows)
+
+
+def from_ensemble(
+    regressor: Any,
+    recordings: Sequence[Recording],
+    features: Features | None = None,
+    name: str = KIND,
+    smooth_s: float = PAPER_SMOOTH_S,
+) -> Model:
+    """Model of a RandomForest-, ExtraTrees- or HistGradientBoostingRegressor.
+
+    It was fitted on `ensemble_data` of the same recordings, features and smooth_s. The passive
+    model for what lies outside the trained depth is fitted here.
+    Raises UsageError for another kind of regressor, or one that was fitted on something else.
+    """
+    data = training_set(recordings, smooth_s)
+    features = features or fractional_features(data.dt_s, None)
+    rows = np.unique(np.linspace(0, data.rows_total - 1, _CHECKED_ROWS).astype(np.intp))
+    forest = unscaled(ensemble_ir(regressor), scale := _scale(data))
+    values = _scaled(data, features, rows)
+    if regressor.n_features_in_ != values.shape[1]:
+        raise UsageError(
+            f"{type(regressor).__name__} was fitted on {regressor.n_features_in_} features, these "
+            f"are {values.shape[1]}: fit it on ensemble_data of the same features"
+        )
+    predicted_n = np.asarray(regressor.predict(values), dtype=np.float64)
+    force_n = data.force_n(rows)
+    if predicted_n.ndim != 1:
+        raise UsageError(f"the regressor has {predicted_n.shape[1]} outputs: fit it on one force")
+    if np.mean(np.square(predicted_n - force_n)) >= np.var(force_n):
+        raise UsageError(
+            "the regressor is worse on these recordings than their mean force: fit it on "
+            "ensemble_data of the same recordings and features"
+        )
+    differs = np.abs(regressor_force(forest, values / scale) - predicted_n)
+    if np.percentile(differs, 99) > _AGREES * np.abs(predicted_n).max():
+        raise UsageError(
+            f"{type(regressor).__name__} is no weighted sum of its trees (loss "
+            f"{getattr(regressor, 'loss', 'unknown')!r}): fit it with a squared error"
+        )
+    options = FitOptions(smooth_s=smooth_s)
+    passive, _, _ = fit_passive(data, options)
+    facts = {"n_nodes": len(forest.feature), "regressor": type(regressor).__name__}
+    parts = (features, forest)
+    return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, facts)
+
+
+def _scale(data: TrainingSet) -> float:
+    return depth_scale(data.trained.greatest_m - min(data.trained.least_m, 0.0))
+
+
+def _scaled(data: TrainingSet, features: Features, rows: Any) -> Samples:
+    return (_scale(data) * data.features(features, rows)).astype(np.float32).astype(np.float64)
