@@ -9,7 +9,7 @@ COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
 
 include runtime_c/flags.mk
 
-.PHONY: demo test check format lint types ns test-c clean
+.PHONY: demo test soak check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -22,6 +22,10 @@ demo: $(STAMP)
 
 test: $(STAMP) test-c
 	$(BIN)/pytest
+
+# Long tests: 10 000 malformed files, an hour at 1 kHz.
+soak: $(STAMP)
+	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
 
 check: format lint types
 	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized

@@ -14,6 +14,9 @@ _COMMANDS = {
     "demo": ("demo_command", "demo"),
     "record": ("record_command", "record"),
     "import": ("import_command", "import_"),
+    "check": ("check_command", "check"),
+    "plot": ("plot_command", "plot"),
+    "export": ("export_command", "export_"),
     "train": ("train_command", "train"),
     "emit": ("emit_command", "emit_"),
     "build": ("emit_command", "build"),
@@ -66,7 +69,6 @@ def main() -> None:
         package = (error.name or "").split(".")[0]
         if package == "springpot":
             raise
-        say(
-            f"springpot: {package} is not installed: `pip install 'springpot[train,report,m2cgen]'`"
-        )
+        extras = "springpot[train,report,can,m2cgen]"
+        say(f"springpot: {package} is not installed: `pip install '{extras}'`")
         sys.exit(2)

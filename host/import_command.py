@@ -2,15 +2,41 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import click
+import numpy as np
 
+from springpot.host.check_command import say_quality
+from springpot.host.options import NOT_NEGATIVE, FiniteRange
+from springpot.host.output import say
 from springpot.runtime_c.errors import UsageError
+from springpot.trainer.conditioning import Conditioning
 from springpot.trainer.formats.column_map import EXAMPLE, parse_map
-from springpot.trainer.formats.importing import import_file
-from springpot.trainer.recording import Recording, Zero
-from springpot.trainer.recording_file import SUFFIX, write_recording
+from springpot.trainer.formats.decimals import DecimalMark
+from springpot.trainer.formats.importing import ImportOptions, import_file
+from springpot.trainer.recording import SUFFIX, Recording, Zero
+from springpot.trainer.recording_file import store_recording
+
+
+class _AutoOrNumber(click.ParamType[Any]):
+    name = "auto|N"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | str:
+        if value == "auto":
+            return "auto"
+        try:
+            number = float(value)
+        except ValueError:
+            number = np.nan
+        if not np.isfinite(number):
+            self.fail(f"{value!r} is neither auto nor a force in N", param, ctx)
+        return number
+
+
+AUTO_OR_N = _AutoOrNumber()
 
 
 @click.command("import")
@@ -26,6 +52,24 @@ from springpot.trainer.recording_file import SUFFIX, write_recording
     help="Subtract nothing, the first sample or the smallest one, from each channel.",
 )
 @click.option("--resample-hz", type=float, help="Interpolate to this rate.")
+@click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
+@click.option("--dbc", type=click.Path(path_type=Path), help="Database of a CAN log.")
+@click.option("--block", metavar="KIND", help="Mach-1: only such blocks, for instance Sinusoid.")
+@click.option(
+    "--position-delay-s", type=FiniteRange(), default=0.0, help="Of the position's sensor."
+)
+@click.option("--force-delay-s", type=FiniteRange(), default=0.0, help="Of the force's sensor.")
+@click.option("--align", is_flag=True, help="Take the stated delays out, not only note them.")
+@click.option(
+    "--mass-kg", type=NOT_NEGATIVE, default=0.0, help="Beyond the load cell: inertia is removed."
+)
+@click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
+@click.option(
+    "--contact-force",
+    type=AUTO_OR_N,
+    metavar="auto|N",
+    help="Put position 0 where force passes this; auto: just above the noise.",
+)
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def import_(
@@ -33,25 +77,41 @@ def import_(
     map_text: str | None,
     zero: Zero,
     resample_hz: float | None,
+    decimal: DecimalMark | None,
+    dbc: Path | None,
+    block: str | None,
+    position_delay_s: float,
+    force_delay_s: float,
+    align: bool,
+    mass_kg: float,
+    tare: float | Literal["auto"] | None,
+    contact_force: float | Literal["auto"] | None,
     out: Path,
     as_json: bool,
 ) -> None:
-    """Turn CSV and Mach-1 text files into recordings, one HDF5 file each.
+    """Turn CSV, MAT, HDF5, Mach-1 text files, CAN logs and journals into recordings.
 
-    Headers such as time_s,position_m,force_N need no --map. Where one file is refused, nothing
-    is written.
+    One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
+    refused, nothing is written.
     """
     mapping = parse_map(map_text) if map_text else None
+    conditioning = Conditioning(
+        position_delay_s, force_delay_s, align, mass_kg, tare, contact_force
+    )
+    options = ImportOptions(dbc, block, decimal, conditioning)
     recordings, guesses = [], []
     for file in files:
-        result = import_file(file, mapping, zero, resample_hz)
-        click.echo(result.guess, err=True)
+        result = import_file(file, mapping, zero, resample_hz, options)
+        say(result.guess)
         recordings += result.recordings
         guesses.append(result.guess)
+    report = say_quality(recordings)
     written = _write(out, recordings)
     rows = [_summary(path, recording) for path, recording in written]
     if as_json:
-        click.echo(json.dumps({"out": str(out), "recordings": rows, "guess": "\n".join(guesses)}))
+        result_ = {"out": str(out), "recordings": rows, "guess": "\n".join(guesses)}
+        findings = [finding.facts() for finding in report.findings]
+        click.echo(json.dumps(result_ | {"findings": findings}))
         return
     for row in rows:
         (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]
@@ -77,7 +137,11 @@ def _write(out: Path, recordings: list[Recording]) -> list[tuple[Path, Recording
     try:
         out.mkdir(parents=True, exist_ok=True)
         for path, recording in files.items():
-            write_recording(path, recording)
+            store_recording(path, recording, overwrite=False)
+    except FileExistsError as error:
+        raise UsageError(
+            f"{error.filename2 or out}: came into being meanwhile: choose another --out"
+        ) from None
     except OSError as error:
         raise UsageError(f"{out}: cannot write here ({error}): choose another --out") from None
     return list(files.items())

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from springpot.host.protocols import RATE_HZ, Profile
 from springpot.host.simulated_bench import SimulatedBench, parse_url
 from springpot.runtime_c.errors import DeviceError, UsageError
-from springpot.trainer.recording import Recording
-from springpot.trainer.recording_file import SUFFIX, write_recording
+from springpot.trainer.journal import JournalWriter
+from springpot.trainer.journal_reader import journal_of
+from springpot.trainer.recording import SUFFIX, Recording
 
 Samples = NDArray[np.float64]
 
@@ -26,8 +27,13 @@ class ForceControlled(Protocol):
         """Name of the object under the device, as part of file names."""
         ...
 
-    def press(self, command_n: Samples) -> tuple[Samples, Samples]:
-        """Drive one press from rest; command (n,), N, each ms; return position_m, force_n (n,)."""
+    def press(
+        self, command_n: Samples, on_samples: Callable[[Samples, Samples], None] = ...
+    ) -> tuple[Samples, Samples]:
+        """Drive one press from rest; command (n,), N, each ms; return position_m, force_n (n,).
+
+        on_samples: called with the newest of both, each (k,), several times a second.
+        """
         ...
 
 
@@ -77,18 +83,24 @@ def record_session(
     for file in files:
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")
+        if journal_of(file).exists():
+            raise UsageError(
+                f"{journal_of(file)}: left behind by a crash, or still being recorded: give "
+                "another --out; `springpot import` turns a journal into a recording"
+            )
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
     qualities = []
     for name, file, profile in zip(names, files, profiles, strict=True):
-        position_m, force_n = device.press(profile.command_n)
         details = {"protocol": protocol, "command": dict(profile.facts)}
+        with JournalWriter(file, name, 1 / RATE_HZ, source, details) as journal:
+            position_m, force_n = device.press(profile.command_n, journal.append)
+            journal.finish()
         recording = Recording(
             name, position_m, force_n, 1 / RATE_HZ, source=source, details=details
         )
-        write_recording(file, recording)
         qualities.append(_quality(file, recording, profile))
         on_press(qualities[-1])
     return qualities

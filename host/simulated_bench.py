@@ -1,6 +1,6 @@
 """The simulated bench: silicones, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
@@ -23,6 +23,7 @@ VARIANTS = ("a", "b")
 MAX_COMMAND_N = 12.0
 DT_S = 0.001
 SUBSTEPS = 16
+_CHUNK = 250  # samples handed on at once
 
 
 @dataclass(frozen=True)
@@ -122,10 +123,15 @@ class SimulatedBench:
         """Name of the object on the bench."""
         return self.simulated.name
 
-    def press(self, command_n: Samples) -> tuple[Samples, Samples]:
+    def press(
+        self,
+        command_n: Samples,
+        on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+    ) -> tuple[Samples, Samples]:
         """Drive one press from rest on the relaxed object; every press has noise of its own.
 
-        command_n: (n,), N, one value each ms. Returns position_m and force_n, both (n,).
+        command_n: (n,), N, one value each ms. Returns position_m and force_n, both (n,), and
+        calls on_samples with the newest of both about four times a second.
         Raises DeviceError where the command is beyond the device.
         """
         command_n = np.ascontiguousarray(command_n, dtype=np.float64)
@@ -149,11 +155,18 @@ class SimulatedBench:
         self._presses += 1
         position_m, force_n = np.empty_like(command_n), np.empty_like(command_n)
         at = self._library.doubles
-        self._library.check(
-            self._library.c.sim_bench_record(
-                state, len(command_n), at(command_n), at(position_m), at(force_n)
+        for begin in range(0, len(command_n), _CHUNK):
+            part = slice(begin, begin + _CHUNK)
+            self._library.check(
+                self._library.c.sim_bench_record(
+                    state,
+                    len(command_n[part]),
+                    at(command_n[part]),
+                    at(position_m[part]),
+                    at(force_n[part]),
+                )
             )
-        )
+            on_samples(position_m[part], force_n[part])
         return position_m, force_n
 
 

@@ -6,6 +6,7 @@ from typing import Any, Literal
 import click
 
 from springpot.codegen.model_file import SUFFIX, write_model
+from springpot.host.check_command import say_quality
 from springpot.host.options import NOT_NEGATIVE, POSITIVE, SEED, FiniteRange
 from springpot.host.output import (
     json_option,
@@ -104,6 +105,7 @@ def train(
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
+    say_quality(training)
     with progress_console.status(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for warning in fit.warnings:

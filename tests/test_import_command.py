@@ -1,8 +1,11 @@
 """`springpot import`: files in, a folder of recordings and one JSON object out."""
 
 import json
+import os
 from pathlib import Path
+from time import perf_counter
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
@@ -38,6 +41,48 @@ def test_json(tmp_path: Path) -> None:
     assert printed["guess"] in result.stderr
     assert [file.name for file in out.iterdir()] == ["a_b.h5"]
     assert read_recording(out / "a_b.h5").zero == "first"
+
+
+def test_every_real_file_imports_with_at_most_one_map(shared_data: Path, tmp_path: Path) -> None:
+    compression = sorted((shared_data / "ecoflex_compression").glob("*/*.csv"))
+    tension = sorted((shared_data / "elastomer_tension").glob("*.csv"))
+    strain = "time=10Hz,position=Engineering Strain:33mm,force=Engineering Stress (MPa):18N"
+    for count, files, options in (
+        (30, compression, []),
+        (5, tension, ["--map", strain]),
+        (5, [shared_data / "mach1" / "Dynamic_data.txt"], ["--zero", "first"]),
+    ):
+        out = tmp_path / str(len(files))
+        result = run(*files, *options, "--out", out)
+        assert result.exit_code == 0, result.exception
+        assert len(list(out.glob("*.h5"))) == count
+
+
+def test_a_recording_can_be_conditioned_again(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(TABLE)
+    run(tmp_path / "a.csv", "--out", tmp_path / "out")
+    again = run(tmp_path / "out" / "a.h5", "--tare", "0.5", "--out", tmp_path / "again")
+    assert again.exit_code == 0, again.exception
+    assert read_recording(tmp_path / "again" / "a.h5").force_n.tolist() == [1.5, 2.5, 4.5]
+    mapped = run(tmp_path / "out" / "a.h5", "--zero", "min", "--out", tmp_path / "no")
+    assert isinstance(mapped.exception, UsageError)
+
+
+@pytest.mark.skipif("SPRINGPOT_FUZZ" not in os.environ, reason="an hour at 1 kHz: make soak")
+def test_an_hour_at_1_khz_imports_and_opens_in_time(tmp_path: Path) -> None:
+    time_s = np.arange(3_600_000) * 1e-3
+    force_n = 3 * (1 - np.cos(4 * time_s)) + np.random.default_rng(0).normal(0, 0.01, len(time_s))
+    position_mm = 5 * (1 - np.cos(4 * time_s))
+    with (tmp_path / "hour.csv").open("w") as file:
+        file.write("time_s,position_mm,force_N\n")
+        table = zip(time_s, position_mm, force_n, strict=True)
+        file.writelines(f"{t:.3f},{x:.4f},{f:.4f}\n" for t, x, f in table)
+    begin = perf_counter()
+    assert run(tmp_path / "hour.csv", "--out", tmp_path / "out").exit_code == 0
+    assert perf_counter() - begin < 20.0
+    begin = perf_counter()
+    read_recording(tmp_path / "out" / "hour.h5")
+    assert perf_counter() - begin < 1.0
 
 
 def test_without_json_one_line_a_recording(tmp_path: Path) -> None:

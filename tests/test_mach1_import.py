@@ -7,7 +7,7 @@ import pytest
 
 from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.formats.column_map import parse_map
-from springpot.trainer.formats.importing import ImportResult, import_file
+from springpot.trainer.formats.importing import ImportOptions, ImportResult, import_file
 
 INFO = """<Mach-1 File>
 <INFO>
@@ -43,7 +43,15 @@ def test_units_and_details(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.position_m, [1.0e-3, 1.5e-3, 2.0e-3], rtol=1e-15)
     np.testing.assert_allclose(recording.force_n, [0.980665, 1.96133, 2.941995], rtol=1e-15)
     assert recording.dt_s == 0.01
+    assert recording.details.pop("sampling")["median_step_s"] == 0.01
+    assert recording.details["units"]["force"] == {
+        "unit": "gf",
+        "to_si": 9.80665e-3,
+        "from": "header",
+    }
+    del recording.details["units"]
     assert recording.details == {
+        "block": "Sinusoid",
         "frequency_hz": 0.5,
         "amplitude_m": 0.5e-3,
         "cycles": 20,
@@ -65,19 +73,58 @@ def test_other_axes_beside_the_moving_one(tmp_path: Path) -> None:
     assert recording.position_m.tolist() == [1e-3, 1.5e-3, 2e-3]
 
 
-def test_other_blocks_are_named_as_left_out(tmp_path: Path) -> None:
+TABLE = SINUSOID[SINUSOID.index("<DATA>") :]
+
+
+def test_every_kind_of_block_with_samples(tmp_path: Path) -> None:
+    blocks = "".join(f"<{kind}>\nVelocity, mm/s:\t0.1\n{TABLE}" for kind in (
+        "Find Contact", "Move Relative", "Normal Indentation", "Scripts"))  # fmt: skip
+    blocks += "<Wait>\nTime, s:\t3\n<Zero Load>\n"
+    result = load(tmp_path, INFO + blocks + SINUSOID)
+    assert [recording.name for recording in result.recordings] == [
+        "run-Find-Contact", "run-Move-Relative", "run-Normal-Indentation", "run-Scripts",
+        "run-0.5Hz"]  # fmt: skip
+    assert (
+        "left out: <Wait> in row 40 (no samples), <Zero Load> in row 42 (no samples)"
+        in result.guess
+    )
+
+
+def test_dividers_cut_a_block_into_steps(tmp_path: Path) -> None:
+    rows = TABLE[TABLE.index("0.00\t") : TABLE.index("<END DATA>")]
+    block = "<Stress Relaxation>\n" + TABLE.replace("<END", f"<divider>\n{rows}<divider>\n<END")
+    result = load(tmp_path, INFO + block)
+    names = [recording.name for recording in result.recordings]
+    assert names == ["run-Stress-Relaxation-1", "run-Stress-Relaxation-2"]
+    damaged = block[: block.rindex("1.5")] + block[block.rindex("1.5") :].replace("1.5", "x")
+    with pytest.raises(DataError, match="row 16: 'x' is not a number"):
+        load(tmp_path, INFO + damaged)
+
+
+def test_blocks_are_left_out_by_kind_or_for_want_of_samples(tmp_path: Path) -> None:
     other = "<Find Contact>\nStage Axis:\tPosition (z)\n<DATA>\nTime, s\n0\n<divider>\n<END DATA>\n"
     result = load(tmp_path, INFO + other + SINUSOID)
     assert len(result.recordings) == 1
-    assert "left out, only <Sinusoid> is read: <Find Contact> in row 8" in result.guess
-    with pytest.raises(DataError, match=r"run\.txt: no <Sinusoid> block.*<Find Contact>"):
+    assert "left out: <Find Contact> in row 8 (2 rows of samples)" in result.guess
+    with pytest.raises(DataError, match=r"run\.txt: no block with samples.*<Find Contact>"):
         load(tmp_path, INFO + other)
+    uneven = (
+        SINUSOID.replace("Sinusoid", "Wait")
+        .replace("0.02\t", "0.021\t")
+        .replace("0.01\t", "0.009\t")
+    )
+    with pytest.raises(DataError, match="or leave such blocks out, --block KIND"):
+        load(tmp_path, INFO + uneven + SINUSOID)
+    file = tmp_path / "run.txt"
+    result = import_file(file, None, "none", None, ImportOptions(block="sinusoid"))
+    assert len(result.recordings) == 1
+    assert "<Wait> in row 8 (--block)" in result.guess
 
 
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("1.5\t200.0", "1.5\tx", "row 16: could not convert string to float: 'x'"),
+        ("1.5\t200.0", "1.5\tx", "row 16: 'x' is not a number"),
         ("1.5\t200.0", "nan\t200.0", "row 16: position is not a finite number"),
         ("1.5\t200.0", "1.5", "row 16: 2 cells, the header has 3"),
         ("0.02\t", "0.00\t", "row 17: time goes back"),

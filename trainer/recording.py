@@ -13,6 +13,7 @@ from springpot.runtime_c.errors import DataError
 Samples = NDArray[np.float64]
 Zero = Literal["none", "first", "min"]
 
+SUFFIX = ".h5"
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
     "force: positive pushes the tool out of the object"

@@ -1,30 +1,76 @@
 """Recordings as HDF5 files: one file a recording, a 1-D data set a channel, facts as attributes."""
 
 import hashlib
+import io
 import json
 import os
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 
 from springpot.runtime_c.errors import DataError
-from springpot.trainer.recording import SIGN_RULE, Recording
+from springpot.trainer.journal_reader import (
+    JOURNAL_SUFFIX,
+    is_being_recorded,
+    journal_of,
+    read_journal,
+)
+from springpot.trainer.notices import notice
+from springpot.trainer.recording import SIGN_RULE, SUFFIX, Recording
 
 SCHEMA = 1
-SUFFIX = ".h5"
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
 # flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
 _SEAL = b"springpot sha256"
 _SEAL_BYTES = len(_SEAL) + hashlib.sha256().digest_size
 _CHANNEL_UNITS = {"position_m": "m", "force_n": "N"}
+_CHUNK_SAMPLES = 1 << 17
 
 
 def write_recording(path: Path, recording: Recording) -> None:
     """Write `recording` aside and rename it to `path`, so that a reader never sees half a file."""
-    aside = path.with_name(path.name + ".part")
-    with h5py.File(aside, "w", track_order=True) as file:
+    store_recording(path, recording, overwrite=True)
+
+
+def store_recording(path: Path, recording: Recording, *, overwrite: bool) -> None:
+    """Write aside, sync, rename. Raises OSError, and leaves nothing aside, where that fails.
+
+    overwrite: False raises FileExistsError where `path` exists, even if it came meanwhile.
+    """
+    content = _hdf5(recording)
+    seal = _SEAL + hashlib.sha256(content).digest()
+    aside = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        with aside.open("wb") as file:
+            file.write(content)
+            file.write(seal)
+            file.flush()
+            os.fsync(file.fileno())
+        if overwrite:
+            aside.replace(path)
+        else:
+            path.hardlink_to(aside)
+    finally:
+        aside.unlink(missing_ok=True)
+    sync_folder(path.parent)
+
+
+def sync_folder(folder: Path) -> None:
+    """Make new names in a folder survive a power cut."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _hdf5(recording: Recording) -> bytes:
+    """Lay the file out in memory: on a full disk, HDF5 itself leaves ruins and dies on closing."""
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", track_order=True) as file:
         file.attrs["schema"] = SCHEMA
         file.attrs["name"] = recording.name
         file.attrs["dt_s"] = recording.dt_s
@@ -37,19 +83,45 @@ def write_recording(path: Path, recording: Recording) -> None:
         for channel, unit in _CHANNEL_UNITS.items():
             samples = getattr(recording, channel)
             dataset = file.create_dataset(
-                channel, data=samples, compression="gzip", shuffle=True, fletcher32=True
+                channel,
+                data=samples,
+                chunks=(min(len(samples), _CHUNK_SAMPLES),),
+                compression="gzip",
+                compression_opts=1,
+                shuffle=True,
+                fletcher32=True,
             )
             dataset.attrs["unit"] = unit
-    with aside.open("r+b") as written:
-        digest = hashlib.file_digest(written, "sha256").digest()
-        written.write(_SEAL + digest)
-        written.flush()
-        os.fsync(written.fileno())
-    aside.replace(path)
+    return memory.getvalue()
 
 
 def read_recording(path: Path) -> Recording:
-    """Read one recording. Raises DataError with the file's name where it cannot be used."""
+    """Read one recording, or recover what a crash left of it and say so.
+
+    path: an HDF5 file, or a journal. Raises DataError with the file's name where it cannot be used.
+    """
+    if path.suffix == JOURNAL_SUFFIX:
+        return _recovered(path)
+    if not path.exists() and path.suffix == SUFFIX and journal_of(path).exists():
+        return _recovered(journal_of(path))
+    return _read_hdf5(path)
+
+
+def _recovered(journal: Path) -> Recording:
+    if not journal.exists():
+        raise DataError(f"{journal}: no such file")
+    if is_being_recorded(journal):
+        raise DataError(f"{journal}: still being recorded: wait until that ends")
+    found = read_journal(journal)
+    told = (
+        f"recovered {found.recording.duration_s:.3f} s from the journal of a recording that was "
+        f"interrupted{found.lost}"
+    )
+    notice(f"{journal}: {told}")
+    return replace(found.recording, details={**found.recording.details, "recovered": told})
+
+
+def _read_hdf5(path: Path) -> Recording:
     try:
         _check_seal(path)
         with h5py.File(path, "r") as file:
@@ -85,6 +157,13 @@ def read_recording(path: Path) -> Recording:
         ) from None
 
 
+def is_sealed(path: Path) -> bool:
+    """Tell whether a file is a recording that springpot wrote and nobody edited since."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - _SEAL_BYTES))
+        return file.read().startswith(_SEAL)
+
+
 def _check_seal(path: Path) -> None:
     """Compare the bytes with the seal behind them; a file that others edited has none."""
     content, seal = path.stat().st_size - _SEAL_BYTES, b""
@@ -105,13 +184,32 @@ def _check_seal(path: Path) -> None:
 
 
 def read_recordings(paths: Iterable[Path]) -> list[Recording]:
-    """Read files and folders of recordings, folders in the order of their files' names."""
-    recordings = []
+    """Read files and folders of recordings, folders in the order of their files' names.
+
+    Journals that a crash left in a folder are recovered.
+    """
+    return [read_recording(file) for file in recording_files(paths)]
+
+
+def recording_files(paths: Iterable[Path]) -> list[Path]:
+    """Return the files behind arguments that are files and folders of recordings.
+
+    Raises DataError for a folder without any.
+    """
+    files: list[Path] = []
     for path in paths:
-        files = sorted(path.glob(f"*{SUFFIX}")) if path.is_dir() else [path]
-        if not files:
-            raise DataError(
-                f"{path}: no {SUFFIX} file in this folder: `springpot import` makes them"
-            )
-        recordings += [read_recording(file) for file in files]
-    return recordings
+        files += _in_folder(path) if path.is_dir() else [path]
+    return files
+
+
+def _in_folder(folder: Path) -> list[Path]:
+    files = list(folder.glob(f"*{SUFFIX}"))
+    for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
+        finished = journal.with_name(journal.name.removesuffix(JOURNAL_SUFFIX) + SUFFIX)
+        if finished in files:
+            notice(f"{journal}: left out, its recording was finished in {finished.name}: remove it")
+        else:
+            files.append(journal)
+    if not files:
+        raise DataError(f"{folder}: no {SUFFIX} file in this folder: `springpot import` makes them")
+    return sorted(files)

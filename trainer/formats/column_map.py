@@ -12,15 +12,27 @@ EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
 _NEXT_CHANNEL = re.compile(rf",(?=\s*(?:{'|'.join(QUANTITIES)})\s*=)")
 
 
+_RATE = re.compile(r"(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(k?)Hz")
+
+
 @dataclass(frozen=True)
 class Column:
-    """One channel's column: a header's text or a 1-based number, and its unit if it was given."""
+    """One channel's column: a header's text or a 1-based number, and its unit if it was given.
+
+    rate_hz: of the channel time only, `time=10Hz`: no column is read, rows are counted.
+    """
 
     header_or_number: str | int
     unit: str | None = None
+    rate_hz: float | None = None
 
 
 ColumnMap = Mapping[Quantity, Column]
+
+
+def stated_rate_hz(columns: ColumnMap) -> float | None:
+    """Rate that the map states in place of a column of time, Hz."""
+    return columns["time"].rate_hz if "time" in columns else None
 
 
 def parse_map(text: str) -> dict[Quantity, Column]:
@@ -36,8 +48,18 @@ def parse_map(text: str) -> dict[Quantity, Column]:
             raise UsageError(f"--map: cannot read {part.strip()!r}: write {EXAMPLE}")
         if quantity in columns:
             raise UsageError(f"--map: {quantity} is given twice: give it once")
-        columns[quantity] = _parse_column(rest, quantity)
+        rate = _RATE.fullmatch(rest)
+        if quantity == "time" and rate:
+            columns[quantity] = _parse_rate(float(rate[1]) * (1000.0 if rate[2] else 1.0))
+        else:
+            columns[quantity] = _parse_column(rest, quantity)
     return columns
+
+
+def _parse_rate(rate_hz: float) -> Column:
+    if not 0.0 < rate_hz < 1e9:
+        raise UsageError(f"--map: time at {rate_hz:g} Hz is no rate: write for example time=1000Hz")
+    return Column("", rate_hz=rate_hz)
 
 
 def _parse_column(text: str, quantity: Quantity) -> Column:

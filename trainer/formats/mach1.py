@@ -1,7 +1,8 @@
-"""Mach-1 text files: the sinusoid blocks that Biomomentum's Mach-1 Motion software writes.
+"""Mach-1 text files, as Biomomentum's Mach-1 Motion software writes them: every block with samples.
 
 A file is a row of blocks: `<INFO>` with facts of the set-up, then one block a function, such as
 `<Sinusoid>`, with its parameters and, between `<DATA>` and `<END DATA>`, a table with a header.
+`<divider>` lines cut a table into steps whose time begins anew: each is a recording.
 Both signs are springpot's already: the stage's position grows downwards, into the sample, and the
 force along the same axis grows in compression.
 """
@@ -15,11 +16,15 @@ from typing import Any
 import numpy as np
 
 from springpot.runtime_c.errors import DataError
-from springpot.trainer.formats.sampling import RawChannels
-from springpot.trainer.formats.units import Quantity, factor_to_si
+from springpot.trainer.formats.decimals import is_number
+from springpot.trainer.formats.sampling import MIN_ROWS, RawChannels
+from springpot.trainer.formats.units import Quantity, Unit, factor_to_si
 
 MAGIC = b"<Mach-1 File>"
-_BLOCK = "Sinusoid"
+_SINUSOID = "Sinusoid"
+_FREQUENCY = "Frequency, Hz"
+_DIVIDER = "<divider>"
+Table = np.ndarray[Any, np.dtype[np.float64]]
 _TAG = re.compile(r"<([^<>]+)>")
 _AXIS = re.compile(r"Position \((\w+)\)")
 _TIME_DECIMALS = re.compile(r"\d+\.?(\d*)")
@@ -37,25 +42,32 @@ class _Block:
     table_line: int = 0
 
 
-def read_mach1(path: Path) -> tuple[list[RawChannels], str]:
-    """Read every sinusoid block, and say which ones came out and which were left out.
+def read_mach1(path: Path, kind: str | None = None) -> tuple[list[RawChannels], str]:
+    """Read every block with samples, and say which ones came out and which were left out.
 
+    kind: only blocks of that kind, such as "Sinusoid".
     Raises DataError naming file and row for a file without such a block and for a damaged table.
     """
-    sinusoids, left_out = [], []
+    read, left_out = [], []
     for block in _blocks(path):
-        if block.kind == _BLOCK:
-            sinusoids.append(block)
+        if kind is not None and block.kind.casefold() != kind.casefold():
+            left_out.append(f"<{block.kind}> in row {block.line} (--block)")
+        elif sum(1 for line in block.table if line.strip()) <= MIN_ROWS:
+            left_out.append(f"<{block.kind}> in row {block.line} ({_too_short(block)})")
         else:
-            left_out.append(f"<{block.kind}> in row {block.line}")
-    others = f"; left out, only <{_BLOCK}> is read: {', '.join(left_out)}" if left_out else ""
-    if not sinusoids:
-        raise DataError(
-            f"{path}: no <{_BLOCK}> block{others}: export such a block, or import the others as CSV"
-        )
-    recordings = [_channels(path, block) for block in sinusoids]
-    names = ", ".join(f"{raw.details['frequency_hz']:g} Hz" for raw in recordings)
-    return recordings, f"Mach-1 text, {len(recordings)} <{_BLOCK}> blocks: {names}{others}"
+            read.append(block)
+    others = f"; left out: {', '.join(left_out)}" if left_out else ""
+    if not read:
+        wanted = f"<{kind}> block" if kind else "block"
+        raise DataError(f"{path}: no {wanted} with samples{others}: export one with its data")
+    recordings = [step for block in read for step in _steps(path, block)]
+    names = ", ".join(f"<{block.kind}> in row {block.line}" for block in read)
+    return recordings, f"Mach-1 text, {len(read)} blocks: {names}{others}"
+
+
+def _too_short(block: _Block) -> str:
+    rows = max(0, len(block.table) - 1)
+    return f"{rows} rows of samples" if rows else "no samples"
 
 
 def _blocks(path: Path) -> Iterator[_Block]:
@@ -64,7 +76,7 @@ def _blocks(path: Path) -> Iterator[_Block]:
     block: _Block | None = None
     in_info = in_data = False
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        lines = path.read_text(encoding="utf-8-sig").split("\n")  # as editors count rows
     except UnicodeDecodeError as error:
         raise DataError(f"{path}: not UTF-8 text ({error.reason}): export it again") from None
     for number, line in enumerate(lines, 1):
@@ -92,27 +104,56 @@ def _blocks(path: Path) -> Iterator[_Block]:
         yield block
 
 
-def _channels(path: Path, block: _Block) -> RawChannels:
+def _steps(path: Path, block: _Block) -> list[RawChannels]:
+    """One recording for a block, or for each part between its dividers."""
     where = f"{path}, <{block.kind}> in row {block.line}"
-    header = block.table[0].split("\t") if block.table else []
+    header = block.table[0].split("\t")
+    first = block.table_line + 1
+    parts: list[list[tuple[int, str]]] = [[]]
+    for number, line in enumerate(block.table[1:], first):
+        if line.strip() == _DIVIDER:
+            parts.append([])
+        elif line.strip():
+            parts[-1].append((number, line))
+    parts = [part for part in parts if part]
+    name = f"{path.stem}-{_label(where, block)}"
+    steps = []
+    for k, part in enumerate(parts, 1):
+        step = f"-{k}" if len(parts) > 1 else ""
+        steps.append(_channels(path, where, block, header, part, name + step))
+    return steps
+
+
+def _label(where: str, block: _Block) -> str:
+    """Name a sinusoid by its frequency, anything else by its kind."""
+    if block.kind == _SINUSOID:
+        return f"{_value(where, block.parameters, _FREQUENCY):g}Hz"
+    return block.kind.replace(" ", "-")
+
+
+def _channels(
+    path: Path,
+    where: str,
+    block: _Block,
+    header: list[str],
+    rows: list[tuple[int, str]],
+    name: str,
+) -> RawChannels:
     columns = _columns(where, header, block.parameters.get("Stage Axis", "Position (z)"))
-    numbers = _numbers(path, block, len(header))
-    scaled = {
-        quantity: numbers[:, index]
-        * factor_to_si(header[index].rpartition(",")[2], quantity, where)
-        for quantity, index in columns.items()
-    }
-    frequency_hz = _value(where, block.parameters, "Frequency, Hz")
-    decimals = _TIME_DECIMALS.match(block.table[-1])
+    numbers = _numbers(path, rows, len(header))
+    texts = {quantity: header[index].rpartition(",")[2] for quantity, index in columns.items()}
+    units = {q: Unit(t.strip(), factor_to_si(t, q, where), "header") for q, t in texts.items()}
+    scaled = {q: numbers[:, index] * units[q].to_si for q, index in columns.items()}
+    decimals = _TIME_DECIMALS.match(rows[-1][1])
     return RawChannels(
-        name=f"{path.stem}-{frequency_hz:g}Hz",
+        name=name,
         time_s=scaled["time"],
         position_m=scaled["position"],
         force_n=scaled["force"],
         time_digit_s=10.0 ** -len(decimals[1]) if decimals else 0.0,
-        source=f"{path}, {frequency_hz:g} Hz",
-        line_of=lambda sample: block.table_line + 1 + sample,
-        details={"frequency_hz": frequency_hz} | _details(where, block),
+        source=f"{path}, {name.removeprefix(f'{path.stem}-')}",
+        line_of=lambda sample: rows[sample][0],
+        details=_details(where, block) | {"units": {q: u.facts() for q, u in units.items()}},
     )
 
 
@@ -134,13 +175,16 @@ def _columns(where: str, header: list[str], axis: str) -> dict[Quantity, int]:
     return {quantity: labels.index(label) for quantity, label in wanted.items()}
 
 
-def _numbers(path: Path, block: _Block, width: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _numbers(path: Path, lines: list[tuple[int, str]], width: int) -> Table:
     rows = []
-    for number, line in enumerate(block.table[1:], block.table_line + 1):
-        try:
-            rows.append([float(cell) for cell in line.split("\t")])
-        except ValueError as error:
-            raise DataError(f"{path}, row {number}: {error}: correct it in the source") from None
+    for number, line in lines:
+        cells = line.split("\t")
+        wrong = next((cell for cell in cells if not is_number(cell.strip())), None)
+        if wrong is not None:
+            raise DataError(
+                f"{path}, row {number}: {wrong!r} is not a number: correct it in the source"
+            )
+        rows.append([float(cell) for cell in cells])
         if len(rows[-1]) != width:
             raise DataError(
                 f"{path}, row {number}: {len(rows[-1])} cells, the header has {width}: "
@@ -151,9 +195,10 @@ def _numbers(path: Path, block: _Block, width: int) -> np.ndarray[Any, np.dtype[
 
 def _details(where: str, block: _Block) -> dict[str, Any]:
     """Carry what tells how far the samples can be trusted: the load cell's filter delays force."""
-    details: dict[str, Any] = {
-        "amplitude_m": _value(where, block.parameters, "Amplitude, mm") * 1e-3
-    }
+    details: dict[str, Any] = {"block": block.kind}
+    if block.kind == _SINUSOID:
+        details["frequency_hz"] = _value(where, block.parameters, _FREQUENCY)
+        details["amplitude_m"] = _value(where, block.parameters, "Amplitude, mm") * 1e-3
     if "Number of Cycles" in block.parameters:
         details["cycles"] = int(_value(where, block.parameters, "Number of Cycles"))
     if block.info.get("Load Cell Low-pass filter") == "Yes":
@@ -167,8 +212,11 @@ def _details(where: str, block: _Block) -> dict[str, Any]:
 
 def _value(where: str, values: Mapping[str, str], key: str) -> float:
     try:
-        return float(values[key])
+        value = float(values[key])
     except KeyError:
         raise DataError(f"{where}: no {key!r}: export the block with its parameters") from None
     except ValueError:
-        raise DataError(f"{where}: {key!r} is {values[key]!r}, not a number") from None
+        value = np.nan
+    if not np.isfinite(value):
+        raise DataError(f"{where}: {key!r} is {values[key]!r}, not a number: correct it")
+    return value

@@ -1,12 +1,13 @@
 """From time-stamped samples to a recording: what is refused, and resampling on request."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from springpot.runtime_c.errors import DataError
+from springpot.trainer.formats.uneven_tail import last_even_sample, on_grid, tail_grid
 from springpot.trainer.recording import Recording, Samples, Zero
 
 MIN_ROWS = 3
@@ -42,20 +43,28 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
     """Check the samples, resample them if `resample_hz` is given, subtract the zero.
 
     Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
-    without `resample_hz`, uneven steps; too few rows. What was done is kept in `details`.
+    without `resample_hz`, uneven steps before the file's end; too few rows. What was done is kept
+    in `details`.
     """
     _check_finite(raw)
     _check_order(raw)
     _check_gaps(raw)
-    details = dict(raw.details)
-    position_m, force_n = raw.position_m, raw.force_n
-    if resample_hz is None:
+    details = {**raw.details, "sampling": _sampling(raw)}
+    last_even = None if resample_hz else _last_even(raw)
+    if last_even is not None:
+        grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
+        details["sampling"]["tail"]["from_row"] = raw.line_of(last_even + 1)
+        position_m = on_grid(raw.time_s, raw.position_m, grid_s, last_even)
+        force_n = on_grid(raw.time_s, raw.force_n, grid_s, last_even)
+        dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
+    elif resample_hz is None:
         _check_even(raw)
+        position_m, force_n = raw.position_m, raw.force_n
         dt_s = float(raw.time_s[-1] - raw.time_s[0]) / (len(raw.time_s) - 1)
     else:
         grid_s = _grid(raw, resample_hz)
-        position_m = np.interp(grid_s, raw.time_s, position_m)
-        force_n = np.interp(grid_s, raw.time_s, force_n)
+        position_m = np.interp(grid_s, raw.time_s, raw.position_m)
+        force_n = np.interp(grid_s, raw.time_s, raw.force_n)
         dt_s = 1.0 / resample_hz
         details |= {
             "resampled_hz": resample_hz,
@@ -71,6 +80,33 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
         }
         position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
     return Recording(name, position_m, force_n, dt_s, zero, source=raw.source, details=details)
+
+
+def _sampling(raw: RawChannels) -> dict[str, Any]:
+    """Facts about the time stamps that uniform samples no longer show."""
+    steps_s = np.diff(raw.time_s)
+    usual_s = float(np.median(steps_s))
+    return {
+        "median_step_s": usual_s,
+        "shortest_step_s": float(steps_s.min()),
+        "longest_step_s": float(steps_s.max()),
+        "jitter_rms_s": float(np.sqrt(np.mean((steps_s - steps_s.mean()) ** 2))),
+        "stamp_digit_s": raw.time_digit_s,
+    }
+
+
+def _last_even(raw: RawChannels) -> int | None:
+    last_even = last_even_sample(raw.time_s, _slack_s(raw, 1), raw.time_digit_s + _rounding_s(raw))
+    if last_even is not None:
+        channels = (raw.time_s, raw.position_m, raw.force_n)
+        time_s, position_m, force_n = (samples[: last_even + 1] for samples in channels)
+        _check_even(replace(raw, time_s=time_s, position_m=position_m, force_n=force_n))
+    return last_even
+
+
+def _slack_s(raw: RawChannels, span: int) -> float:
+    usual_s = float(np.median(np.diff(raw.time_s)))
+    return STEP_TOLERANCE * usual_s + (raw.time_digit_s + _rounding_s(raw)) / span
 
 
 def _check_finite(raw: RawChannels) -> None:
@@ -91,11 +127,14 @@ def _check_order(raw: RawChannels) -> None:
         )
     bad = np.flatnonzero(np.diff(raw.time_s) <= 0.0)
     if len(bad):
+        usual_s = float(np.median(np.diff(raw.time_s)))
+        rate = f" (--map time={1.0 / usual_s:.6g}Hz)" if usual_s > 0.0 else ""
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
         raise DataError(
             f"{_at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s ({len(bad)} such rows): "
-            "correct the time stamps in the source, or cut the file there"
+            "correct the time stamps in the source, cut the file there or, where every row is one "
+            f"step, state the rate in place of the column{rate}"
         )
 
 

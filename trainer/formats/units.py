@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 from springpot.runtime_c.errors import DataError
@@ -49,6 +50,19 @@ _FACTORS: dict[Quantity, dict[str, float]] = {
 _WITH_FACTOR = re.compile(
     r"(?P<factor>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)?\s*(?P<unit>[^\d\s.+-].*)?"
 )
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A channel's unit as it was found. origin: "map" where a person stated it, or its place."""
+
+    text: str
+    to_si: float
+    origin: str
+
+    def facts(self) -> dict[str, str | float]:
+        """For the recording's metadata."""
+        return {"unit": self.text, "to_si": self.to_si, "from": self.origin}
 
 
 def is_unit(text: str, quantity: Quantity) -> bool:

@@ -1,0 +1,98 @@
+"""Read the arrays of a MAT or HDF5 file: run as a process of its own.
+
+Both libraries can crash, hang or ask for any amount of memory on a damaged file; a process of its
+own turns that into one line. Prints the arrays as one NPZ file: names, units and values.
+"""
+
+import io
+import resource
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+_MOST_BYTES = 8 << 30
+_CPU_S = 120
+_MOST_COLUMNS = 32
+Found = Iterator[tuple[str, str, Any]]
+
+
+def main() -> None:
+    """Read the file named by the first argument, of the kind named by the second."""
+    resource.setrlimit(resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES))
+    resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
+    path, kind = Path(sys.argv[1]), sys.argv[2]
+    try:
+        found = list(_of_mat(path) if kind == "mat" else _of_hdf5(path))
+    except Exception as error:  # whatever the libraries raise on a damaged file
+        sys.exit(" ".join(f"{type(error).__name__}: {error}".split())[:200])
+    columns = [part for name, unit, value in found for part in _columns(name, unit, value)]
+    memory = io.BytesIO()
+    np.savez(
+        memory,
+        names=np.array([name for name, _, _ in columns], dtype=str),
+        units=np.array([unit for _, unit, _ in columns], dtype=str),
+        **{f"a{k}": values for k, (_, _, values) in enumerate(columns)},
+    )
+    sys.stdout.buffer.write(memory.getvalue())
+
+
+def _of_mat(path: Path) -> Found:
+    from scipy.io import loadmat
+
+    yield from _nested("", loadmat(path, simplify_cells=True))
+
+
+def _nested(prefix: str, value: Any) -> Found:
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            if not name.startswith("__"):
+                yield from _nested(f"{prefix}.{name}" if prefix else name, inner)
+    elif isinstance(value, list):
+        for k, inner in enumerate(value, 1):
+            yield from _nested(f"{prefix}({k})", inner)
+    elif isinstance(value, np.ndarray) and value.dtype == object:
+        for k, inner in enumerate(value.ravel(), 1):
+            yield from _nested(f"{prefix}({k})", inner)
+    else:
+        yield prefix, "", value
+
+
+def _of_hdf5(path: Path) -> Found:
+    import h5py
+
+    found: list[tuple[str, str, Any]] = []
+
+    def visit(name: str, node: Any) -> None:
+        if isinstance(node, h5py.Dataset) and not name.startswith("#"):
+            unit = next((node.attrs[a] for a in ("unit", "units", "Unit", "Units")
+                         if a in node.attrs), "")  # fmt: skip
+            unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+            if node.dtype.names:
+                found.extend((f"{name}.{f}", "", node[f]) for f in node.dtype.names)
+            elif node.dtype.kind in "fiu" and node.ndim <= 2:
+                found.append((name, unit, node[()]))
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    yield from found
+
+
+def _columns(name: str, unit: str, value: Any) -> Iterator[tuple[str, str, Any]]:
+    """Give a vector as it is and a matrix column by column, the longer side being time."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu":
+        return
+    array = np.squeeze(array).astype(np.float64)
+    if array.ndim == 1 and len(array) > 1:
+        yield name, unit, array
+    elif array.ndim == 2 and min(array.shape) <= _MOST_COLUMNS:
+        tall = array if array.shape[0] >= array.shape[1] else array.T
+        for k in range(tall.shape[1]):
+            yield f"{name}[{k + 1}]", unit, np.ascontiguousarray(tall[:, k])
+
+
+if __name__ == "__main__":
+    main()

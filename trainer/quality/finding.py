@@ -1,0 +1,37 @@
+"""A finding: one line that says what, where, so what, and what to do."""
+
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+Severity = Literal["refusal", "warning"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """kind: short name for programs. A refusal means that no model can be made of this."""
+
+    kind: str
+    severity: Severity
+    where: str
+    what: str
+    so_what: str
+    to_do: str
+
+    @property
+    def line(self) -> str:
+        """All of it in one line."""
+        return f"{self.severity}: {self.where}: {self.what}: {self.so_what}; {self.to_do}"
+
+    def facts(self) -> dict[str, str]:
+        """For JSON."""
+        return asdict(self) | {"line": self.line}
+
+
+def refusal(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
+    """Return a finding that ends with exit status 3."""
+    return Finding(kind, "refusal", where, what, so_what, to_do)
+
+
+def warning(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
+    """Return a finding that people should know of."""
+    return Finding(kind, "warning", where, what, so_what, to_do)
