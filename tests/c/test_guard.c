@@ -2,10 +2,13 @@
 
 #include "check.h"
 #include "sp_guard.h"
+#include "sp_guard_velocity.h"
 #include "sp_range.h"
 
-static const sp_guard_config config = {
-    .jump_m = (sp_real)0.001, .reach_m = (sp_real)10, .resync_ticks = 3};
+static const sp_guard_config config = {.jump_m = (sp_real)0.001,
+                                       .least_m = (sp_real)-10,
+                                       .greatest_m = (sp_real)0.1,
+                                       .resync_ticks = 3};
 
 static void first_believable_sample_is_taken(void)
 {
@@ -14,7 +17,7 @@ static void first_believable_sample_is_taken(void)
     CHECK(sp_guard_position(&config, &state, (sp_real)NAN, &notes) == (sp_real)0);
     CHECK(notes == SP_NOTE_HELD);
     notes = 0;
-    CHECK(sp_guard_position(&config, &state, (sp_real)0.5, &notes) == (sp_real)0.5);
+    CHECK(sp_guard_position(&config, &state, (sp_real)0.05, &notes) == (sp_real)0.5);
     CHECK(notes == SP_NOTE_RESYNC);
 }
 
@@ -57,29 +60,34 @@ static void disagreeing_samples_never_do(void)
     (void)sp_guard_position(&config, &state, (sp_real)0, &notes);
     for (int i = 0; i < 1000; i++) {
         notes = 0;
-        const sp_real x = i % 2 ? (sp_real)0.5 : (sp_real)0.7;
+        const sp_real x = i % 2 ? (sp_real)0.05 : (sp_real)0.07;
         CHECK(sp_guard_position(&config, &state, x, &notes) == (sp_real)0);
         CHECK(notes == SP_NOTE_HELD);
     }
 }
 
-static void device_velocity_is_checked(void)
+static void a_bad_device_velocity_is_replaced_by_the_last_good_one(void)
 {
-    int notes = 0;
-    const sp_real dt = (sp_real)0.001;
-    CHECK(sp_guard_velocity(&config, (sp_real)0.9, dt, &notes) == (sp_real)0.9 && notes == 0);
-    CHECK(sp_guard_velocity(&config, (sp_real)1.1, dt, &notes) == (sp_real)0);
-    CHECK(notes == SP_NOTE_HELD);
-    CHECK(sp_guard_velocity(&config, (sp_real)NAN, dt, &notes) == (sp_real)0);
+    const sp_real bad[] = {(sp_real)1.1, (sp_real)-1.1, (sp_real)NAN, (sp_real)INFINITY};
+    for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        sp_real good = (sp_real)0;
+        int notes = 0;
+        CHECK(sp_guard_velocity((sp_real)1, &good, (sp_real)0.9, &notes) == (sp_real)0.9);
+        CHECK(notes == 0);
+        CHECK(sp_guard_velocity((sp_real)1, &good, bad[i], &notes) == (sp_real)0.9);
+        CHECK(notes == SP_NOTE_HELD);
+    }
 }
 
 static void depth_is_clipped_to_the_trained_range(void)
 {
     const sp_range_config range = {.least_m = (sp_real)0, .greatest_m = (sp_real)0.01};
     int notes = 0;
-    CHECK(sp_range_clip(&range, (sp_real)-1, &notes) == (sp_real)0 && notes == 0);
     CHECK(sp_range_clip(&range, (sp_real)0.01, &notes) == (sp_real)0.01 && notes == 0);
     CHECK(sp_range_clip(&range, (sp_real)0.011, &notes) == (sp_real)0.01);
+    CHECK(notes == SP_NOTE_OUTSIDE);
+    notes = 0;
+    CHECK(sp_range_clip(&range, (sp_real)-1, &notes) == (sp_real)0);
     CHECK(notes == SP_NOTE_OUTSIDE);
 }
 
@@ -89,7 +97,7 @@ int main(void)
     unbelievable_samples_hold_the_last_good_one();
     agreeing_samples_become_true();
     disagreeing_samples_never_do();
-    device_velocity_is_checked();
+    a_bad_device_velocity_is_replaced_by_the_last_good_one();
     depth_is_clipped_to_the_trained_range();
     return failed;
 }
