@@ -17,7 +17,7 @@ static void first_believable_sample_is_taken(void)
     CHECK(sp_guard_position(&config, &state, (sp_real)NAN, &notes) == (sp_real)0);
     CHECK(notes == SP_NOTE_HELD);
     notes = 0;
-    CHECK(sp_guard_position(&config, &state, (sp_real)0.05, &notes) == (sp_real)0.5);
+    CHECK(sp_guard_position(&config, &state, (sp_real)0.05, &notes) == (sp_real)0.05);
     CHECK(notes == SP_NOTE_RESYNC);
 }
 
