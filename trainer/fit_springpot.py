@@ -44,7 +44,7 @@ def fit_springpot(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     near = (max(solid.order - 0.1, 0.01), min(solid.order + 0.1, 0.99))
     others = [_fit(data, rows, depth_m, force_n, group != i, near) for i in range(_GROUPS)]
     facts = {"n_parameters": 3, "material": _material(solid, others)}
-    passive = to_hammerstein(solid, data)
+    passive = to_hammerstein(_served(data, rows, depth_m, force_n, solid.order), data)
     model = assemble(
         "springpot", name, data, options, len(rows), (None, None), passive, True, facts
     )
@@ -99,6 +99,16 @@ def _fit(
     )
     weights, _ = solved(best.x)
     return Solid(float(weights[0]), float(weights[1]), float(best.x))
+
+
+def _served(
+    data: TrainingSet, rows: NDArray[np.intp], depth_m: Samples, force_n: Samples, order: float
+) -> Solid:
+    """The numbers of least error with the poles that the C has for this order."""
+    bank = recursive_bank((order,), data.dt_s, data.longest_s)
+    system = np.stack([depth_m, data.features(bank, rows)[:, 0]], axis=1)
+    weights, _ = nnls(system, force_n)
+    return Solid(float(weights[0]), float(weights[1]), order)
 
 
 def _material(solid: Solid, others: list[Solid]) -> dict[str, list[float]]:
