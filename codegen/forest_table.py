@@ -12,7 +12,7 @@ from springpot.runtime_c.errors import UsageError
 # Facts of sp_forest.h; a test compares them with the header.
 SLOT_BITS = 4
 LEAF_SLOT = (1 << SLOT_BITS) - 1
-LANES = 8
+LANES = 16
 
 _EXACT_FLOAT_INTEGER = 2**24  # float32 holds every integer up to here
 _GREATEST_SUM = 2**31 - 1

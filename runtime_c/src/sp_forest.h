@@ -6,7 +6,7 @@
  * A node is 8 bytes: `value` is the threshold; `link` holds the feature's slot in its low bits and
  * the left child above them; the right child is next to the left one. A leaf's value is its force
  * in whole quanta (an exact float integer), its slot is SP_FOREST_LEAF, whose feature is below
- * every value, and its left child is itself: walking on stays there. So eight trees are walked at
+ * every value, and its left child is itself: walking on stays there. So sixteen trees are walked at
  * once, without a branch that depends on data, and wait for memory together. Sums are integers:
  * the same in any order. */
 #ifndef SP_FOREST_H
@@ -19,7 +19,7 @@ enum {
     SP_FOREST_SLOT_BITS = 4,
     SP_FOREST_SLOTS = 1 << SP_FOREST_SLOT_BITS,
     SP_FOREST_LEAF = SP_FOREST_SLOTS - 1,
-    SP_FOREST_LANES = 8 /* trees walked at once; the number of roots is a multiple of it */
+    SP_FOREST_LANES = 16 /* trees walked at once; the number of roots is a multiple of it */
 };
 
 typedef struct {
@@ -35,14 +35,14 @@ static inline int32_t sp_forest_sum(const sp_forest_node *nodes, const uint32_t 
     features[SP_FOREST_LEAF] = -FLT_MAX;
     for (uint32_t tree = 0; tree < n_roots; tree += SP_FOREST_LANES) {
         uint32_t at[SP_FOREST_LANES];
-#pragma GCC unroll 8
+#pragma GCC unroll 16
         for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
             at[i] = roots[tree + i];
         }
         uint32_t moved = 1;
         for (uint32_t level = 0; level < depth && moved; level++) {
             moved = 0;
-#pragma GCC unroll 8
+#pragma GCC unroll 16
             for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
                 const sp_forest_node node = nodes[at[i]];
                 const float feature = features[node.link & SP_FOREST_LEAF];
@@ -52,7 +52,7 @@ static inline int32_t sp_forest_sum(const sp_forest_node *nodes, const uint32_t 
                 at[i] = next;
             }
         }
-#pragma GCC unroll 8
+#pragma GCC unroll 16
         for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
             sum += (int32_t)nodes[at[i]].value;
         }

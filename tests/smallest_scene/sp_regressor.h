@@ -1,4 +1,4 @@
-/* springpot 0.1.0 11714c470eb5eb41c407d011afe9c5e28efbb735a84ed34c607e713d0272d786 */
+/* springpot 0.1.0 c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977 */
 #ifndef SP_REGRESSOR_H
 #define SP_REGRESSOR_H
 
@@ -8,7 +8,7 @@
 
 enum {
     N_FEATURES = 1,
-    N_ROOTS = 8,
+    N_ROOTS = 16,
     DEPTH = 3
 };
 static const sp_real quantum_n = 9.536743e-07f;
@@ -18,8 +18,8 @@ static const sp_forest_node nodes[6] = {
     {0.02f, 16u}, {1.048576e+06f, 31u}, {0.06999999f, 48u}, {4.194304e+06f, 63u},
     {1.048576e+07f, 79u}, {0.0f, 95u}
 };
-static const uint32_t roots[8] = {
-    0u, 5u, 5u, 5u, 5u, 5u, 5u, 5u
+static const uint32_t roots[16] = {
+    0u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u, 5u
 };
 
 #endif

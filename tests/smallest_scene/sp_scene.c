@@ -1,4 +1,4 @@
-/* springpot 0.1.0 11714c470eb5eb41c407d011afe9c5e28efbb735a84ed34c607e713d0272d786 */
+/* springpot 0.1.0 c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -120,5 +120,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"11714c470eb5eb41c407d011afe9c5e28efbb735a84ed34c607e713d0272d786\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 11714c470eb5eb41c407d011afe9c5e28efbb735a84ed34c607e713d0272d786 */
+/* springpot 0.1.0 c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977 */
 #include <stddef.h>
 
 #include "sp_golden.h"
