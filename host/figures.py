@@ -116,7 +116,7 @@ def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
         axes.set_xscale("log")
         axes.set_xlabel("time of a tick, µs")
         axes.set_ylabel("ticks")
-        axes.legend(loc="upper right", frameon=False)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2)
         return _svg(figure)
 
 
