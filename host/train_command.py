@@ -17,12 +17,11 @@ from springpot.host.output import (
 )
 from springpot.host.training_result import training_result, training_rows, validated
 from springpot.runtime_c.errors import UsageError
+from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.recording_file import read_recordings
 
 KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybrid", "boosted",
          "springpot")  # fmt: skip
-# The paper's 25 samples at 1 kHz; the trainer's own default, without loading it.
-_SMOOTH_S = 0.025
 
 
 @click.command()
@@ -55,7 +54,7 @@ _SMOOTH_S = 0.025
 @click.option(
     "--smooth-s",
     type=NOT_NEGATIVE,
-    default=_SMOOTH_S,
+    default=PAPER_SMOOTH_S,
     show_default=True,
     help="Zero-phase moving average of the training data, s; 0 for none.",
 )

@@ -7,11 +7,11 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
+from sklearn.ensemble import HistGradientBoostingRegressor
 
 from springpot.codegen.ir import Features
 from springpot.trainer.feature_values import Samples
-from springpot.trainer.fit import Fit, FitOptions
+from springpot.trainer.fit import PAPER_LEAF, Fit, FitOptions
 from springpot.trainer.fit_hammerstein import (
     HYBRID_LEAF,
     HYBRID_TREES,
@@ -24,7 +24,7 @@ from springpot.trainer.fit_hammerstein import (
 )
 from springpot.trainer.fit_rbf import fit_rbf_fd
 from springpot.trainer.folds import Folds, condition_folds, recording_folds
-from springpot.trainer.forests import FEATURES_AT_SPLIT, depth_scale
+from springpot.trainer.forests import depth_scale, random_forest
 from springpot.trainer.hammerstein import Terms, standard_terms
 from springpot.trainer.nonnegative import normal_equations
 from springpot.trainer.rf_fd import fit_boosted_fd, fit_rf_fd, fractional_features
@@ -166,21 +166,14 @@ def _learn_passive(values: Samples, force_n: Samples) -> Predict:
 def _learn_hybrid(n_terms: int, values: Samples, force_n: Samples, scale: float) -> Predict:
     passive = _learn_passive(values[:, :n_terms], force_n)
     residual_n = force_n - passive(values[:, :n_terms])
-    forest = RandomForestRegressor(
-        n_estimators=HYBRID_TREES,
-        min_samples_leaf=HYBRID_LEAF,
-        max_features=FEATURES_AT_SPLIT,
-        random_state=0,
-        n_jobs=-1,
-    ).fit(scale * values[:, n_terms:], residual_n)
+    forest = random_forest(HYBRID_TREES, HYBRID_LEAF, seed=0).fit(
+        scale * values[:, n_terms:], residual_n
+    )
     return lambda held: passive(held[:, :n_terms]) + forest.predict(scale * held[:, n_terms:])
 
 
 def _learn_trees(values: Samples, force_n: Samples, scale: float, seed: int) -> Predict:
-    forest = RandomForestRegressor(
-        n_estimators=_TREES, min_samples_leaf=5, max_features=FEATURES_AT_SPLIT,
-        random_state=seed, n_jobs=-1,
-    ).fit(scale * values, force_n)  # fmt: skip
+    forest = random_forest(_TREES, PAPER_LEAF, seed).fit(scale * values, force_n)  # fmt: skip
     return lambda held: forest.predict(scale * held)
 
 

@@ -11,10 +11,10 @@ from springpot.trainer.feature_values import Samples
 from springpot.trainer.fit import FitOptions, assemble
 from springpot.trainer.fit_hammerstein import fit_passive
 from springpot.trainer.forests import depth_scale, ensemble_ir, unscaled
+from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.predict import regressor_force
 from springpot.trainer.recording import Recording
 from springpot.trainer.rf_fd import fractional_features
-from springpot.trainer.smoothing import PAPER_SMOOTH_S
 from springpot.trainer.training_set import TrainingSet, training_set
 
 KIND = "ensemble"

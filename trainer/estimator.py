@@ -13,9 +13,9 @@ from springpot.codegen.ir import Model
 from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
 from springpot.trainer.kinds import fit_model, kind_names
+from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.predict import predict_n
 from springpot.trainer.recording import Recording, Samples, Zero
-from springpot.trainer.smoothing import PAPER_SMOOTH_S
 
 
 class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]

@@ -6,7 +6,7 @@ from importlib.metadata import version
 from typing import Any, Literal
 
 from springpot.codegen.ir import Features, Hammerstein, Model, Regressor
-from springpot.trainer.smoothing import PAPER_SMOOTH_S
+from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.training_set import TrainingSet
 
 PAPER_TREES = 100

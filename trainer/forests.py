@@ -23,17 +23,22 @@ def depth_scale(span_m: float) -> float:
     return float(2.0 ** -np.round(np.log2(span_m)))
 
 
-def fit_forest(
-    features: Samples, force_n: Samples, scale: float, trees: int, leaf: int, seed: int
-) -> tuple[Forest, NDArray[np.float64]]:
-    """Random forest on scaled features; returns it unscaled, and each feature's importance."""
-    regressor = RandomForestRegressor(
+def random_forest(trees: int, leaf: int, seed: int) -> Any:
+    """Forest as the paper's, not fitted: bootstrap, a third of the features at each split."""
+    return RandomForestRegressor(
         n_estimators=trees,
         min_samples_leaf=leaf,
         max_features=FEATURES_AT_SPLIT,
         random_state=seed,
         n_jobs=-1,
-    ).fit((scale * features).astype(np.float32), force_n)
+    )
+
+
+def fit_forest(
+    features: Samples, force_n: Samples, scale: float, trees: int, leaf: int, seed: int
+) -> tuple[Forest, NDArray[np.float64]]:
+    """Random forest on scaled features; returns it unscaled, and each feature's importance."""
+    regressor = random_forest(trees, leaf, seed).fit((scale * features).astype(np.float32), force_n)
     return unscaled(forest_ir(regressor), scale), regressor.feature_importances_
 
 

@@ -32,7 +32,6 @@ from springpot.trainer.recording_file import store_recording, sync_folder
 
 _MOST_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
 _SYNC_S = 0.5  # of wall clock between two syncs: what a power cut may take
-_BYTES_OF_A_PAIR = 16
 
 
 class JournalWriter:

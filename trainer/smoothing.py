@@ -8,7 +8,6 @@ from scipy.ndimage import uniform_filter1d
 
 from springpot.trainer.recording import Recording
 
-PAPER_SMOOTH_S = 0.025  # 25 samples at 1 kHz
 _LEAST_SAMPLES = 3
 
 

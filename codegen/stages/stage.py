@@ -1,6 +1,5 @@
 """What every stage of a model tells: headers, state, tables, lines of glue, and its reference."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol
@@ -10,7 +9,6 @@ from numpy.typing import NDArray
 
 Real = np.float32 | np.float64
 Reals = NDArray[Any]
-ToReal = Callable[[float], Real]
 Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample held
 
 REAL, U32, DOUBLE = "real", "u32", "double"
