@@ -56,7 +56,7 @@ class OutputConfig:
 
 @dataclass(frozen=True, eq=False)
 class ForestTable:
-    """sp_forest.h: node table.
+    """sp_forest_wide.h: node table.
 
     value: (nodes,) float32; link: (nodes,) uint32; roots: (padded trees,) uint32.
     depth: longest walk in levels. quantum_n: force of one quantum of the sum, N; bias_n: beside it.
@@ -72,3 +72,24 @@ class ForestTable:
     bias_n: Real
     leaf_error_n: float
     leaf: NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class CompactForest:
+    """sp_forest.h: nodes as pairs (step, rank) of uint16.
+
+    top: (15, lanes, 2), by heap position and tree; nodes: (nodes, 2); roots: (lanes,) uint32.
+    thresholds: of each used feature, sorted float32; none where features are rounded.
+    quantum_n, bias_n: force = bias_n + quantum_n x sum; leaf_error_n: its error by rounding leaves.
+    longest_walk: splits on the longest way to a leaf.
+    """
+
+    top: NDArray[np.uint16]
+    nodes: NDArray[np.uint16]
+    roots: NDArray[np.uint32]
+    n_trees: int
+    thresholds: tuple[NDArray[np.float32], ...]
+    quantum_n: Real
+    bias_n: Real
+    leaf_error_n: float
+    longest_walk: int

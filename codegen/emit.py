@@ -16,7 +16,7 @@ from springpot.codegen.plan import Plan
 from springpot.codegen.project import example_main, example_makefile, selftest_source
 from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.fir import FirStage
-from springpot.codegen.stages.forest import ForestStage, IfsStage
+from springpot.codegen.stages.forest import CompactForestStage, IfsStage, WideForestStage
 from springpot.codegen.stages.stage import RegressorStage, Stage
 from springpot.codegen.units import planned_headers, stages, state_bytes
 from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
@@ -85,8 +85,10 @@ def _model_facts(plan: Plan) -> dict[str, Any]:
     facts: dict[str, Any] = {"orders": list(getattr(features, "orders", ()))}
     if isinstance(features, FirStage):
         facts["window_s"] = len(features.taps) * plan.dt_s
-    if isinstance(regressor, ForestStage | IfsStage):
+    if isinstance(regressor, WideForestStage | IfsStage):
         facts["leaf_error_n"] = regressor.table.leaf_error_n
+    if isinstance(regressor, CompactForestStage):
+        facts["leaf_error_n"] = regressor.forest.leaf_error_n
     return facts
 
 

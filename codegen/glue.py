@@ -180,6 +180,7 @@ def _depth(plan: Plan) -> list[str]:
 
 def _api(plan: Plan, manifest: str) -> str:
     needs = plan.needs_device_velocity
+    init = plan.regressor.init() if plan.regressor is not None else []
     return filled(
         "api.c",
         plan,
@@ -187,6 +188,7 @@ def _api(plan: Plan, manifest: str) -> str:
         UNUSED="" if needs else "    (void)velocity_mps;\n",
         VELOCITY="velocity_mps[i]" if needs else "(sp_real)0",
         ABI=str(ABI_VERSION),
+        INIT="".join(f"        {line}\n" for line in init),
         MANIFEST=manifest.replace("\\", "\\\\").replace('"', '\\"'),
     )
 

@@ -62,6 +62,17 @@ Features = FirBank | RecursiveBank | Lags | PositionVelocity
 
 
 @dataclass(frozen=True, eq=False)
+class Rounding:
+    """Features in whole steps: floor((x - least) per_step + 1/2), within 0 .. 65535.
+
+    least, per_step: shape (features,), of all features that the bank has.
+    """
+
+    least: NDArray[np.float64]
+    per_step: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class Forest:
     """Weighted sum of binary trees in one node table; left where float32(x) <= threshold.
 
@@ -71,6 +82,7 @@ class Forest:
     value_n: (nodes,), float64, force of a leaf.
     roots: (trees,), int32, each tree's first row.
     weight, bias_n: force = bias_n + weight x sum of the leaves (weight 1/trees for a mean).
+    rounding: where the trees were fitted on features in whole steps; thresholds are in steps then.
     """
 
     feature: NDArray[np.int32]
@@ -81,6 +93,7 @@ class Forest:
     roots: NDArray[np.int32]
     weight: float
     bias_n: float
+    rounding: Rounding | None = None
 
 
 @dataclass(frozen=True, eq=False)

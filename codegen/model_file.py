@@ -17,7 +17,7 @@ from springpot.codegen import ir
 from springpot.codegen.ir import Model
 from springpot.runtime_c.errors import DataError
 
-SCHEMA = 1
+SCHEMA = 2  # 1: forests without rounding
 MAGIC = b"springpot-model"
 SUFFIX = ".spm"
 # The only types that a file can name.
@@ -25,7 +25,7 @@ _PARTS = {
     part.__name__: part
     for part in (
         ir.Model, ir.TrainedRange, ir.FirBank, ir.RecursiveBank, ir.Lags, ir.PositionVelocity,
-        ir.Forest, ir.Rbf, ir.Hammerstein,
+        ir.Forest, ir.Rounding, ir.Rbf, ir.Hammerstein,
     )
 }  # fmt: skip
 

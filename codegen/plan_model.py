@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.forest_table import forest_table, used_features
+from springpot.codegen.forest_compact import compact_forest
+from springpot.codegen.forest_quanta import used_features
+from springpot.codegen.forest_table import forest_table
 from springpot.codegen.ir import (
     Features,
     FirBank,
@@ -15,10 +17,16 @@ from springpot.codegen.ir import (
     Model,
     PositionVelocity,
     RecursiveBank,
+    Rounding,
 )
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.fir import fir_stage
-from springpot.codegen.stages.forest import ForestStage, IfsStage
+from springpot.codegen.stages.forest import (
+    CompactForestStage,
+    ForestStage,
+    IfsStage,
+    WideForestStage,
+)
 from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.lags import lags_stage
 from springpot.codegen.stages.position_velocity import PositionVelocityStage, velocity_stage
@@ -70,7 +78,7 @@ def model_stages(model: Model, scene: Scene, dtype: type[Any]) -> ModelStages:
         return ModelStages(None, None, passive, excess, ())
     kept = used_columns(model)
     features = _feature_stage(model.features, kept, model.dt_s, dtype)
-    regressor = _regressor_stage(model, scene, len(kept), dtype)
+    regressor = _regressor_stage(model, scene, kept, dtype)
     left_out = _dropped(model.features, kept, dtype)
     return ModelStages(features, regressor, passive, excess, tuple(left_out))
 
@@ -103,16 +111,25 @@ def _feature_stage(
     return PositionVelocityStage(velocity_stage(features, dt_s, dtype, "depth"))
 
 
-def _regressor_stage(
-    model: Model, scene: Scene, n_features: int, dtype: type[Any]
-) -> RegressorStage:
+def _regressor_stage(model: Model, scene: Scene, kept: Columns, dtype: type[Any]) -> RegressorStage:
     if isinstance(model.regressor, Forest):
-        table = forest_table(model.regressor, dtype)
-        if scene.runtime.forest == "m2cgen":
-            return IfsStage(model.regressor, table, n_features)
-        return ForestStage(table, n_features)
+        return _forest_stage(model.regressor, scene, kept, dtype)
     assert model.regressor is not None
     return rbf_stage(model.regressor, dtype)
+
+
+def _forest_stage(forest: Forest, scene: Scene, kept: Columns, dtype: type[Any]) -> ForestStage:
+    """Nodes of 4 bytes where they do, 8 where not; nested ifs where the scene asks for them."""
+    rounding = None
+    if forest.rounding is not None:
+        rounding = Rounding(forest.rounding.least[kept], forest.rounding.per_step[kept])
+    if scene.runtime.forest == "m2cgen":
+        return IfsStage(forest_table(forest, dtype), len(kept), rounding, forest)
+    compact = compact_forest(forest, dtype)
+    if compact is None:
+        return WideForestStage(forest_table(forest, dtype), len(kept), rounding)
+    vectors = scene.runtime.target == "host"
+    return CompactForestStage(compact, len(kept), rounding, vectors)
 
 
 def _dropped(features: Features, kept: Columns, dtype: type[Any]) -> list[LeftOut]:

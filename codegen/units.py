@@ -29,6 +29,8 @@ def state_members(plan: Plan) -> list[Member]:
     """Members of sp_state, in order."""
     members = [Member("sp_guard_state guard", (REAL, REAL, U32, U32))]
     members += [member for stage in stages(plan) for member in stage.members]
+    if plan.regressor is not None:
+        members += plan.regressor.members
     if plan.needs_device_velocity:
         members.append(Member("sp_real good_mps", (REAL,)))
     if plan.couple_tool is not None:

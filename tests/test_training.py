@@ -7,6 +7,7 @@ import pytest
 from sklearn.ensemble import RandomForestRegressor
 from support import DEPTH_M, DT_S, press, recording, small_fit, training
 
+from springpot.codegen.forest_quanta import leaf_quanta
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.fit import FitOptions
 from springpot.trainer.forests import depth_scale
@@ -56,7 +57,8 @@ def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     ).fit(scale * data.features(model.features, rows), data.force_n(rows))
     features = fir_derivatives(scale * item.position_m, model.features.taps)
     expected = forest.predict(features.astype(np.float32))
-    np.testing.assert_allclose(predict_n(model, item), expected, atol=1e-5)
+    rounding_n = 1.01 * leaf_quanta(model.regressor).error_n
+    np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
 
 
 def test_unscaled_metres_would_not_do() -> None:

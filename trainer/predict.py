@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from springpot.codegen.forest_table import forest_table, used_features
-from springpot.codegen.forest_walk import forest_force
+from springpot.codegen.forest_quanta import used_features
+from springpot.codegen.forest_table import forest_table
+from springpot.codegen.forest_walk import forest_force, table_sums
 from springpot.codegen.ir import Forest, Model, Rbf
+from springpot.codegen.rounding import rounded
 from springpot.trainer.feature_values import Samples, feature_values
 from springpot.trainer.hammerstein import hammerstein_force
 from springpot.trainer.rbf import rbf_force
@@ -30,6 +32,9 @@ def regressor_force(regressor: Forest | Rbf, values: Samples) -> Samples:
     if isinstance(regressor, Forest):
         kept = used_features(regressor)
         table = forest_table(regressor, np.float64)
-        force_n: Samples = forest_force(table, values[:, kept].astype(np.float32))
+        features = values.astype(np.float32)
+        if regressor.rounding is not None:
+            features = rounded(regressor.rounding, features)
+        force_n: Samples = forest_force(table, table_sums(table, features[:, kept]))
         return force_n
     return rbf_force(regressor, values)

@@ -1,24 +1,151 @@
-"""Forests: sp_forest.h, or nested ifs by m2cgen."""
+"""Forests: sp_forest.h, sp_forest_wide.h where its nodes are too small, or nested ifs by m2cgen."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from springpot.codegen.configs import ForestTable
-from springpot.codegen.forest_walk import forest_force
-from springpot.codegen.ir import Forest
+from springpot.codegen.configs import CompactForest, ForestTable
+from springpot.codegen.forest_walk import compact_sums, feature_ranks, forest_force, table_sums
+from springpot.codegen.ir import Forest, Rounding
 from springpot.codegen.literals import array_text, literal, wrapped
-from springpot.codegen.stages.stage import Reals
+from springpot.codegen.rounding import rounded
+from springpot.codegen.stages.stage import U32, Member, Reals
+
+_FORCE = "const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;"
 
 
 @dataclass(frozen=True, eq=False)
-class ForestStage:
-    """A forest on `n_features` features as a node table."""
+class CompactForestStage:
+    """A forest on `n_features` features in 4-byte nodes; `vectors`: with the host's vector units.
+
+    rounding: of the features used, where the forest was fitted on whole steps.
+    """
+
+    forest: CompactForest
+    n_features: int
+    rounding: Rounding | None
+    vectors: bool
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """Ranks by rounding or by search, and the walk."""
+        ranks = "sp_round.h" if self.rounding is not None else "sp_ranks.h"
+        walk = ("sp_forest.h", "sp_forest_x86.h", "sp_forest_simd.h")
+        return (ranks, *(walk if self.vectors else walk[:1]))
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """Which vector unit there is."""
+        return (Member("uint32_t simd", (U32,)),) if self.vectors else ()
+
+    def init(self) -> list[str]:
+        """Look for a vector unit, once."""
+        return ["state->simd = sp_forest_simd();"] if self.vectors else []
+
+    def tables(self) -> list[str]:
+        """Thresholds or steps, nodes, roots, sizes and scale."""
+        forest = self.forest
+        return [
+            f"enum {{\n    N_FEATURES = {self.n_features}\n}};",
+            *_scale(forest),
+            *(_rounding(self.rounding) if self.rounding is not None else self._thresholds()),
+            "/* The first levels of all trees side by side: step, rank (sp_forest.h). */",
+            *_nodes("forest_top", forest.top.reshape(-1, 2)),
+            "/* Below, tree after tree. */",
+            *_nodes("forest_nodes", forest.nodes),
+            array_text("forest_roots", "uint32_t", forest.roots),
+            "static const sp_forest forest = {",
+            "    .top = forest_top,\n    .nodes = forest_nodes,\n    .roots = forest_roots,",
+            f"    .n_trees = {forest.n_trees},\n    .n_lanes = {forest.top.shape[1]},\n}};",
+        ]
+
+    def _thresholds(self) -> list[str]:
+        lists = self.forest.thresholds
+        if not lists:
+            return []
+        starts = np.cumsum([0, *map(len, lists)]).astype(np.uint32)
+        return [
+            "/* Sorted thresholds of each feature. */",
+            array_text("thresholds", "float", np.concatenate(lists)),
+            array_text("threshold_starts", "uint32_t", starts),
+        ]
+
+    def force(self) -> list[str]:
+        """Ranks, then the sum of leaves in quanta."""
+        call = "sp_forest_fastest" if self.vectors else "sp_forest_sum"
+        simd = ", state->simd" if self.vectors else ""
+        return [
+            "uint32_t ranks[SP_FOREST_SLOTS] = {0};",
+            *self._rank_lines(),
+            f"const uint32_t quanta = {call}(&forest, ranks{simd});",
+            _FORCE,
+        ]
+
+    def _rank_lines(self) -> list[str]:
+        if self.rounding is None:
+            if not self.forest.thresholds:  # trees without a split
+                return ["(void)features;"]
+            return ["sp_ranks(thresholds, threshold_starts, N_FEATURES, features, ranks + 1);"]
+        return [
+            "for (uint32_t i = 0; i < N_FEATURES; i++) {",
+            "    ranks[i + 1] = sp_round(features[i], round_least[i], round_per_step[i]);",
+            "}",
+        ]
+
+    def reference(self, features: Reals) -> Reals:
+        """The same leaves and sums."""
+        if self.rounding is None:
+            ranks = feature_ranks(self.forest.thresholds, features.astype(np.float32))
+        else:
+            ranks = rounded(self.rounding, features).astype(np.int32)
+        return forest_force(self.forest, compact_sums(self.forest, ranks))
+
+
+@dataclass(frozen=True, eq=False)
+class _OnFloats:
+    """What the other two have in common: features as floats in slots."""
 
     table: ForestTable
     n_features: int
+    rounding: Rounding | None
 
-    headers = ("sp_forest.h",)
+    members = ()
+
+    def init(self) -> list[str]:
+        """Nothing to look for."""
+        return []
+
+    def reference(self, features: Reals) -> Reals:
+        """The same leaves and sums."""
+        values = features.astype(np.float32)
+        if self.rounding is not None:
+            values = rounded(self.rounding, values)
+        return forest_force(self.table, table_sums(self.table, values))
+
+    def _head(self) -> list[str]:
+        steps = [] if self.rounding is None else _rounding(self.rounding)
+        return [f"enum {{\n    N_FEATURES = {self.n_features}\n}};", *_scale(self.table), *steps]
+
+    def _slots(self, cast: str) -> list[str]:
+        feature = "(float)features[i]"
+        if self.rounding is not None:
+            feature = "sp_round(features[i], round_least[i], round_per_step[i])"
+        return [
+            "for (uint32_t i = 0; i < N_FEATURES; i++) {",
+            f"    slots[i] = {cast}{feature};",
+            "}",
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class WideForestStage(_OnFloats):
+    """A forest as a table of 8-byte nodes."""
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """The walk, and the rounding where there is one."""
+        return (*(("sp_round.h",) if self.rounding is not None else ()), "sp_forest_wide.h")
 
     def tables(self) -> list[str]:
         """Nodes, roots, sizes and scale."""
@@ -28,11 +155,10 @@ class ForestStage:
             for value, link in zip(table.value, table.link.tolist(), strict=True)
         ]
         return [
-            f"enum {{\n    N_FEATURES = {self.n_features},\n    N_ROOTS = {len(table.roots)},\n"
-            f"    DEPTH = {table.depth}\n}};",
-            *_scale(table),
-            "/* Trees, one after the other: threshold or leaf, link (sp_forest.h). */",
-            f"static const sp_forest_node nodes[{len(pairs)}] = {{",
+            *self._head(),
+            f"enum {{\n    N_ROOTS = {len(table.roots)},\n    DEPTH = {table.depth}\n}};",
+            "/* Trees, one after the other: threshold or leaf, link (sp_forest_wide.h). */",
+            f"static const sp_wide_node nodes[{len(pairs)}] = {{",
             *wrapped(pairs),
             "};",
             array_text("roots", "uint32_t", table.roots),
@@ -41,53 +167,57 @@ class ForestStage:
     def force(self) -> list[str]:
         """Sum of leaves, in quanta."""
         return [
-            "float slots[SP_FOREST_SLOTS];",
-            "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-            "    slots[i] = (float)features[i];",
-            "}",
-            "const int32_t quanta = sp_forest_sum(nodes, roots, N_ROOTS, DEPTH, slots);",
-            "const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;",
+            "float slots[SP_WIDE_SLOTS];",
+            *self._slots("(float)" if self.rounding is not None else ""),
+            "const int32_t quanta = sp_wide_sum(nodes, roots, N_ROOTS, DEPTH, slots);",
+            _FORCE,
         ]
-
-    def reference(self, features: Reals) -> Reals:
-        """The same leaves and sums."""
-        return forest_force(self.table, features.astype(np.float32))
 
 
 @dataclass(frozen=True, eq=False)
-class IfsStage:
+class IfsStage(_OnFloats):
     """The same forest as nested ifs."""
 
     forest: Forest
-    table: ForestTable
-    n_features: int
 
-    headers = ()
+    @property
+    def headers(self) -> tuple[str, ...]:
+        """The rounding where there is one."""
+        return ("sp_round.h",) if self.rounding is not None else ()
 
     def tables(self) -> list[str]:
         """The function forest_score."""
         from springpot.codegen.m2c import score_source
 
-        size = f"enum {{\n    N_FEATURES = {self.n_features}\n}};"
-        return [size, *_scale(self.table), score_source(self.forest, self.table)]
+        return [*self._head(), score_source(self.forest, self.table)]
 
     def force(self) -> list[str]:
         """Sum of leaves, in quanta."""
         return [
             "double slots[N_FEATURES];",
-            "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-            "    slots[i] = (double)(float)features[i];",
-            "}",
+            *self._slots("(double)"),
             "const int32_t quanta = (int32_t)forest_score(slots);",
-            "const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;",
+            _FORCE,
         ]
 
-    def reference(self, features: Reals) -> Reals:
-        """The same leaves and sums."""
-        return forest_force(self.table, features.astype(np.float32))
+
+ForestStage = CompactForestStage | WideForestStage | IfsStage
 
 
-def _scale(table: ForestTable) -> list[str]:
+def _nodes(name: str, nodes: Any) -> list[str]:
+    pairs = [f"{{{step}, {rank}}}" for step, rank in nodes.tolist()]
+    return [f"static const sp_forest_node {name}[{len(pairs)}] = {{", *wrapped(pairs), "};"]
+
+
+def _rounding(rounding: Rounding) -> list[str]:
+    return [
+        "/* A feature's least value, and its steps in a unit (sp_round.h). */",
+        array_text("round_least", "float", rounding.least.astype(np.float32)),
+        array_text("round_per_step", "float", rounding.per_step.astype(np.float32)),
+    ]
+
+
+def _scale(table: ForestTable | CompactForest) -> list[str]:
     return [
         f"static const sp_real quantum_n = {literal(table.quantum_n)};",
         f"static const sp_real forest_bias_n = {literal(table.bias_n)};",

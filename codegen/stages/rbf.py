@@ -25,6 +25,11 @@ class RbfStage:
     tail_n: Reals
 
     headers = ("sp_number.h", "sp_rbf.h")
+    members = ()
+
+    def init(self) -> list[str]:
+        """Nothing to find out."""
+        return []
 
     def tables(self) -> list[str]:
         """Centers, weights and scales."""

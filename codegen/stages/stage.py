@@ -76,7 +76,16 @@ class RegressorStage(Protocol):
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """Headers of runtime_c/src."""
+        """Headers of runtime_c/src, those that they include first."""
+        ...
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """What sp_init finds out once."""
+        ...
+
+    def init(self) -> list[str]:
+        """Lines of sp_init."""
         ...
 
     def tables(self) -> list[str]:

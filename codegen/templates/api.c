@@ -28,7 +28,7 @@ void sp_init(sp_state *state)
 {
     if (state != NULL) {
         *state = (sp_state){0};
-    }
+@INIT@    }
 }
 
 void sp_reset(sp_state *state)

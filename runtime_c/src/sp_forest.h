@@ -1,61 +1,106 @@
 /* Forest: the sum of the leaves that a feature vector reaches, one in each tree.
  *
- * scikit-learn goes left where float32(feature) <= threshold (a double). The thresholds here are
- * the largest float32 not above it, which decides alike for every float32.
- *
- * A node is 8 bytes: `value` is the threshold; `link` holds the feature's slot in its low bits and
- * the left child above them; the right child is next to the left one. A leaf's value is its force
- * in whole quanta (an exact float integer), its slot is SP_FOREST_LEAF, whose feature is below
- * every value, and its left child is itself: walking on stays there. So sixteen trees are walked at
- * once, without a branch that depends on data, and wait for memory together. Sums are integers:
- * the same in any order. */
+ * Features come as ranks (whole numbers), so that a threshold is 16 bits and a node 4 bytes.
+ * A node sends a rank above its own to the right. The first SP_FOREST_LEVELS levels of all trees
+ * are complete and lie side by side, heap position by heap position; a leaf above them sends
+ * everything to the left. Below, `step` holds the way to the left child in nodes, and the feature's
+ * slot in its low bits; the right child is next to the left one, and three levels lie together. A
+ * leaf's step is 0 and its rank is its value in quanta: slot 0 has rank 0, so that walking on stays
+ * there. Many trees are therefore walked at once, without a branch that depends on data, and wait
+ * for memory together. Sums are integers: the same in any order, and on any processor. */
 #ifndef SP_FOREST_H
 #define SP_FOREST_H
 
-#include <float.h>
 #include <stdint.h>
 
 enum {
     SP_FOREST_SLOT_BITS = 4,
     SP_FOREST_SLOTS = 1 << SP_FOREST_SLOT_BITS,
-    SP_FOREST_LEAF = SP_FOREST_SLOTS - 1,
-    SP_FOREST_LANES = 16 /* trees walked at once; the number of roots is a multiple of it */
+    SP_FOREST_LEVELS = 4,
+    SP_FOREST_ENTRIES = 1 << SP_FOREST_LEVELS, /* of a tree, below its first levels */
+    SP_FOREST_UNCHECKED = 3                    /* levels walked before looking for inner nodes */
 };
 
+/* Trees walked at once: as many as hide the wait for memory; one where there is no cache. */
+#if defined(__x86_64__) || defined(__aarch64__) || defined(_M_X64)
+enum { SP_FOREST_WALKS = 20, SP_FOREST_REST = 10 };
+#else
+enum { SP_FOREST_WALKS = 1, SP_FOREST_REST = 1 };
+#endif
+
 typedef struct {
-    float value;
-    uint32_t link;
+    uint16_t step;
+    uint16_t rank;
 } sp_forest_node;
 
-/* features: SP_FOREST_SLOTS, the last one free for us. Returns quanta of force. */
-static inline int32_t sp_forest_sum(const sp_forest_node *nodes, const uint32_t *roots,
-                                    uint32_t n_roots, uint32_t depth, float *features)
+typedef struct {
+    const sp_forest_node *top;   /* [SP_FOREST_ENTRIES - 1][n_lanes] */
+    const sp_forest_node *nodes; /* tree after tree, each with its SP_FOREST_ENTRIES first */
+    const uint32_t *roots;       /* [n_lanes]: first entry of each tree */
+    uint32_t n_trees;
+    uint32_t n_lanes; /* trees and padding: every way of walking finds whole groups */
+} sp_forest;
+
+static inline uint32_t sp_forest_right(const sp_forest_node *node, const uint32_t *ranks)
 {
-    int32_t sum = 0;
-    features[SP_FOREST_LEAF] = -FLT_MAX;
-    for (uint32_t tree = 0; tree < n_roots; tree += SP_FOREST_LANES) {
-        uint32_t at[SP_FOREST_LANES];
-#pragma GCC unroll 16
-        for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
-            at[i] = roots[tree + i];
+    /* 1 where the feature's rank is greater, without a flag: both are far below 2^31. */
+    return (node->rank - ranks[node->step & (SP_FOREST_SLOTS - 1)]) >> 31;
+}
+
+/* Sum over the `walks` trees from `tree` on; walks is a constant where this is inlined. */
+static inline uint32_t sp_forest_walk(const sp_forest *forest, uint32_t tree, uint32_t walks,
+                                      const uint32_t *ranks)
+{
+    uint32_t heap[SP_FOREST_WALKS];
+#pragma GCC unroll 20
+    for (uint32_t i = 0; i < walks; i++) {
+        heap[i] = 1;
+    }
+#pragma GCC unroll 1
+    for (uint32_t level = 0; level < SP_FOREST_LEVELS; level++) {
+#pragma GCC unroll 20
+        for (uint32_t i = 0; i < walks; i++) {
+            const sp_forest_node *node = forest->top + (heap[i] - 1) * forest->n_lanes + tree + i;
+            heap[i] = 2 * heap[i] + sp_forest_right(node, ranks);
         }
-        uint32_t moved = 1;
-        for (uint32_t level = 0; level < depth && moved; level++) {
-            moved = 0;
-#pragma GCC unroll 16
-            for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
-                const sp_forest_node node = nodes[at[i]];
-                const float feature = features[node.link & SP_FOREST_LEAF];
-                const uint32_t next =
-                    (node.link >> SP_FOREST_SLOT_BITS) + (uint32_t)!(feature <= node.value);
-                moved |= next ^ at[i];
-                at[i] = next;
+    }
+    const sp_forest_node *at[SP_FOREST_WALKS];
+#pragma GCC unroll 20
+    for (uint32_t i = 0; i < walks; i++) {
+        at[i] = forest->nodes + forest->roots[tree + i] + (heap[i] - SP_FOREST_ENTRIES);
+    }
+    uint32_t steps;
+    do {
+        steps = 0;
+#pragma GCC unroll 3
+        for (uint32_t level = 0; level < SP_FOREST_UNCHECKED; level++) {
+#pragma GCC unroll 20
+            for (uint32_t i = 0; i < walks; i++) {
+                const uint32_t right = sp_forest_right(at[i], ranks);
+                const uint32_t step = at[i]->step;
+                steps |= level + 1 == SP_FOREST_UNCHECKED ? step : 0;
+                at[i] += (step >> SP_FOREST_SLOT_BITS) + right;
             }
         }
-#pragma GCC unroll 16
-        for (uint32_t i = 0; i < SP_FOREST_LANES; i++) {
-            sum += (int32_t)nodes[at[i]].value;
-        }
+    } while (steps);
+    uint32_t sum = 0;
+#pragma GCC unroll 20
+    for (uint32_t i = 0; i < walks; i++) {
+        sum += at[i]->rank;
+    }
+    return sum;
+}
+
+/* ranks: [SP_FOREST_SLOTS], each below 2^16, the first one 0. Returns quanta. */
+static inline uint32_t sp_forest_sum(const sp_forest *forest, const uint32_t *ranks)
+{
+    uint32_t sum = 0;
+    uint32_t tree = 0;
+    for (; tree + SP_FOREST_WALKS <= forest->n_trees; tree += SP_FOREST_WALKS) {
+        sum += sp_forest_walk(forest, tree, SP_FOREST_WALKS, ranks);
+    }
+    for (; tree < forest->n_trees; tree += SP_FOREST_REST) {
+        sum += sp_forest_walk(forest, tree, SP_FOREST_REST, ranks);
     }
     return sum;
 }

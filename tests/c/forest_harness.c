@@ -1,20 +1,48 @@
-/* Many feature vectors through the forest unit, for the tests that compare it with scikit-learn. */
-#include <stddef.h>
+/* Sums of many feature vectors, for tests: the emitted C walks one at a time. */
+#include <stdint.h>
 #include <string.h>
 
-#include "sp_forest.h"
+#include "sp_forest_simd.h"
+#include "sp_forest_wide.h"
+#include "sp_ranks.h"
 
-void forest_sums(const sp_forest_node *nodes, const uint32_t *roots, uint32_t n_roots,
-                 uint32_t depth, uint32_t n, uint32_t n_features, const float *features,
-                 int32_t *sums);
+void wide_sums(const sp_wide_node *nodes, const uint32_t *roots, uint32_t n_roots, uint32_t depth,
+               uint32_t n, uint32_t n_features, const float *features, int32_t *sums);
+void compact_sums(const void *tables[5], const uint32_t sizes[3], uint32_t simd, uint32_t n,
+                  const float *features, uint32_t *sums);
+uint32_t forest_simd(void);
 
-void forest_sums(const sp_forest_node *nodes, const uint32_t *roots, uint32_t n_roots,
-                 uint32_t depth, uint32_t n, uint32_t n_features, const float *features,
-                 int32_t *sums)
+void wide_sums(const sp_wide_node *nodes, const uint32_t *roots, uint32_t n_roots, uint32_t depth,
+               uint32_t n, uint32_t n_features, const float *features, int32_t *sums)
 {
     for (uint32_t i = 0; i < n; i++) {
-        float slots[SP_FOREST_SLOTS] = {0};
-        memcpy(slots, features + (size_t)i * n_features, n_features * sizeof slots[0]);
-        sums[i] = sp_forest_sum(nodes, roots, n_roots, depth, slots);
+        float slots[SP_WIDE_SLOTS] = {0};
+        memcpy(slots, features + i * n_features, n_features * sizeof(float));
+        sums[i] = sp_wide_sum(nodes, roots, n_roots, depth, slots);
     }
+}
+
+/* tables: top, nodes, roots, thresholds, their starts; sizes: trees, lanes, features. Without
+ * thresholds a feature is its own rank. */
+void compact_sums(const void *tables[5], const uint32_t sizes[3], uint32_t simd, uint32_t n,
+                  const float *features, uint32_t *sums)
+{
+    const sp_forest forest = {tables[0], tables[1], tables[2], sizes[0], sizes[1]};
+    for (uint32_t i = 0; i < n; i++) {
+        uint32_t ranks[SP_FOREST_SLOTS] = {0};
+        const float *feature = features + i * sizes[2];
+        if (tables[3]) {
+            sp_ranks(tables[3], tables[4], sizes[2], feature, ranks + 1);
+        } else {
+            for (uint32_t k = 0; k < sizes[2]; k++) {
+                ranks[k + 1] = (uint32_t)feature[k];
+            }
+        }
+        sums[i] = sp_forest_fastest(&forest, ranks, simd);
+    }
+}
+
+uint32_t forest_simd(void)
+{
+    return sp_forest_simd();
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977 */
+/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

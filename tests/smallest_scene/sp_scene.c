@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977 */
+/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -54,11 +54,9 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     if (position > (sp_real)0) {
         sp_real features[4];
         sp_weigh(taps, window, N_TAPS, N_LANES, features);
-        float slots[SP_FOREST_SLOTS];
-        for (uint32_t i = 0; i < N_FEATURES; i++) {
-            slots[i] = (float)features[i];
-        }
-        const int32_t quanta = sp_forest_sum(nodes, roots, N_ROOTS, DEPTH, slots);
+        uint32_t ranks[SP_FOREST_SLOTS] = {0};
+        sp_ranks(thresholds, threshold_starts, N_FEATURES, features, ranks + 1);
+        const uint32_t quanta = sp_forest_fastest(&forest, ranks, state->simd);
         const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;
         force = model_n;
         force = sp_contact_onset(per_onset, position, force);
@@ -100,6 +98,7 @@ void sp_init(sp_state *state)
 {
     if (state != NULL) {
         *state = (sp_state){0};
+        state->simd = sp_forest_simd();
     }
 }
 
@@ -120,5 +119,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

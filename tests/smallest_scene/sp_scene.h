@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977 */
+/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -11,7 +11,10 @@
 #include "sp_range.h"
 #include "sp_window.h"
 #include "sp_weigh.h"
+#include "sp_ranks.h"
 #include "sp_forest.h"
+#include "sp_forest_x86.h"
+#include "sp_forest_simd.h"
 #include "sp_contact.h"
 #include "sp_output.h"
 
@@ -20,10 +23,11 @@ struct sp_state {
     sp_guard_state guard;
     sp_real history[2 * 4];
     uint32_t newest;
+    uint32_t simd;
     sp_output_state output;
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 68 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 72 ? 1 : -1];
 
 #endif

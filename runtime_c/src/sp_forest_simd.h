@@ -1,0 +1,53 @@
+/* The forest of sp_forest.h with the vector units that the processor turns out to have.
+ *
+ * Chosen once, in sp_init, and the same sum in every case. A vector variant for another processor
+ * goes here: beside the x86-64 ones, with a number of its own. SP_SIMD caps the choice; benchmarks
+ * and tests set it. */
+#ifndef SP_FOREST_SIMD_H
+#define SP_FOREST_SIMD_H
+
+#include "sp_forest.h"
+
+enum { SP_SIMD_NONE, SP_SIMD_AVX2, SP_SIMD_AVX512 };
+
+#ifndef SP_SIMD
+#define SP_SIMD SP_SIMD_AVX512
+#endif
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#include "sp_forest_x86.h"
+
+static inline uint32_t sp_forest_simd(void)
+{
+    if (SP_SIMD >= SP_SIMD_AVX512 && __builtin_cpu_supports("avx512f") &&
+        __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl")) {
+        return SP_SIMD_AVX512;
+    }
+    return SP_SIMD >= SP_SIMD_AVX2 && __builtin_cpu_supports("avx2") ? SP_SIMD_AVX2 : SP_SIMD_NONE;
+}
+
+static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *ranks,
+                                         uint32_t simd)
+{
+    return simd == SP_SIMD_AVX512 ? sp_forest_avx512(forest, ranks)
+           : simd == SP_SIMD_AVX2 ? sp_forest_avx2(forest, ranks)
+                                  : sp_forest_sum(forest, ranks);
+}
+
+#else
+
+static inline uint32_t sp_forest_simd(void)
+{
+    return SP_SIMD_NONE;
+}
+
+static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *ranks,
+                                         uint32_t simd)
+{
+    (void)simd;
+    return sp_forest_sum(forest, ranks);
+}
+
+#endif
+
+#endif
