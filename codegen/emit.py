@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.glue import public_header, scene_header, scene_source
-from springpot.codegen.golden import golden_positions, golden_velocities, probe, weighed
+from springpot.codegen.golden import golden_positions, golden_velocities, probe_inputs
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model_file import model_hash
 from springpot.codegen.plan import Plan
@@ -84,7 +84,7 @@ def _model_facts(plan: Plan) -> dict[str, Any]:
     features, regressor = plan.features, plan.regressor
     facts: dict[str, Any] = {"orders": list(getattr(features, "orders", ()))}
     if isinstance(features, FirStage):
-        facts["window_s"] = len(features.taps) * plan.dt_s
+        facts["window_s"] = features.n_taps * plan.dt_s
     if isinstance(regressor, WideForestStage | IfsStage):
         facts["leaf_error_n"] = regressor.table.leaf_error_n
     if isinstance(regressor, CompactForestStage):
@@ -140,8 +140,8 @@ def _golden(plan: Plan) -> str:
         columns["golden_velocity"] = velocities
     run = run_reference(plan, positions, velocities)
     columns["golden_force"] = run.force_n
-    if plan.features is not None and (weights := weighed(plan.features)) is not None:
-        columns["golden_probe"] = probe(weights)
+    if plan.features is not None and (probe := plan.features.probe()) is not None:
+        columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))
     bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
     parts = [f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"]
     for name, values in columns.items():

@@ -1,17 +1,15 @@
 """Golden motion: a short press that visits what the C can do, made without libm."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.plan import Plan
-from springpot.codegen.stages.fir import FirStage
-from springpot.codegen.stages.recursive import RecursiveStage
-from springpot.codegen.stages.stage import FeatureStage
+from springpot.codegen.stages.stage import Probe, Reals
 
 LEG_TICKS = 60
-PROBE_INPUTS = 64
 _GLITCH_M = 0.5
 # Depths as shares of the trained range; below 0 is free air where there is contact.
 _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
@@ -46,20 +44,7 @@ def backward_velocity(
     return np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
 
 
-def weighed(features: FeatureStage) -> NDArray[np.float32 | np.float64] | None:
-    """Weights that turn a window or poles into features; None for stages without arithmetic."""
-    if isinstance(features, FirStage):
-        return features.taps
-    return features.weights if isinstance(features, RecursiveStage) else None
-
-
-def probe(weights: NDArray[np.float32 | np.float64]) -> NDArray[np.float32 | np.float64]:
-    """Weighted sums of made-up inputs, shape (lanes,).
-
-    The self-test compares their bits: leaves of trees hide small differences of features.
-    """
-    real = weights.dtype.type
-    total = np.zeros(weights.shape[1], dtype=weights.dtype)
-    for k, row in enumerate(weights[:PROBE_INPUTS]):
-        total += row * (real((37 * k) % 101) / real(128))
-    return total
+def probe_inputs(probe: Probe, dtype: type[Any]) -> Reals:
+    """Made-up inputs: multiples of 1/128, exact in every number type."""
+    inputs: Reals = (37 * np.arange(probe.inputs) % 101).astype(dtype) / dtype(128)
+    return inputs

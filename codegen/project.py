@@ -3,9 +3,7 @@
 import re
 from importlib.resources import files
 
-from springpot.codegen.golden import weighed
 from springpot.codegen.plan import Plan
-from springpot.codegen.stages.fir import FirStage
 
 _PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|selftest|state"
 
@@ -18,16 +16,21 @@ def prefixed(text: str, prefix: str) -> str:
 def selftest_source(plan: Plan) -> str:
     """C source of sp_selftest: golden vectors through the C, bits compared."""
     velocity = "from_bits(golden_velocity[i])" if plan.needs_device_velocity else "(sp_real)0"
-    probed = plan.features is not None and weighed(plan.features) is not None
-    names = ("taps", "N_TAPS") if isinstance(plan.features, FirStage) else ("weights", "N_POLES")
-    text = filled("probe.c", plan, WEIGHTS=names[0], INPUTS=names[1]) if probed else ""
+    probe = plan.features.probe() if plan.features is not None else None
+    text = (
+        ""
+        if probe is None
+        else filled(
+            "probe.c", plan, INPUTS=str(probe.inputs), OUTPUTS=str(probe.outputs), CALL=probe.call
+        )
+    )
     return filled(
         "selftest.c",
         plan,
         VELOCITY=velocity,
-        TABLES=f'#include "{plan.scene.runtime.prefix}_tables.h"\n' if probed else "",
+        TABLES=f'#include "{plan.scene.runtime.prefix}_tables.h"\n' if probe else "",
         PROBE=text,
-        FIRST="    if (probe_differs()) {\n        return 1;\n    }\n" if probed else "",
+        FIRST="    if (probe_differs()) {\n        return 1;\n    }\n" if probe else "",
     )
 
 

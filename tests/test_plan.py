@@ -44,7 +44,7 @@ def test_unused_orders_are_dropped_with_their_bytes() -> None:
     )
     plan = make_plan(dataclasses.replace(model, regressor=forest), SCENE)
     assert plan.features.orders == (0.05, 0.1)
-    assert plan.features.taps.shape == (171, 4)
+    assert plan.features.taps.shape == (2, 176)
     dropped = next(item for item in plan.left_out if item.what.startswith("orders"))
     assert dropped.bytes == (12 - 4) * 171 * 4
 

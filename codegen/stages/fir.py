@@ -1,4 +1,4 @@
-"""Fractional derivatives by a window of taps: sp_window.h and sp_weigh.h."""
+"""Fractional derivatives by a window of taps: sp_window.h and sp_taps.h."""
 
 from dataclasses import dataclass
 
@@ -11,21 +11,25 @@ from springpot.codegen.stages.stage import (
     REAL,
     U32,
     Member,
+    Probe,
     Reals,
     Starts,
     held_before,
     padded,
 )
 
+SUMS = 16  # SP_TAPS_SUMS
+
 
 @dataclass(frozen=True, eq=False)
 class FirStage:
-    """orders: those kept. taps: shape (length, lanes); lanes beyond the orders are zero."""
+    """orders: those kept. taps: shape (orders, length), zero beyond `n_taps`."""
 
     orders: tuple[float, ...]
     taps: Reals
+    n_taps: int
 
-    headers = ("sp_window.h", "sp_weigh.h")
+    headers = ("sp_window.h", "sp_taps.h")
 
     @property
     def n_features(self) -> int:
@@ -34,13 +38,13 @@ class FirStage:
 
     @property
     def room(self) -> int:
-        """Lanes."""
-        return int(self.taps.shape[1])
+        """Features that are filled."""
+        return len(self.taps)
 
     @property
     def members(self) -> tuple[Member, ...]:
         """The window, twice, and where it begins."""
-        length = len(self.taps)
+        length = self.taps.shape[1]
         return (
             Member(f"sp_real history[2 * {length}]", (REAL,) * (2 * length)),
             Member("uint32_t newest", (U32,)),
@@ -49,10 +53,10 @@ class FirStage:
     def tables(self) -> list[str]:
         """Taps and sizes."""
         names = ", ".join(f"{order:g}" for order in self.orders)
-        length, lanes = self.taps.shape
+        rows, length = self.taps.shape
         return [
-            f"enum {{\n    N_TAPS = {length},\n    N_LANES = {lanes}\n}};",
-            f"/* c(r, k), newest first: a row a tap, a lane each for the orders {names}. */",
+            f"enum {{\n    N_TAPS = {length},\n    N_ORDERS = {rows}\n}};",
+            f"/* c(r, k), newest first, {self.n_taps} and padding: a row each of {names}. */",
             array_text("taps", "sp_real", self.taps),
         ]
 
@@ -69,25 +73,44 @@ class FirStage:
 
     def read(self) -> list[str]:
         """Equation (16) for all orders."""
-        return ["sp_weigh(taps, window, N_TAPS, N_LANES, features);"]
+        return ["sp_taps(taps, window, N_TAPS, N_ORDERS, features);"]
+
+    def probe(self) -> Probe:
+        """Taps on made-up samples."""
+        rows, length = self.taps.shape
+        return Probe(
+            inputs=length,
+            outputs=rows,
+            call="sp_taps(taps, in, N_TAPS, N_ORDERS, sums);",
+            sums=lambda made_up: np.array([tap_sums(row, made_up, 1)[0] for row in self.taps]),
+        )
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The same sums in the same order."""
-        length = len(self.taps)
+        length = self.taps.shape[1]
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for rows, samples in held_before(depth, starts, length - 1):
             n = len(samples) - length + 1
+            newest_first = samples[::-1]
             for i in range(self.n_features):
-                total = np.zeros(n, dtype=depth.dtype)
-                for k, tap in enumerate(self.taps[:, i]):
-                    first = length - 1 - k
-                    total += tap * samples[first : first + n]
-                result[rows, i] = total
+                result[rows, i] = tap_sums(self.taps[i], newest_first, n)[::-1]
         return result
+
+
+def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
+    """sp_taps.h for n windows, each one sample later than the one before: shape (n,)."""
+    s = np.zeros((SUMS, n), dtype=taps.dtype)
+    for k, tap in enumerate(taps):
+        s[k % SUMS] += tap * newest_first[k : k + n]
+    s = s[:8] + s[8:]
+    s = s[:4] + s[4:]
+    total: Reals = (s[0] + s[2]) + (s[1] + s[3])
+    return total
 
 
 def fir_stage(bank: FirBank, kept: NDArray[np.intp], dtype: type) -> FirStage:
     """Keep the columns `kept` of the bank."""
-    taps: Reals = np.zeros((len(bank.taps), padded(max(len(kept), 1))), dtype=dtype)
-    taps[:, : len(kept)] = bank.taps[:, kept]
-    return FirStage(orders=tuple(bank.orders[i] for i in kept), taps=taps)
+    n_taps = len(bank.taps)
+    taps: Reals = np.zeros((max(len(kept), 1), padded(n_taps, SUMS)), dtype=dtype)
+    taps[: len(kept), :n_taps] = bank.taps[:, kept].T
+    return FirStage(orders=tuple(bank.orders[i] for i in kept), taps=taps, n_taps=n_taps)

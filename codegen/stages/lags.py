@@ -66,6 +66,9 @@ class LagsStage:
             "}",
         ]
 
+    def probe(self) -> None:
+        """No sums."""
+
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Look back."""
         longest = self._length - 1

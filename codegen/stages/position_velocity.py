@@ -97,6 +97,9 @@ class PositionVelocityStage:
         """Equation (13)."""
         return ["features[0] = depth;", "features[1] = depth_mps;"]
 
+    def probe(self) -> None:
+        """No sums."""
+
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Shape (n, 2)."""
         return np.stack([depth, self.velocity.reference(depth, starts)], axis=1)

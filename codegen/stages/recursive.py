@@ -11,10 +11,12 @@ from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
     Member,
+    Probe,
     Reals,
     Starts,
     padded,
     segments,
+    weighed,
 )
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
@@ -125,6 +127,16 @@ class RecursiveStage:
     def read(self) -> list[str]:
         """All orders from the poles."""
         return ["sp_weigh(weights, state->poles, N_POLES, N_LANES, features);"]
+
+    def probe(self) -> Probe:
+        """Poles to orders on made-up states."""
+        n_poles, lanes = self.weights.shape
+        return Probe(
+            inputs=n_poles,
+            outputs=lanes,
+            call="sp_weigh(weights, in, N_POLES, N_LANES, sums);",
+            sums=lambda made_up: weighed(self.weights, made_up),
+        )
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The same recurrences and sums in the same order."""

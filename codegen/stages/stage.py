@@ -1,5 +1,6 @@
 """What every stage of a model tells: headers, state, tables, lines of glue, and its reference."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol
@@ -21,6 +22,19 @@ class Member:
 
     declaration: str
     scalars: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Probe:
+    """Sums of made-up inputs whose bits the self-test compares.
+
+    call: C that fills `sums` from `in`. sums: the same in numpy, from (inputs,) to (outputs,).
+    """
+
+    inputs: int
+    outputs: int
+    call: str
+    sums: Callable[[Reals], Reals]
 
 
 class Stage(Protocol):
@@ -64,6 +78,10 @@ class FeatureStage(Stage, Protocol):
 
     def read(self) -> list[str]:
         """Lines that fill `features`."""
+        ...
+
+    def probe(self) -> Probe | None:
+        """Its sums, where it has any: leaves of trees hide small differences of features."""
         ...
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
@@ -121,3 +139,11 @@ def held_before(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, 
         ))
         for begin, end, held in segments(len(depth), starts)
     ]  # fmt: skip
+
+
+def weighed(weights: Reals, inputs: Reals) -> Reals:
+    """sp_weigh.h: sums of inputs (inputs,) by weights (inputs, lanes), each lane's in order."""
+    total: Reals = np.zeros(weights.shape[1], dtype=weights.dtype)
+    for row, value in zip(weights, inputs, strict=True):
+        total += row * value
+    return total

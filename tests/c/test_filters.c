@@ -3,6 +3,7 @@
 #include "check.h"
 #include "sp_contact.h"
 #include "sp_smooth.h"
+#include "sp_taps.h"
 #include "sp_velocity.h"
 #include "sp_weigh.h"
 #include "sp_window.h"
@@ -42,6 +43,36 @@ static void bank_is_the_plain_sum_in_the_same_order(void)
             sum = sum + product;
         }
         CHECK(derivative[lane] == sum);
+    }
+}
+
+static void taps_add_sixteen_sums_in_one_order(void)
+{
+    enum { WINDOW = 3 * SP_TAPS_SUMS };
+    sp_real taps[2 * WINDOW];
+    sp_real window[WINDOW];
+    sp_real derivative[2];
+    for (int i = 0; i < 2 * WINDOW; i++) {
+        taps[i] = (sp_real)((i * 37) % 19) / (sp_real)7 - (sp_real)1;
+    }
+    for (int k = 0; k < WINDOW; k++) {
+        window[k] = (sp_real)1 / (sp_real)(k + 3);
+    }
+    sp_taps(taps, window, WINDOW, 2, derivative);
+    for (int row = 0; row < 2; row++) {
+        volatile sp_real sum[SP_TAPS_SUMS] = {0};
+        for (int k = 0; k < WINDOW; k++) {
+            const volatile sp_real product = taps[row * WINDOW + k] * window[k];
+            sum[k % SP_TAPS_SUMS] = sum[k % SP_TAPS_SUMS] + product;
+        }
+        for (int half = SP_TAPS_SUMS / 2; half >= 4; half /= 2) {
+            for (int i = 0; i < half; i++) {
+                sum[i] = sum[i] + sum[i + half];
+            }
+        }
+        const volatile sp_real even = sum[0] + sum[2];
+        const volatile sp_real odd = sum[1] + sum[3];
+        CHECK(derivative[row] == even + odd);
     }
 }
 
@@ -93,6 +124,7 @@ int main(void)
 {
     window_is_contiguous_and_newest_first();
     bank_is_the_plain_sum_in_the_same_order();
+    taps_add_sixteen_sums_in_one_order();
     velocity_uses_the_whole_past_of_a_steady_motion();
     velocity_follows_a_sudden_stop();
     onset_rises_from_zero();

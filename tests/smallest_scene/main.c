@@ -1,4 +1,4 @@
-/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
+/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
+/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

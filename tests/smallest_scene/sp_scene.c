@@ -1,4 +1,4 @@
-/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
+/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -52,8 +52,8 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
         sp_window_push(state->history, &state->newest, N_TAPS, depth);
     sp_real force = (sp_real)0;
     if (position > (sp_real)0) {
-        sp_real features[4];
-        sp_weigh(taps, window, N_TAPS, N_LANES, features);
+        sp_real features[1];
+        sp_taps(taps, window, N_TAPS, N_ORDERS, features);
         uint32_t ranks[SP_FOREST_SLOTS] = {0};
         sp_ranks(thresholds, threshold_starts, N_FEATURES, features, ranks + 1);
         const uint32_t quanta = sp_forest_fastest(&forest, ranks, state->simd);
@@ -119,5 +119,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

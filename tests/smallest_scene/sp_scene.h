@@ -1,4 +1,4 @@
-/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
+/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -10,7 +10,7 @@
 #include "sp_guard.h"
 #include "sp_range.h"
 #include "sp_window.h"
-#include "sp_weigh.h"
+#include "sp_taps.h"
 #include "sp_ranks.h"
 #include "sp_forest.h"
 #include "sp_forest_x86.h"
@@ -21,13 +21,13 @@
 /* smallest: what one tick hands to the next. */
 struct sp_state {
     sp_guard_state guard;
-    sp_real history[2 * 4];
+    sp_real history[2 * 16];
     uint32_t newest;
     uint32_t simd;
     sp_output_state output;
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 72 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 168 ? 1 : -1];
 
 #endif

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 70111405e9e40d3bfac1e945458b08e144f261dfd83102c628a3fc6dcd68c034 */
+/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 
@@ -7,12 +7,12 @@
 #include "sp_scene.h"
 
 enum {
-    N_TAPS = 4,
-    N_LANES = 4
+    N_TAPS = 16,
+    N_ORDERS = 1
 };
-/* c(r, k), newest first: a row a tap, a lane each for the orders 0.5. */
-static const sp_real taps[4 * 4] = {
-    32.0f, 0.0f, 0.0f, 0.0f, -16.0f, 0.0f, 0.0f, 0.0f, -4.0f, 0.0f, 0.0f, 0.0f, -2.0f, 0.0f, 0.0f,
+/* c(r, k), newest first, 4 and padding: a row each of 0.5. */
+static const sp_real taps[1 * 16] = {
+    32.0f, -16.0f, -4.0f, -2.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
     0.0f
 };
 
