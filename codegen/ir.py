@@ -24,6 +24,22 @@ class FirBank:
 
 
 @dataclass(frozen=True, eq=False)
+class FastFirBank:
+    """Features: a FirBank's, by a few direct taps and exponentials that all orders share.
+
+    orders: as in FirBank. tau_ticks: shape (poles,), decay of each pole in samples.
+    length: of the window, samples. weights: (direct + poles + 1, orders) of the newest rises of the
+    position, of each pole's state (older rises, decaying, forgotten at the window's end), and of
+    the window's oldest sample.
+    """
+
+    orders: tuple[float, ...]
+    tau_ticks: NDArray[np.float64]
+    length: int
+    weights: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
 class RecursiveBank:
     """Features: fractional derivatives by exponentials that all orders share.
 
@@ -58,7 +74,8 @@ class PositionVelocity:
     band_m: float
 
 
-Features = FirBank | RecursiveBank | Lags | PositionVelocity
+FractionalBank = FirBank | FastFirBank | RecursiveBank
+Features = FractionalBank | Lags | PositionVelocity
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,8 +24,8 @@ SUFFIX = ".spm"
 _PARTS = {
     part.__name__: part
     for part in (
-        ir.Model, ir.TrainedRange, ir.FirBank, ir.RecursiveBank, ir.Lags, ir.PositionVelocity,
-        ir.Forest, ir.Rounding, ir.Rbf, ir.Hammerstein,
+        ir.Model, ir.TrainedRange, ir.FirBank, ir.FastFirBank, ir.RecursiveBank, ir.Lags,
+        ir.PositionVelocity, ir.Forest, ir.Rounding, ir.Rbf, ir.Hammerstein,
     )
 }  # fmt: skip
 

@@ -10,9 +10,11 @@ from springpot.codegen.forest_compact import compact_forest
 from springpot.codegen.forest_quanta import used_features
 from springpot.codegen.forest_table import forest_table
 from springpot.codegen.ir import (
+    FastFirBank,
     Features,
     FirBank,
     Forest,
+    FractionalBank,
     Lags,
     Model,
     PositionVelocity,
@@ -20,6 +22,7 @@ from springpot.codegen.ir import (
     Rounding,
 )
 from springpot.codegen.scene import Scene
+from springpot.codegen.stages.fast_fir import fast_fir_stage
 from springpot.codegen.stages.fir import fir_stage
 from springpot.codegen.stages.forest import (
     CompactForestStage,
@@ -93,7 +96,7 @@ def used_columns(model: Model) -> Columns:
 
 def feature_count(features: Features | None) -> int:
     """Number of features."""
-    if isinstance(features, FirBank | RecursiveBank):
+    if isinstance(features, FractionalBank):
         return len(features.orders)
     return len(features.samples) if isinstance(features, Lags) else 2
 
@@ -103,6 +106,8 @@ def _feature_stage(
 ) -> FeatureStage:
     if isinstance(features, FirBank):
         return fir_stage(features, kept, dtype)
+    if isinstance(features, FastFirBank):
+        return fast_fir_stage(features, kept, dtype)
     if isinstance(features, RecursiveBank):
         return recursive_stage(features, kept, dt_s, dtype)
     if isinstance(features, Lags):
@@ -133,12 +138,12 @@ def _forest_stage(forest: Forest, scene: Scene, kept: Columns, dtype: type[Any])
 
 
 def _dropped(features: Features, kept: Columns, dtype: type[Any]) -> list[LeftOut]:
-    if not isinstance(features, FirBank | RecursiveBank):
+    if not isinstance(features, FractionalBank):
         return []
     unused = [order for i, order in enumerate(features.orders) if i not in set(kept.tolist())]
     if not unused:
         return []
-    rows = len(features.taps if isinstance(features, FirBank) else features.tau_s)
+    rows = len(features.taps if isinstance(features, FirBank) else features.weights)
     lanes = padded(len(features.orders)) - padded(max(len(kept), 1))
     names = ", ".join(f"{order:g}" for order in unused)
     saved = lanes * rows * np.dtype(dtype).itemsize

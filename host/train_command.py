@@ -1,7 +1,7 @@
 """`springpot train`: fit one model."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -19,6 +19,9 @@ from springpot.host.training_result import training_result, training_rows, valid
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.recording_file import read_recordings
+
+if TYPE_CHECKING:
+    from springpot.trainer.fit import Engine
 
 KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybrid", "boosted",
          "springpot")  # fmt: skip
@@ -49,7 +52,9 @@ KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybr
     help="Share of rows used; default 0.2 from 20 000 rows on, all below.",
 )
 @click.option(
-    "--window-s", type=POSITIVE, help="Length of the filters' memory, s; default 171 samples."
+    "--window-s",
+    type=POSITIVE,
+    help="Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",
 )
 @click.option(
     "--smooth-s",
@@ -74,6 +79,17 @@ KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybr
     help="rbf-fd, rbf-pv: how centers are chosen.",
 )
 @click.option(
+    "--engine",
+    type=click.Choice(["fir", "fir-fast", "recursive"]),
+    help="Fractional filters: the paper's taps, the same from a few exponentials, or exponentials "
+    "that are exact at any rate; default fir, recursive where the window is long.",
+)
+@click.option(
+    "--round-features",
+    is_flag=True,
+    help="rf-fd, rf-history, boosted: trees on features in 16-bit steps; faster, no search.",
+)
+@click.option(
     "--monotone", is_flag=True, help="boosted: the force never falls as a derivative rises."
 )
 @json_option
@@ -89,6 +105,8 @@ def train(
     smooth_validation: bool,
     select: Literal["cv", "paper"],
     centers: Literal["farthest", "greedy"],
+    engine: "Engine | None",
+    round_features: bool,
     monotone: bool,
     as_json: bool,
 ) -> None:
@@ -100,7 +118,7 @@ def train(
 
     options = FitOptions(
         seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s, select=select,
-        centers=centers, monotone=monotone,
+        centers=centers, engine=engine, round_features=round_features, monotone=monotone,
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.codegen.ir import FirBank, Lags, Model, RecursiveBank
+from springpot.codegen.ir import FastFirBank, FirBank, Lags, Model, RecursiveBank
 from springpot.host.frames import refuse_other_frame
 from springpot.host.metrics import Accuracy, accuracy
 from springpot.trainer.recording import Recording
@@ -25,7 +25,7 @@ def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
         "search_s": fit.search_s,
         "orders": list(getattr(model.features, "orders", ())),
         "window_s": window_s(model),
-        "engine": "recursive" if isinstance(model.features, RecursiveBank) else "fir",
+        "engine": engine(model),
         **fit.facts,
     }
 
@@ -60,12 +60,22 @@ def training_rows(
     return rows
 
 
+def engine(model: Model) -> str:
+    """How the model's history is filtered; "recursive" by poles, "fir" by stored samples."""
+    if isinstance(model.features, FastFirBank):
+        return "fir-fast"
+    by_poles = isinstance(model.features, RecursiveBank) or model.features is None
+    return "recursive" if by_poles else "fir"
+
+
 def window_s(model: Model) -> float:
     """How far back the model remembers, s."""
     features, passive = model.features, model.hammerstein
     remembered = [0.0]
     if isinstance(features, FirBank):
         remembered.append(len(features.taps) * model.dt_s)
+    elif isinstance(features, FastFirBank):
+        remembered.append(features.length * model.dt_s)
     elif isinstance(features, RecursiveBank):
         remembered.append(float(features.tau_s.max()))
     elif isinstance(features, Lags):

@@ -25,6 +25,11 @@ KINDS = ["rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybrid", "bo
 VARIANTS = {
     **{kind: (kind, {}) for kind in KINDS},
     "rf-fd long": ("rf-fd", {"window_s": 2.0}),
+    "rf-fd fast": ("rf-fd", {"engine": "fir-fast"}),
+    "rf-fd rounded": ("rf-fd", {"round_features": True}),
+    "rf-history rounded": ("rf-history", {"round_features": True}),
+    "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
+    "boosted recursive": ("boosted", {"engine": "recursive"}),
     "boosted monotone": ("boosted", {"monotone": True}),
 }
 

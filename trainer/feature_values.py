@@ -5,9 +5,17 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from springpot.codegen.ir import Features, FirBank, Lags, PositionVelocity, RecursiveBank
+from springpot.codegen.ir import (
+    FastFirBank,
+    Features,
+    FirBank,
+    Lags,
+    PositionVelocity,
+    RecursiveBank,
+)
 from springpot.codegen.stages.position_velocity import foaw
 from springpot.codegen.stages.recursive import loss_and_gain
+from springpot.trainer.fast_fir import equivalent_taps
 
 Samples = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -21,6 +29,8 @@ def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Rows
     """
     if isinstance(features, FirBank):
         return _fir(features.taps, depth_m, rows)
+    if isinstance(features, FastFirBank):
+        return _fir(equivalent_taps(features), depth_m, rows)
     if isinstance(features, RecursiveBank):
         return recursive_values(features, depth_m, dt_s, rows)
     if isinstance(features, Lags):

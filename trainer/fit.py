@@ -13,6 +13,8 @@ PAPER_TREES = 100
 PAPER_LEAF = 5
 PAPER_CENTERS = 100
 
+Engine = Literal["fir", "fir-fast", "recursive"]
+
 
 @dataclass(frozen=True)
 class FitOptions:
@@ -20,6 +22,8 @@ class FitOptions:
 
     fraction: share of rows. window_s: length of the filters. trees, leaf: of forests.
     centers: number and choice of radial basis functions. select: how orders are chosen.
+    engine: of the fractional filters; by default taps, and exponentials where the window is long.
+    round_features: trees are fitted on features in whole steps of 16 bits.
     """
 
     seed: int = 0
@@ -32,6 +36,8 @@ class FitOptions:
     centers: Literal["farthest", "greedy"] = "farthest"
     select: Literal["cv", "paper"] = "cv"
     monotone: bool = False
+    engine: Engine | None = None
+    round_features: bool = False
 
 
 @dataclass(frozen=True, eq=False)

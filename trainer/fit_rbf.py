@@ -2,11 +2,12 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
-from springpot.codegen.ir import FirBank, PositionVelocity, RecursiveBank
+from springpot.codegen.ir import FirBank, FractionalBank, PositionVelocity
 from springpot.codegen.plan import foaw_features
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.feature_values import Samples, feature_values
@@ -36,8 +37,7 @@ def fit_rbf_fd(
 
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    bank = fractional_features(data.dt_s, options.window_s)
-    assert isinstance(bank, FirBank | RecursiveBank)
+    bank = fractional_features(data.dt_s, options.window_s, options.engine)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     begin = time.perf_counter()
@@ -119,7 +119,7 @@ def _ridge_solve(matrix: Samples, vector: Samples) -> Samples:
 
 
 def _paper_errors(
-    bank: FirBank | RecursiveBank,
+    bank: FractionalBank,
     values: Samples,
     force_n: Samples,
     data: TrainingSet,
@@ -147,8 +147,8 @@ def _paper_errors(
     return errors
 
 
-def _columns(bank: FirBank | RecursiveBank, pair: Pair) -> FirBank | RecursiveBank:
+def _columns(bank: FractionalBank, pair: Pair) -> FractionalBank:
     orders = tuple(bank.orders[i] for i in pair)
     if isinstance(bank, FirBank):
-        return FirBank(orders=orders, taps=bank.taps[:, pair])
-    return RecursiveBank(orders=orders, tau_s=bank.tau_s, weights=bank.weights[:, pair])
+        return replace(bank, orders=orders, taps=bank.taps[:, pair])
+    return replace(bank, orders=orders, weights=bank.weights[:, pair])

@@ -1,13 +1,16 @@
 """Kinds `rf-fd`, `rf-history` and `boosted`: trees on fractional derivatives or past positions."""
 
+import dataclasses
 import time
 
 import numpy as np
 
-from springpot.codegen.ir import Features, FirBank, Forest, Lags
+from springpot.codegen.ir import Features, FirBank, Forest, FractionalBank, Lags
+from springpot.codegen.rounding import rounded, rounding_over
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.exponentials import recursive_bank
-from springpot.trainer.fit import Fit, FitOptions, assemble
+from springpot.trainer.fast_fir import fast_fir_bank
+from springpot.trainer.fit import Engine, Fit, FitOptions, assemble
 from springpot.trainer.forests import depth_scale, fit_boosted, fit_forest
 from springpot.trainer.fractional import gl_taps
 from springpot.trainer.training_set import TrainingSet
@@ -19,15 +22,30 @@ MOST_TAPS = 1024  # longer windows are cheaper as exponentials
 BOOSTED_TREES = 100
 LEAST_WINDOW = 10  # samples
 MOST_WINDOW_S = 1e5
+RECURSIVE_S = 1000.0
 
 
-def fractional_features(dt_s: float, window_s: float | None) -> Features:
-    """The ten orders over `window_s`: 171 taps by default, exponentials where it is long."""
+def fractional_features(
+    dt_s: float, window_s: float | None, engine: Engine | None = None
+) -> FractionalBank:
+    """The ten orders over `window_s`, 171 taps by default, by `engine`.
+
+    Default engine: taps, and exponentials where the window is long. Without a window, exponentials
+    reach far: a true derivative forgets where the tool is held, taps do not.
+    """
+    if engine == "recursive" and window_s is None:
+        return recursive_bank(PAPER_ORDERS, dt_s, RECURSIVE_S)
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
-    if length > MOST_TAPS:
+    if engine == "recursive" or (engine is None and length > MOST_TAPS):
         return recursive_bank(PAPER_ORDERS, dt_s, length * dt_s)
+    if length > MOST_TAPS:
+        raise UsageError(
+            f"--window-s {window_s:g} is {length} taps, at most {MOST_TAPS} are worth their time: "
+            "use --engine recursive"
+        )
     taps = np.stack([gl_taps(order, length, dt_s) for order in PAPER_ORDERS], axis=1)
-    return FirBank(orders=PAPER_ORDERS, taps=taps)
+    bank = FirBank(orders=PAPER_ORDERS, taps=taps)
+    return fast_fir_bank(bank) if engine == "fir-fast" else bank
 
 
 def window_samples(window_s: float, dt_s: float) -> int:
@@ -51,7 +69,7 @@ def fit_rf_fd(
     name: str, data: TrainingSet, options: FitOptions, features: Features | None = None
 ) -> Fit:
     """The paper's forest."""
-    features = features or fractional_features(data.dt_s, options.window_s)
+    features = features or fractional_features(data.dt_s, options.window_s, options.engine)
     return _fit("rf-fd", name, data, options, features)
 
 
@@ -62,7 +80,8 @@ def fit_rf_history(name: str, data: TrainingSet, options: FitOptions) -> Fit:
 
 def fit_boosted_fd(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     """Gradient-boosted trees on fractional derivatives."""
-    return _fit("boosted", name, data, options, fractional_features(data.dt_s, options.window_s))
+    features = fractional_features(data.dt_s, options.window_s, options.engine)
+    return _fit("boosted", name, data, options, features)
 
 
 def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features: Features) -> Fit:
@@ -73,7 +92,10 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features:
     values = data.features(features, rows)
     force_n = data.force_n(rows)
     feature_s = time.perf_counter() - begin
-    scale = depth_scale(data.trained.greatest_m - min(data.trained.least_m, 0.0))
+    scale, rounding = depth_scale(data.trained.greatest_m - min(data.trained.least_m, 0.0)), None
+    if options.round_features:
+        rounding = rounding_over(values)
+        scale, values = 1.0, rounded(rounding, values).astype(np.float64)
     begin = time.perf_counter()
     forest: Forest
     importance: list[float] = []
@@ -84,6 +106,7 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features:
             values, force_n, scale, options.trees, options.leaf, options.seed
         )
         importance = shares.tolist()
+    forest = dataclasses.replace(forest, rounding=rounding)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
     facts = {"n_nodes": len(forest.feature), "importance": importance}

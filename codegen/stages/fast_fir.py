@@ -1,0 +1,150 @@
+"""The same window by direct taps and truncated exponentials: sp_fast_window.h and sp_weigh.h."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.ir import FastFirBank
+from springpot.codegen.literals import array_text
+from springpot.codegen.stages.stage import (
+    REAL,
+    U32,
+    Member,
+    Probe,
+    Reals,
+    Starts,
+    held_before,
+    padded,
+    segments,
+    weighed,
+)
+
+_SMALLEST = 1e-30  # SP_FAST_WINDOW_SMALLEST
+
+
+@dataclass(frozen=True, eq=False)
+class FastFirStage:
+    """keep, leave: (poles,). weights: (direct + poles + 1, lanes). length: of the window."""
+
+    orders: tuple[float, ...]
+    keep: Reals
+    leave: Reals
+    weights: Reals
+    length: int
+
+    headers = ("sp_window.h", "sp_number.h", "sp_fast_window.h", "sp_weigh.h")
+
+    @property
+    def n_features(self) -> int:
+        """Orders kept."""
+        return len(self.orders)
+
+    @property
+    def room(self) -> int:
+        """Lanes."""
+        return int(self.weights.shape[1])
+
+    @property
+    def n_direct(self) -> int:
+        """Rises that are weighed directly."""
+        return len(self.weights) - len(self.keep) - 1
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The window, twice, where it begins, and the poles."""
+        window = 2 * (self.length + 1)
+        return (
+            Member(f"sp_real history[{window}]", (REAL,) * window),
+            Member("uint32_t newest", (U32,)),
+            Member(f"sp_real poles[{len(self.keep)}]", (REAL,) * len(self.keep)),
+        )
+
+    def tables(self) -> list[str]:
+        """Decay of the poles, weights and sizes."""
+        names = ", ".join(f"{order:g}" for order in self.orders)
+        rows, lanes = self.weights.shape
+        return [
+            f"enum {{\n    N_WINDOW = {self.length + 1},\n    N_DIRECT = {self.n_direct},\n"
+            f"    N_POLES = {len(self.keep)},\n    N_TERMS = {rows},\n    N_LANES = {lanes}\n}};",
+            array_text("keep", "sp_real", self.keep),
+            array_text("leave", "sp_real", self.leave),
+            f"/* Rises, poles, oldest sample: a row each, a lane each for the orders {names}. */",
+            array_text("weights", "sp_real", self.weights),
+        ]
+
+    def restart(self) -> list[str]:
+        """Fill the window; no pole has seen a rise."""
+        return [
+            "sp_window_fill(state->history, &state->newest, N_WINDOW, depth);",
+            "for (uint32_t i = 0; i < N_POLES; i++) {",
+            "    state->poles[i] = (sp_real)0;",
+            "}",
+        ]
+
+    def advance(self) -> list[str]:
+        """Push the newest depth; one multiply-add a pole for what enters, one for what leaves."""
+        return [
+            "sp_real terms[N_TERMS];",
+            "sp_fast_window(keep, leave, N_DIRECT, N_POLES,",
+            "               sp_window_push(state->history, &state->newest, N_WINDOW, depth),",
+            "               N_WINDOW, state->poles, terms);",
+        ]
+
+    def read(self) -> list[str]:
+        """All orders from the terms."""
+        return ["sp_weigh(weights, terms, N_TERMS, N_LANES, features);"]
+
+    def probe(self) -> Probe:
+        """Weights on made-up terms."""
+        rows, lanes = self.weights.shape
+        return Probe(
+            inputs=rows,
+            outputs=lanes,
+            call="sp_weigh(weights, in, N_TERMS, N_LANES, sums);",
+            sums=lambda made_up: weighed(self.weights, made_up),
+        )
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """The same terms and sums in the same order."""
+        result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
+        stretches = segments(len(depth), starts)
+        pasts = held_before(depth, starts, self.length)
+        for (begin, end, _), (_, samples) in zip(stretches, pasts, strict=True):
+            terms = self._terms(samples, end - begin)
+            for i in range(self.n_features):
+                total = np.zeros(end - begin, dtype=depth.dtype)
+                for k in range(len(self.weights)):
+                    total += self.weights[k, i] * terms[:, k]
+                result[begin:end, i] = total
+        return result
+
+    def _terms(self, samples: Reals, n: int) -> Reals:
+        """samples: `length` of the past, then n: terms of the n ticks."""
+        rises = np.diff(samples)  # rises[i] is that of samples[i + 1]
+        newest = self.length - 1
+        direct = [rises[newest - k : newest - k + n] for k in range(self.n_direct)]
+        entering = rises[newest - self.n_direct : newest - self.n_direct + n]
+        leaving = rises[:n]
+        h = np.zeros(len(self.keep), dtype=samples.dtype)
+        poles = np.empty((n, len(h)), dtype=samples.dtype)
+        for i in range(n):
+            h = self.keep * h + (entering[i] - self.leave * leaving[i])
+            h[np.abs(h) < samples.dtype.type(_SMALLEST)] = 0
+            poles[i] = h
+        return np.column_stack([*direct, poles, samples[1 : n + 1]])
+
+
+def fast_fir_stage(bank: FastFirBank, kept: NDArray[np.intp], dtype: type) -> FastFirStage:
+    """Keep the columns `kept` of the bank."""
+    n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
+    own = bank.length - 1 - n_direct
+    weights: Reals = np.zeros((len(bank.weights), padded(max(len(kept), 1))), dtype=dtype)
+    weights[:, : len(kept)] = bank.weights[:, kept]
+    return FastFirStage(
+        orders=tuple(bank.orders[i] for i in kept),
+        keep=np.exp(-1.0 / bank.tau_ticks).astype(dtype),
+        leave=np.exp(-own / bank.tau_ticks).astype(dtype),
+        weights=weights,
+        length=bank.length,
+    )
