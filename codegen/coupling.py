@@ -7,12 +7,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import CoupleToolConfig, Real
+from springpot.codegen.configs import CoupleConfig, Real
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.errors import UnsafeError
 
 PAPER_DT_S = 1e-3
 GREATEST_DAMPING_RATIO = 10.0
+# A proxy may be as light as its step is exact: no printed step judges it, but no device does more.
+GREATEST_PROXY_NPM = 1e6
+GREATEST_PROXY_NSPM = 1e3
 
 
 def printed_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
@@ -47,11 +50,11 @@ def transition(
     return phi
 
 
-def tool_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleToolConfig:
-    """Constants of sp_couple_tool.h. Raises UnsafeError where the gains are a unit error."""
+def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:
+    """Constants of sp_couple.h. Raises UnsafeError where the gains are a unit error."""
     refuse_unit_error(coupling)
     phi = transition(coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg, dt_s)
-    return CoupleToolConfig(
+    return CoupleConfig(
         stiffness_npm=real(coupling.stiffness_npm),
         damping_nspm=real(coupling.damping_nspm),
         compliance_mpn=real(1.0 / coupling.stiffness_npm),
@@ -81,5 +84,8 @@ def refuse_unit_error(coupling: Coupling) -> None:
 
 def _plausible(coupling: Coupling) -> bool:
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
-    ratio = b / (2.0 * math.sqrt(k * m))
-    return printed_step_is_stable(coupling, PAPER_DT_S) and ratio <= GREATEST_DAMPING_RATIO
+    if b / (2.0 * math.sqrt(k * m)) > GREATEST_DAMPING_RATIO:
+        return False
+    if coupling.mode == "proxy":
+        return k <= GREATEST_PROXY_NPM and b <= GREATEST_PROXY_NSPM
+    return printed_step_is_stable(coupling, PAPER_DT_S)

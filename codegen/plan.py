@@ -5,20 +5,22 @@ from typing import Any, Literal
 
 import numpy as np
 
+from springpot.codegen.auto_coupling import Choice, choose, series
 from springpot.codegen.configs import (
-    CoupleToolConfig,
+    CoupleConfig,
     GuardConfig,
     OutputConfig,
     RangeConfig,
     Real,
 )
-from springpot.codegen.coupling import tool_config
+from springpot.codegen.coupling import couple_config
 from springpot.codegen.ir import Model, PositionVelocity
 from springpot.codegen.plan_model import LeftOut, model_stages
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage
 from springpot.codegen.stages.position_velocity import VelocityStage, velocity_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
+from springpot.codegen.stiffness import greatest_stiffness_npm
 from springpot.runtime_c.errors import DataError, UsageError
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
@@ -33,6 +35,10 @@ RATES_HZ = (10.0, 8000.0)
 RAMP_S = 0.05
 WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
 FORCE_MARGIN = 1.2
+FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
+# Greatest growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
+LEAST_SLEW_NPS = 1500.0
+SLEW_S = 0.004
 VELOCITY_WINDOW_S = 0.024
 VELOCITY_BAND_M = 15e-6
 
@@ -52,13 +58,16 @@ class Plan:
     passive: HammersteinStage | None
     excess: tuple[HammersteinStage, HammersteinStage] | None
     per_onset: Real | None
+    per_fade: Real | None
     velocity: VelocityStage | None
-    couple_tool: CoupleToolConfig | None
+    couple: CoupleConfig | None
+    at_proxy: bool
     greatest_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
     left_out: tuple[LeftOut, ...]
-    coupling: str
+    stiffness_npm: float
+    coupling: Choice
     outside: str
 
     @property
@@ -69,7 +78,7 @@ class Plan:
     @property
     def needs_device_velocity(self) -> bool:
         """Whether sp_step reads its velocity argument."""
-        return self.couple_tool is not None and self.velocity is None
+        return self.couple is not None and self.velocity is None
 
     @property
     def contact(self) -> bool:
@@ -84,7 +93,15 @@ def make_plan(model: Model, scene: Scene) -> Plan:
     watchdog_s = _watchdog_s(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
     stages = model_stages(model, scene, dtype)
-    couple = _couple_tool(scene, dt_s, dtype)
+    trained = RangeConfig(
+        least_m=dtype(0.0 if contact else model.trained.least_m),
+        greatest_m=dtype(model.trained.greatest_m),
+    )
+    stiffness_npm = greatest_stiffness_npm(stages, model, trained, dtype)
+    choice = _coupling(scene, stiffness_npm, dt_s)
+    couple = None
+    if choice.coupling.mode != "off":
+        couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
     return Plan(
@@ -93,17 +110,16 @@ def make_plan(model: Model, scene: Scene) -> Plan:
         real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
         guard=_guard_config(model, watchdog_s, dt_s, contact, dtype),
-        range=RangeConfig(
-            least_m=dtype(0.0 if contact else model.trained.least_m),
-            greatest_m=dtype(model.trained.greatest_m),
-        ),
+        range=trained,
         features=stages.features,
         regressor=stages.regressor,
         passive=stages.passive,
         excess=stages.excess,
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
+        per_fade=dtype(1.0 / _fade_m(trained)) if scene.guard.outside == "zero" else None,
         velocity=tool_velocity(dt_s, dtype) if estimates else None,
-        couple_tool=couple,
+        couple=couple,
+        at_proxy=choice.coupling.mode == "proxy",
         greatest_mps=dtype(greatest_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
         output=_output_config(model, scene, watchdog_s, dt_s, contact, dtype),
@@ -111,7 +127,8 @@ def make_plan(model: Model, scene: Scene) -> Plan:
             *stages.left_out,
             *_units_left_out(contact, couple is not None, estimates, alpha, dt_s, dtype),
         ),
-        coupling=_coupling_note(scene),
+        stiffness_npm=stiffness_npm,
+        coupling=choice,
         outside=_outside_note(model, scene),
     )
 
@@ -178,6 +195,7 @@ def _output_config(
     return OutputConfig(
         least_n=real(least_n),
         greatest_n=real(greatest_n),
+        slew_n=real(dt_s * max(LEAST_SLEW_NPS, greatest_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
         fall_nps=real(greatest_n / WATCHDOG_FALL_S),
         watchdog_s=real(watchdog_s),
@@ -201,14 +219,19 @@ def tool_velocity(dt_s: float, dtype: type[Any]) -> VelocityStage:
     return velocity_stage(foaw_features(dt_s), dt_s, dtype, "position")
 
 
-def _couple_tool(scene: Scene, dt_s: float, real: type[Any]) -> CoupleToolConfig | None:
-    mode = scene.coupling.mode
-    if mode == "proxy":
-        raise UsageError(
-            'coupling.mode = "proxy" needs the stability check, which this version does not have: '
-            'use "off" or "tool"'
-        )
-    return tool_config(scene.coupling, dt_s, real) if mode == "tool" else None
+def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:
+    stated = scene.coupling
+    if stated.mode == "auto":
+        smoothing = _smooth_alpha(scene, dt_s) or 1.0
+        return choose(stiffness_npm, dt_s, scene.device.delay_samples, smoothing, stated)
+    felt_npm = stiffness_npm
+    if stated.mode == "proxy":
+        felt_npm = series(stated.stiffness_npm, stiffness_npm)
+    return Choice(stated, f"{stated.mode}: stated in the scene", felt_npm)
+
+
+def _fade_m(trained: RangeConfig) -> float:
+    return FADE * (float(trained.greatest_m) - float(trained.least_m))
 
 
 def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
@@ -242,17 +265,11 @@ def _units_left_out(
     return left_out
 
 
-def _coupling_note(scene: Scene) -> str:
-    if scene.coupling.mode == "auto":
-        return "off: auto chooses off until the stability check exists"
-    return f"{scene.coupling.mode}: stated in the scene"
-
-
 def _outside_note(model: Model, scene: Scene) -> str:
     if scene.guard.outside == "zero":
-        raise UsageError(
-            'guard.outside = "zero" drops the force at the greatest trained depth, and this '
-            'version cannot yet do it without a step: use "hold" or "fallback"'
+        return (
+            "zero: stated in the scene; the force ends over the first "
+            f"{100 * FADE:g} % of the depth beyond the trained one"
         )
     if scene.guard.outside == "hold":
         return "hold: stated in the scene; the force stays that of the greatest trained depth"

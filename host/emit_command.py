@@ -59,7 +59,8 @@ def emission_rows(emission: Emission) -> dict[str, str]:
         "flash": f"{footprint.flash_bytes} bytes" if footprint else "unknown",
         "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
         "units": ", ".join(emission.manifest["units"]),
-        "coupling": emission.manifest["coupling"],
+        "coupling": emission.manifest["coupling"]["why"],
+        "stiffness felt": f"{1e-3 * emission.manifest['coupling']['felt_stiffness_npm']:.3g} N/mm",
         "outside": emission.manifest["outside"],
         "hash": emission.hash,
     }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c501b13f940ce0c15ec24c77dd716245eca0e37e80f0e92f9c21b8a688128977 */
+/* springpot 0.1.0 3faaecb617b53043a19f26acb50533d2ea976be6ec645eb2875dc569cf95f3d0 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
