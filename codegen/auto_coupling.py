@@ -11,8 +11,8 @@ from springpot.codegen.scene import Coupling
 # The loop must be stable with an object stiffer than this model by so much.
 STIFFNESS_MARGIN_OFF = 1.25
 STIFFNESS_MARGIN_PROXY = 1.5
-# A proxy's oscillations must die out within 0.2 s: 1 - dt/0.2 s is the greatest radius.
-DECAY_PER_S = 5.0
+# A proxy's oscillations must die out within 0.5 s: 1 - dt/0.5 s is the greatest radius.
+DECAY_PER_S = 2.0
 # Of the stiffest coupling that the linear loop allows; sensors and leaves of trees are not linear.
 GAIN_MARGIN = 0.75
 _STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 50)

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from springpot.codegen.coupling import transition
 from springpot.codegen.scene import Coupling
+from springpot.codegen.stages.tool_velocity import TIME_S as VELOCITY_S
 
 Matrices = NDArray[np.float64]
 
 DEVICE_MASS_KG = 0.3
 DEVICE_DAMPING_NSPM = 4.0
-VELOCITY_TIME_S = 0.004  # low-pass that stands for whatever estimates the tool's velocity
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Loop:
         mode = self.coupling.mode
         step = _Step(len(stiffness_npm), 4 + 2 * (mode != "off") + 1 + self.delay_samples)
         x, v, x_before, v_held = (step.row(i) for i in range(4))
-        weight = self.dt_s / (self.dt_s + VELOCITY_TIME_S)
+        weight = self.dt_s / (self.dt_s + VELOCITY_S)
         v_held = v_held + weight * ((x - x_before) / self.dt_s - v_held)
         proxy: tuple[Any, ...] = ()
         k = stiffness_npm[:, None]

@@ -18,8 +18,8 @@ from springpot.codegen.ir import Model, PositionVelocity
 from springpot.codegen.plan_model import LeftOut, model_stages
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage
-from springpot.codegen.stages.position_velocity import VelocityStage, velocity_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
+from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 from springpot.codegen.stiffness import greatest_stiffness_npm
 from springpot.runtime_c.errors import DataError, UsageError
 
@@ -59,7 +59,7 @@ class Plan:
     excess: tuple[HammersteinStage, HammersteinStage] | None
     per_onset: Real | None
     per_fade: Real | None
-    velocity: VelocityStage | None
+    velocity: ToolVelocityStage | None
     couple: CoupleConfig | None
     at_proxy: bool
     greatest_mps: Real
@@ -117,7 +117,7 @@ def make_plan(model: Model, scene: Scene) -> Plan:
         excess=stages.excess,
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
         per_fade=dtype(1.0 / _fade_m(trained)) if scene.guard.outside == "zero" else None,
-        velocity=tool_velocity(dt_s, dtype) if estimates else None,
+        velocity=tool_velocity_stage(dt_s, dtype) if estimates else None,
         couple=couple,
         at_proxy=choice.coupling.mode == "proxy",
         greatest_mps=dtype(greatest_mps(model)),
@@ -125,7 +125,7 @@ def make_plan(model: Model, scene: Scene) -> Plan:
         output=_output_config(model, scene, watchdog_s, dt_s, contact, dtype),
         left_out=(
             *stages.left_out,
-            *_units_left_out(contact, couple is not None, estimates, alpha, dt_s, dtype),
+            *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
         ),
         stiffness_npm=stiffness_npm,
         coupling=choice,
@@ -214,11 +214,6 @@ def foaw_features(dt_s: float) -> PositionVelocity:
     return PositionVelocity(length=max(1, round(VELOCITY_WINDOW_S / dt_s)), band_m=VELOCITY_BAND_M)
 
 
-def tool_velocity(dt_s: float, dtype: type[Any]) -> VelocityStage:
-    """Velocity of the guarded position, for the coupling."""
-    return velocity_stage(foaw_features(dt_s), dt_s, dtype, "position")
-
-
 def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:
     stated = scene.coupling
     if stated.mode == "auto":
@@ -244,7 +239,6 @@ def _units_left_out(
     coupled: bool,
     estimates: bool,
     alpha: float | None,
-    dt_s: float,
     dtype: type[Any],
 ) -> list[LeftOut]:
     size = np.dtype(dtype).itemsize
@@ -257,9 +251,7 @@ def _units_left_out(
         left_out.append(LeftOut("coupling", "coupling.mode is off", saved))
     if not estimates:
         why = "the device gives it" if coupled else "nothing in this scene needs a velocity"
-        length = len(tool_velocity(dt_s, dtype).per_step)
-        saved = (length + 2 * (length + 1)) * size + 4
-        left_out.append(LeftOut("velocity estimate", why, saved))
+        left_out.append(LeftOut("velocity estimate", why, 4 * size))
     if alpha is None:
         left_out.append(LeftOut("smoothing", "smoothing.time_constant_s is 0", 2 * size))
     return left_out

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.configs import CoupleConfig, GuardConfig, OutputConfig, RangeConfig
 from springpot.codegen.plan import Plan
+from springpot.codegen.stages.stage import SMALLEST, flushed
 
 # Bits of sp_notes.h; a test compares them with the header.
 HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED = 1, 2, 4, 8, 16, 32, 64
@@ -24,6 +25,8 @@ class Guarding:
     def run(self, raw: Reals) -> tuple[Reals, Notes]:
         """Positions that the tick may believe, and HELD or RESYNC for each."""
         jump_m = self._config.jump_m
+        real = raw.dtype.type
+        raw = np.where(np.abs(raw) < real(SMALLEST), real(0), raw)
         position = raw.copy()
         notes = np.zeros(len(raw), dtype=np.int32)
         good = suspect = raw.dtype.type(0)
@@ -114,7 +117,8 @@ class Tail:
         if self._couple is not None:
             force = self._couple.force(x, v, force)
         if self._plan.smooth_alpha is not None:
-            self._smoothed += self._plan.smooth_alpha * (force - self._smoothed)
+            alpha, held = self._plan.smooth_alpha, self._smoothed
+            self._smoothed = flushed(held + alpha * (force - held))
             force = self._smoothed
         return force
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 3faaecb617b53043a19f26acb50533d2ea976be6ec645eb2875dc569cf95f3d0 */
+/* springpot 0.1.0 68e32e42a95699d2a44ddf4b06daa21715996e92eed1f147406d3f9543786c6f */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -122,5 +122,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"3faaecb617b53043a19f26acb50533d2ea976be6ec645eb2875dc569cf95f3d0\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"68e32e42a95699d2a44ddf4b06daa21715996e92eed1f147406d3f9543786c6f\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

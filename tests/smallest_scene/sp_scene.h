@@ -1,4 +1,4 @@
-/* springpot 0.1.0 3faaecb617b53043a19f26acb50533d2ea976be6ec645eb2875dc569cf95f3d0 */
+/* springpot 0.1.0 68e32e42a95699d2a44ddf4b06daa21715996e92eed1f147406d3f9543786c6f */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 

@@ -3,6 +3,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "sp_notes.h"
+
+enum { LATCHED = SP_NOTE_LATCHED };
+
 typedef int (*step_function)(void *, sp_real, sp_real, sp_real *);
 typedef int (*idle_function)(void *, sp_real, sp_real *);
 typedef void (*reset_function)(void *);
@@ -54,7 +58,7 @@ int64_t sp_loop_run(const sp_loop_scene *scene, sim_tool *hand, uint32_t n,
                                           (sp_real)seen_mps, &force);
         trace->force_n[i] = (double)force;
         const double acting_n = isfinite(force) ? (double)force : 0.0;
-        not_finite += !isfinite(force);
+        not_finite += isfinite(force) ? 0 : 1;
         const int status = isnan(script->push_n[i])
                                ? sim_tool_step(hand, script->dt_s[i], script->intended_m[i],
                                                acting_n, &seen_m, &seen_mps)
@@ -104,8 +108,8 @@ int sp_loop_press(const sp_loop_scene *scene, sim_tool *hand, uint64_t ticks, do
     for (uint64_t i = 0; i < ticks; i++) {
         sp_real force = 0;
         const int notes = call.step(call.state, (sp_real)seen_m, (sp_real)seen_mps, &force);
-        found->latched += (notes & 32) != 0;
-        found->not_finite += !isfinite(force);
+        found->latched += (notes & LATCHED) ? 1 : 0;
+        found->not_finite += isfinite(force) ? 0 : 1;
         const double acting_n = isfinite(force) ? (double)force : 0.0;
         const double intended_m = reach_m * stroke_next(&moving, dt_s, &random);
         const int status = sim_tool_step(hand, dt_s, intended_m, acting_n, &seen_m, &seen_mps);
@@ -186,8 +190,8 @@ uint64_t sp_loop_fuzz(const sp_loop_scene *scene, uint64_t ticks, double depth_m
         const int notes = random_share(&random) < 0.01
                               ? call.idle(call.state, (sp_real)dt_s, &force)
                               : call.step(call.state, x, v, &force);
-        wrong += !((double)force >= least_n && (double)force <= greatest_n);
-        latched = notes & 32 ? latched + 1 : 0;
+        wrong += (double)force >= least_n && (double)force <= greatest_n ? 0 : 1;
+        latched = notes & LATCHED ? latched + 1 : 0;
         if (latched > LATCHED_FOR) {
             call.reset(call.state);
             latched = 0;
