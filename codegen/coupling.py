@@ -24,6 +24,19 @@ def printed_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
     return 2.0 * b * dt_s / m + k * dt_s**2 / m < 4.0
 
 
+def printed_step(coupling: Coupling, dt_s: float) -> NDArray[np.float64]:
+    """One step of Algorithm 1 with the tool at rest and no model: (x_p, v_p) -> (x_p, v_p)."""
+    k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
+    speed = np.array([-k * dt_s / m, 1.0 - b * dt_s / m])
+    return np.stack([np.array([1.0, 0.0]) + dt_s * speed, speed])
+
+
+def greatest_printed_damping_nspm(coupling: Coupling, dt_s: float) -> float:
+    """What the printed step allows with this stiffness and mass; 0 where none."""
+    k, m = coupling.stiffness_npm, coupling.mass_kg
+    return max(0.0, (4.0 * m - k * dt_s**2) / (2.0 * dt_s))
+
+
 def transition(
     stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float
 ) -> NDArray[np.float64]:
@@ -51,8 +64,7 @@ def transition(
 
 
 def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:
-    """Constants of sp_couple.h. Raises UnsafeError where the gains are a unit error."""
-    refuse_unit_error(coupling)
+    """Constants of sp_couple.h."""
     phi = transition(coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg, dt_s)
     return CoupleConfig(
         stiffness_npm=real(coupling.stiffness_npm),
@@ -80,6 +92,11 @@ def refuse_unit_error(coupling: Coupling) -> None:
         if _plausible(dataclasses.replace(coupling, **{key: meant})):
             raise UnsafeError(f"{stated}: {key} = {meant:g} ({meant:g} {unit}) was probably meant")
     raise UnsafeError(f"{stated}: the paper's gains are 1500 N/m, 20 N s/m and 0.05 kg")
+
+
+def is_unit_error(coupling: Coupling) -> bool:
+    """Whether these gains would be refused."""
+    return coupling.mode in ("tool", "proxy") and not _plausible(coupling)
 
 
 def _plausible(coupling: Coupling) -> bool:

@@ -66,6 +66,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "contact": "surface" if plan.contact else "always",
         "coupling": coupling_facts(plan),
         "outside": plan.outside,
+        "accept_unsafe": plan.accept_unsafe,
         **_model_facts(plan),
         "state_bytes": state_bytes(plan),
         "limits": {

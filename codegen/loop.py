@@ -55,10 +55,10 @@ class Loop:
         return radius
 
     def greatest_stiffness_npm(self) -> float:
-        """Softest object that it cannot hold, N/m; infinite above 1e7."""
+        """Softest object that it cannot hold, N/m, up to 1e7."""
         grid = np.geomspace(1.0, 1e7, 400)
         unstable = np.flatnonzero(self.spectral_radius(grid) >= 1.0)
-        return float(grid[unstable[0]]) if len(unstable) else np.inf
+        return float(grid[unstable[0]]) if len(unstable) else 1e7
 
     def _tick(self, stiffness_npm: NDArray[np.float64]) -> Matrices:
         """One tick applied to each unit vector: shape (n, states, states)."""

@@ -13,7 +13,7 @@ from springpot.codegen.configs import (
     RangeConfig,
     Real,
 )
-from springpot.codegen.coupling import couple_config
+from springpot.codegen.coupling import couple_config, refuse_unit_error
 from springpot.codegen.ir import Model, PositionVelocity
 from springpot.codegen.plan_model import LeftOut, model_stages
 from springpot.codegen.scene import Scene
@@ -66,6 +66,7 @@ class Plan:
     smooth_alpha: Real | None
     output: OutputConfig
     left_out: tuple[LeftOut, ...]
+    accept_unsafe: bool
     stiffness_npm: float
     coupling: Choice
     outside: str
@@ -86,8 +87,11 @@ class Plan:
         return self.per_onset is not None
 
 
-def make_plan(model: Model, scene: Scene) -> Plan:
-    """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together."""
+def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
+    """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together.
+
+    Raises UnsafeError for gains that are a unit error, unless they are accepted.
+    """
     dtype: type[Any] = np.float32 if scene.runtime.number == "float32" else np.float64
     dt_s = _time_step(model, scene)
     watchdog_s = _watchdog_s(scene, dt_s)
@@ -101,6 +105,8 @@ def make_plan(model: Model, scene: Scene) -> Plan:
     choice = _coupling(scene, stiffness_npm, dt_s)
     couple = None
     if choice.coupling.mode != "off":
+        if not accept_unsafe:
+            refuse_unit_error(choice.coupling)
         couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
@@ -127,6 +133,7 @@ def make_plan(model: Model, scene: Scene) -> Plan:
             *stages.left_out,
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
         ),
+        accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,
         coupling=choice,
         outside=_outside_note(model, scene),

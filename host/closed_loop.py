@@ -50,11 +50,12 @@ class Rendered:
 
     plan: Plan
     loop: HandLoop
+    library: SceneLibrary
     model: SceneLibrary
 
     def force(self, position_m: Samples) -> Samples:
         """The model alone's force on a motion from a fresh state, N."""
-        force_n, _ = self.model.new_state().run(position_m)
+        force_n, _ = self.model.new_state().run(position_m, np.zeros_like(position_m))
         return force_n.astype(np.float64)
 
 

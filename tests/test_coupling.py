@@ -7,7 +7,12 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from springpot.codegen.coupling import couple_config, printed_step_is_stable, transition
+from springpot.codegen.coupling import (
+    couple_config,
+    printed_step_is_stable,
+    refuse_unit_error,
+    transition,
+)
 from springpot.codegen.reference_tick import Coupled
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.errors import UnsafeError
@@ -64,11 +69,11 @@ def test_no_kick_on_a_fast_contact() -> None:
 
 def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
     with pytest.raises(UnsafeError, match=r"20 N s/m\) was probably meant"):
-        couple_config(Coupling(mode="tool", damping_nspm=20_000.0), 1e-3, np.float64)
+        refuse_unit_error(Coupling(mode="tool", damping_nspm=20_000.0))
     with pytest.raises(UnsafeError, match=r"1500 N/m\) was probably meant"):
-        couple_config(Coupling(mode="tool", stiffness_npm=1.5e6), 1e-3, np.float64)
+        refuse_unit_error(Coupling(mode="tool", stiffness_npm=1.5e6))
     with pytest.raises(UnsafeError, match="the paper's gains"):
-        couple_config(Coupling(mode="tool", mass_kg=1e-9), 1e-3, np.float64)
+        refuse_unit_error(Coupling(mode="tool", mass_kg=1e-9))
 
 
 def test_the_printed_step_explodes_where_the_formula_says() -> None:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 68e32e42a95699d2a44ddf4b06daa21715996e92eed1f147406d3f9543786c6f */
+/* springpot 0.1.0 5089a92b1cde2a342bef339733a148d4e86f516a99600fb5c779c37182af38f2 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 68e32e42a95699d2a44ddf4b06daa21715996e92eed1f147406d3f9543786c6f */
+/* springpot 0.1.0 5089a92b1cde2a342bef339733a148d4e86f516a99600fb5c779c37182af38f2 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 68e32e42a95699d2a44ddf4b06daa21715996e92eed1f147406d3f9543786c6f */
+/* springpot 0.1.0 5089a92b1cde2a342bef339733a148d4e86f516a99600fb5c779c37182af38f2 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -122,5 +122,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"68e32e42a95699d2a44ddf4b06daa21715996e92eed1f147406d3f9543786c6f\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"5089a92b1cde2a342bef339733a148d4e86f516a99600fb5c779c37182af38f2\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
