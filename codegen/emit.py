@@ -74,6 +74,8 @@ def manifest(plan: Plan) -> dict[str, Any]:
             "greatest_n": float(plan.output.greatest_n),
             "watchdog_s": float(plan.output.watchdog_s),
             "jump_m": float(plan.guard.jump_m),
+            "slew_nps": float(plan.output.slew_n) / plan.dt_s,
+            "recovery_ticks": plan.recovery_ticks,
         },
         "units": [header.removesuffix(".h") for header in planned_headers(plan)],
         "left_out": [

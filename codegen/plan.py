@@ -1,6 +1,6 @@
 """Plan: model and scene resolved into exactly what will be emitted, and what is left out."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -17,10 +17,10 @@ from springpot.codegen.coupling import couple_config, refuse_unit_error
 from springpot.codegen.ir import Model, PositionVelocity
 from springpot.codegen.plan_model import LeftOut, model_stages
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages.hammerstein import HammersteinStage
+from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
-from springpot.codegen.stiffness import greatest_stiffness_npm
+from springpot.codegen.stiffness import greatest_stiffness_npm, tangent_fallback
 from springpot.runtime_c.errors import DataError, UsageError
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
@@ -33,6 +33,7 @@ RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
 LEAST_WATCHDOG_TICKS = 3
 RATES_HZ = (10.0, 8000.0)
 RAMP_S = 0.05
+MOST_RECOVERY_S = 2.0
 WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
 FORCE_MARGIN = 1.2
 FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
@@ -82,6 +83,24 @@ class Plan:
         return self.couple is not None and self.velocity is None
 
     @property
+    def recovery_ticks(self) -> int:
+        """Ticks of good input after which bad input is forgotten, to 2 % of the greatest force.
+
+        The guard's resynchronisation, the ramp, and the longest memory: a window's length, or four
+        time constants of a pole (none longer than MOST_RECOVERY_S counts: an object that creeps for
+        minutes has rightly rested elsewhere).
+        """
+        ramp = round(1.0 / float(self.output.rise))
+        memory_s = [len(getattr(self.features, "taps", ())) * self.dt_s]
+        passive = self.model.hammerstein
+        if passive is not None and len(passive.tau_s):
+            memory_s.append(4.0 * float(passive.tau_s.max()))
+        bank = getattr(self.model.features, "tau_s", None)
+        memory_s += [4.0 * float(bank.max())] if bank is not None else []
+        longest_s = min(max(memory_s), MOST_RECOVERY_S)
+        return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
+
+    @property
     def contact(self) -> bool:
         """Whether positions at or below 0 are free air."""
         return self.per_onset is not None
@@ -97,6 +116,14 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     watchdog_s = _watchdog_s(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
     stages = model_stages(model, scene, dtype)
+    outside = _outside_note(model, scene)
+    if scene.guard.outside == "fallback" and model.hammerstein is None:
+        tangent = tangent_fallback(stages, model, dtype)
+        stages = replace(stages, passive=hammerstein_stage(tangent, dt_s, dtype, "deep"))
+        outside = (
+            "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
+            f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
+        )
     trained = RangeConfig(
         least_m=dtype(0.0 if contact else model.trained.least_m),
         greatest_m=dtype(model.trained.greatest_m),
@@ -136,7 +163,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,
         coupling=choice,
-        outside=_outside_note(model, scene),
+        outside=outside,
     )
 
 
@@ -272,6 +299,4 @@ def _outside_note(model: Model, scene: Scene) -> str:
         )
     if scene.guard.outside == "hold":
         return "hold: stated in the scene; the force stays that of the greatest trained depth"
-    if model.hammerstein is None:
-        return "hold: the model file has no passive part to fall back on"
     return "fallback: the passive model adds its share of the depth beyond the trained one"

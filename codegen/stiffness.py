@@ -1,11 +1,11 @@
-"""Greatest tangent stiffness of a model, from its reference."""
+"""Tangents of a model, from its reference: the greatest one, and that at the trained border."""
 
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.configs import RangeConfig
-from springpot.codegen.ir import Model
+from springpot.codegen.ir import Hammerstein, Model
 from springpot.codegen.plan_model import ModelStages
 from springpot.codegen.reference_model import clip, model_force
 
@@ -35,3 +35,46 @@ def greatest_stiffness_npm(
         force_n = force_n.reshape(motion.shape).astype(np.float64)
         found = max(found, float((force_n[:, -1] - force_n[:, 0]).max()) / (STEP * span_m))
     return found
+
+
+def tangent_fallback(stages: ModelStages, model: Model, dtype: type[Any]) -> Hammerstein:
+    """Kelvin-Voigt tangent at the greatest trained depth, for a model without a passive part.
+
+    Spring: the secant over the last tenth, pressed at a sixteenth of the trained speed. Damper:
+    what a press at the trained speed adds; as a Maxwell branch that relaxes within five ticks. Both
+    act on the depth beyond the border only, and neither is negative.
+    """
+    trained = model.trained
+    end_m = trained.greatest_m
+    step_m = 0.1 * (end_m - max(trained.least_m, 0.0))
+    slow_mps, fast_mps = trained.greatest_mps / 16.0, trained.greatest_mps
+    slow_n, fast_n = (
+        _rise_n(stages, end_m - step_m, step_m, speed, model.dt_s, dtype)
+        for speed in (slow_mps, fast_mps)
+    )
+    spring_npm = max(slow_n / step_m, 0.0)
+    damper_nspm = max((fast_n - slow_n) / (fast_mps - slow_mps), 0.0)
+    tau_s = 5.0 * model.dt_s
+    return Hammerstein(
+        basis="powers",
+        origin_m=end_m,
+        span_m=step_m,
+        elastic_n=np.array([spring_npm * step_m, 0.0, 0.0]),
+        tau_s=np.array([tau_s]),
+        branch_n=np.array([[damper_nspm / tau_s * step_m, 0.0, 0.0]]),
+        radius_m=np.zeros(0),
+        stop_n=np.zeros((0, 3)),
+        bias_n=0.0,
+    )
+
+
+def _rise_n(
+    stages: ModelStages, from_m: float, step_m: float, speed: float, dt_s: float, dtype: type[Any]
+) -> float:
+    """Force gained on a straight press from rest, N."""
+    ticks = 1 + min(_MOST_TICKS, max(1, round(step_m / (speed * dt_s))))
+    motion = (from_m + step_m * np.linspace(0.0, 1.0, ticks)).astype(dtype)
+    force_n = model_force(
+        stages, {"deep": motion, "depth": motion}, np.array([0]), np.ones(ticks, dtype=bool)
+    )
+    return float(force_n[-1]) - float(force_n[0])

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 5089a92b1cde2a342bef339733a148d4e86f516a99600fb5c779c37182af38f2 */
+/* springpot 0.1.0 9002f36cb863242daba9ac024a40adef73216abd586e9ea821c6e6e3e1e73da0 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 5089a92b1cde2a342bef339733a148d4e86f516a99600fb5c779c37182af38f2 */
+/* springpot 0.1.0 9002f36cb863242daba9ac024a40adef73216abd586e9ea821c6e6e3e1e73da0 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
