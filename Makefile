@@ -23,9 +23,12 @@ demo: $(STAMP)
 test: $(STAMP) test-c
 	$(BIN)/pytest
 
-# Long tests: 10 000 malformed files, an hour at 1 kHz.
-soak: $(STAMP)
+# Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
+# hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop.
+soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
+	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
+	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/test_hostile.py tests/test_stability.py
 
 check: format lint types
 	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized

@@ -32,8 +32,8 @@ class RangeConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class CoupleToolConfig:
-    """sp_couple_tool.h; phi: shape (4,), the 2 x 2 matrix row by row."""
+class CoupleConfig:
+    """sp_couple.h; phi: shape (4,), the 2 x 2 matrix row by row."""
 
     stiffness_npm: Real
     damping_nspm: Real
@@ -48,6 +48,7 @@ class OutputConfig:
 
     least_n: Real
     greatest_n: Real
+    slew_n: Real
     rise: Real
     fall_nps: Real
     watchdog_s: Real

@@ -7,18 +7,34 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import CoupleToolConfig, Real
+from springpot.codegen.configs import CoupleConfig, Real
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.errors import UnsafeError
 
 PAPER_DT_S = 1e-3
 GREATEST_DAMPING_RATIO = 10.0
+# A proxy may be as light as its step is exact: no printed step judges it, but no device does more.
+GREATEST_PROXY_NPM = 1e6
+GREATEST_PROXY_NSPM = 1e3
 
 
 def printed_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
     """Stability of the paper's Algorithm 1 (semi-implicit Euler): 2 b dt/m + k dt^2/m < 4."""
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
     return 2.0 * b * dt_s / m + k * dt_s**2 / m < 4.0
+
+
+def printed_step(coupling: Coupling, dt_s: float) -> NDArray[np.float64]:
+    """One step of Algorithm 1 with the tool at rest and no model: (x_p, v_p) -> (x_p, v_p)."""
+    k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
+    speed = np.array([-k * dt_s / m, 1.0 - b * dt_s / m])
+    return np.stack([np.array([1.0, 0.0]) + dt_s * speed, speed])
+
+
+def greatest_printed_damping_nspm(coupling: Coupling, dt_s: float) -> float:
+    """What the printed step allows with this stiffness and mass; 0 where none."""
+    k, m = coupling.stiffness_npm, coupling.mass_kg
+    return max(0.0, (4.0 * m - k * dt_s**2) / (2.0 * dt_s))
 
 
 def transition(
@@ -47,11 +63,10 @@ def transition(
     return phi
 
 
-def tool_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleToolConfig:
-    """Constants of sp_couple_tool.h. Raises UnsafeError where the gains are a unit error."""
-    refuse_unit_error(coupling)
+def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:
+    """Constants of sp_couple.h."""
     phi = transition(coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg, dt_s)
-    return CoupleToolConfig(
+    return CoupleConfig(
         stiffness_npm=real(coupling.stiffness_npm),
         damping_nspm=real(coupling.damping_nspm),
         compliance_mpn=real(1.0 / coupling.stiffness_npm),
@@ -79,7 +94,15 @@ def refuse_unit_error(coupling: Coupling) -> None:
     raise UnsafeError(f"{stated}: the paper's gains are 1500 N/m, 20 N s/m and 0.05 kg")
 
 
+def is_unit_error(coupling: Coupling) -> bool:
+    """Whether these gains would be refused."""
+    return coupling.mode in ("tool", "proxy") and not _plausible(coupling)
+
+
 def _plausible(coupling: Coupling) -> bool:
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
-    ratio = b / (2.0 * math.sqrt(k * m))
-    return printed_step_is_stable(coupling, PAPER_DT_S) and ratio <= GREATEST_DAMPING_RATIO
+    if b / (2.0 * math.sqrt(k * m)) > GREATEST_DAMPING_RATIO:
+        return False
+    if coupling.mode == "proxy":
+        return k <= GREATEST_PROXY_NPM and b <= GREATEST_PROXY_NSPM
+    return printed_step_is_stable(coupling, PAPER_DT_S)

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
 
@@ -63,8 +64,9 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "model_hash": model_hash(plan.model),
         "provenance": dict(plan.model.provenance),
         "contact": "surface" if plan.contact else "always",
-        "coupling": plan.coupling,
+        "coupling": coupling_facts(plan),
         "outside": plan.outside,
+        "accept_unsafe": plan.accept_unsafe,
         **_model_facts(plan),
         "state_bytes": state_bytes(plan),
         "limits": {
@@ -72,11 +74,25 @@ def manifest(plan: Plan) -> dict[str, Any]:
             "greatest_n": float(plan.output.greatest_n),
             "watchdog_s": float(plan.output.watchdog_s),
             "jump_m": float(plan.guard.jump_m),
+            "slew_nps": float(plan.output.slew_n) / plan.dt_s,
+            "recovery_ticks": plan.recovery_ticks,
         },
         "units": [header.removesuffix(".h") for header in planned_headers(plan)],
         "left_out": [
             {"what": item.what, "why": item.why, "bytes": item.bytes} for item in plan.left_out
         ],
+    }
+
+
+def coupling_facts(plan: Plan) -> dict[str, Any]:
+    """Mode, gains, why, and what a hand will feel on the object's stiffest part."""
+    choice = plan.coupling
+    gains = asdict(choice.coupling) if plan.couple is not None else {"mode": "off"}
+    return {
+        **gains,
+        "why": choice.why,
+        "object_stiffness_npm": plan.stiffness_npm,
+        "felt_stiffness_npm": choice.felt_npm,
     }
 
 

@@ -59,10 +59,12 @@ def _constants(plan: Plan) -> str:
         struct_text("range", "sp_range_config", plan.range),
         struct_text("output", "sp_output_config", plan.output),
     ]
-    if plan.couple_tool is not None:
-        parts.append(struct_text("couple", "sp_couple_tool_config", plan.couple_tool))
+    if plan.couple is not None:
+        parts.append(struct_text("couple", "sp_couple_config", plan.couple))
     if plan.per_onset is not None:
         parts.append(f"static const sp_real per_onset = {literal(plan.per_onset)};")
+    if plan.per_fade is not None:
+        parts.append(f"static const sp_real per_fade = {literal(plan.per_fade)};")
     if plan.needs_device_velocity:
         parts.append(f"static const sp_real greatest_mps = {literal(plan.greatest_mps)};")
     if plan.smooth_alpha is not None:
@@ -72,21 +74,20 @@ def _constants(plan: Plan) -> str:
 
 def _restart(plan: Plan) -> str:
     lines = [line for stage in stages(plan) for line in stage.restart()]
-    unused = [] if plan.velocity is not None else ["(void)position;"]
-    unused += [] if _goes_deep(plan) else ["(void)deep;"]
-    unused += [] if any("depth" in line for line in lines) else ["(void)depth;"]
     return "\n".join(
         [
             "/* A position is true without a history: the object has rested there for ever. */",
-            "static void restart(sp_state *state, sp_real position, sp_real deep, sp_real depth)",
+            "static void restart(sp_state *state, sp_real position)",
             "{",
-            *_indented([*unused, *lines, *_forget(plan), "sp_output_restart(&state->output);"]),
+            *_indented([*_depth(plan, "position", lines, "&ignored"), *lines, *_forget(plan)]),
+            "    sp_output_restart(&state->output);",
             "}",
         ]
     )
 
 
 def _step(plan: Plan) -> str:
+    model = [stage for stage in stages(plan) if stage is not plan.velocity]
     lines = [
         "if (state == NULL || force_n == NULL) {",
         "    return SP_ERROR_NULL;",
@@ -95,13 +96,13 @@ def _step(plan: Plan) -> str:
         "const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);",
         *_device_velocity(plan),
         "sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));",
-        *_depth(plan),
         "if (notes & SP_NOTE_RESYNC) {",
-        "    restart(state, position, deep, depth);",
+        "    restart(state, position);",
         "}",
-        *(line for stage in stages(plan) for line in stage.advance()),
+        *_pressed(plan),
+        *(line for stage in model for line in stage.advance()),
         "sp_real force = (sp_real)0;",
-        f"if ({'position > (sp_real)0' if plan.contact else 'state->guard.started'}) {{",
+        f"if ({_in_contact(plan)}) {{",
         *_indented([*_model_force(plan), *_shape(plan)]),
         "} else {",
         *_indented([*_forget(plan), "sp_output_free(&state->output);"]),
@@ -131,19 +132,17 @@ def _model_force(plan: Plan) -> list[str]:
     return [*lines, f"force = {' + '.join(terms)};"]
 
 
-def _goes_deep(plan: Plan) -> bool:
-    follows = plan.passive.follows if plan.passive is not None else ""
-    return plan.excess is not None or follows == "deep"
-
-
 def _shape(plan: Plan) -> list[str]:
     lines = []
+    if plan.per_fade is not None:
+        lines.append(f"force = sp_range_fade(&range, per_fade, {_where(plan)}, force);")
     if plan.contact:
-        lines.append("force = sp_contact_onset(per_onset, position, force);")
-    if plan.couple_tool is not None:
-        velocity = "position_mps" if plan.velocity is not None else "device_mps"
+        lines.append(f"force = sp_contact_onset(per_onset, {_where(plan)}, force);")
+    if plan.couple is not None:
+        if not plan.at_proxy:
+            lines.append(f"(void)sp_couple_place(&state->couple, position, {_velocity(plan)});")
         lines.append(
-            f"force = sp_couple_tool_force(&couple, &state->couple, position, {velocity}, force);"
+            f"force = sp_couple_force(&couple, &state->couple, position, {_velocity(plan)}, force);"
         )
     if plan.smooth_alpha is not None:
         lines.append("force = sp_smooth(smooth_alpha, &state->smoothed_n, force);")
@@ -152,8 +151,8 @@ def _shape(plan: Plan) -> list[str]:
 
 def _forget(plan: Plan) -> list[str]:
     lines = []
-    if plan.couple_tool is not None:
-        lines.append("sp_couple_tool_release(&state->couple);")
+    if plan.couple is not None:
+        lines.append("sp_couple_release(&state->couple);")
     if plan.smooth_alpha is not None:
         lines.append("state->smoothed_n = (sp_real)0;")
     return lines
@@ -168,14 +167,53 @@ def _device_velocity(plan: Plan) -> list[str]:
     ]
 
 
-def _depth(plan: Plan) -> list[str]:
-    """`deep`: the position in the object; `depth`: the same within the trained range."""
-    least = "(sp_real)0" if plan.contact else "range.least_m"
-    source = "deep" if plan.contact else "position"
-    return [
-        f"const sp_real deep = position > {least} ? position : {least};",
-        f"const sp_real depth = sp_range_clip(&range, {source}, &notes);",
-    ]
+def _in_contact(plan: Plan) -> str:
+    return "position > (sp_real)0" if plan.contact else "state->guard.started"
+
+
+def _where(plan: Plan) -> str:
+    """The variable that the model sees: the tool's position, or the proxy's."""
+    return "proxy" if plan.at_proxy else "position"
+
+
+def _velocity(plan: Plan) -> str:
+    return "position_mps" if plan.velocity is not None else "device_mps"
+
+
+def _pressed(plan: Plan) -> list[str]:
+    """Velocity and proxy, where the scene has them; and the depth there."""
+    lines = list(plan.velocity.advance()) if plan.velocity is not None else []
+    if plan.at_proxy:
+        placed = f"sp_couple_place(&state->couple, position, {_velocity(plan)})"
+        lines += [
+            "const sp_real proxy =",
+            f"    {_in_contact(plan)} ? {placed} : position;",
+        ]
+    model = [stage for stage in stages(plan) if stage is not plan.velocity]
+    used = [line for stage in model for line in stage.advance()]
+    return [*lines, *_depth(plan, _where(plan), [*used, *_model_force(plan)], "&notes")]
+
+
+def _depth(plan: Plan, where: str, used_in: list[str], notes: str) -> list[str]:
+    """`deep`: how far in the object; `depth`: the same within the trained range; where used."""
+    uses = [name for name in ("deep", "depth") if _mentions(name, used_in)]
+    if notes == "&ignored" and not uses:
+        return [] if _mentions("position", used_in) else ["(void)position;"]
+    lines = []
+    if "deep" in uses or plan.contact:
+        least = "(sp_real)0" if plan.contact else "range.least_m"
+        lines.append(f"const sp_real deep = {where} > {least} ? {where} : {least};")
+    clip = f"sp_range_clip(&range, {'deep' if plan.contact else where}, {notes});"
+    if "depth" in uses:
+        lines += ["int ignored = 0;"] if notes == "&ignored" else []
+        lines.append(f"const sp_real depth = {clip}")
+    elif notes != "&ignored":
+        lines.append(f"(void){clip}")
+    return lines
+
+
+def _mentions(name: str, lines: list[str]) -> bool:
+    return any(re.search(rf"\b{name}\b", line) for line in lines)
 
 
 def _api(plan: Plan, manifest: str) -> str:

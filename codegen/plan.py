@@ -1,24 +1,26 @@
 """Plan: model and scene resolved into exactly what will be emitted, and what is left out."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
+from springpot.codegen.auto_coupling import Choice, choose, series
 from springpot.codegen.configs import (
-    CoupleToolConfig,
+    CoupleConfig,
     GuardConfig,
     OutputConfig,
     RangeConfig,
     Real,
 )
-from springpot.codegen.coupling import tool_config
+from springpot.codegen.coupling import couple_config, refuse_unit_error
 from springpot.codegen.ir import Model, PositionVelocity
 from springpot.codegen.plan_model import LeftOut, model_stages
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages.hammerstein import HammersteinStage
-from springpot.codegen.stages.position_velocity import VelocityStage, velocity_stage
+from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
+from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
+from springpot.codegen.stiffness import greatest_stiffness_npm, tangent_fallback
 from springpot.runtime_c.errors import DataError, UsageError
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
@@ -31,8 +33,13 @@ RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
 LEAST_WATCHDOG_TICKS = 3
 RATES_HZ = (10.0, 8000.0)
 RAMP_S = 0.05
+MOST_RECOVERY_S = 2.0
 WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
 FORCE_MARGIN = 1.2
+FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
+# Greatest growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
+LEAST_SLEW_NPS = 1500.0
+SLEW_S = 0.004
 VELOCITY_WINDOW_S = 0.024
 VELOCITY_BAND_M = 15e-6
 
@@ -52,13 +59,17 @@ class Plan:
     passive: HammersteinStage | None
     excess: tuple[HammersteinStage, HammersteinStage] | None
     per_onset: Real | None
-    velocity: VelocityStage | None
-    couple_tool: CoupleToolConfig | None
+    per_fade: Real | None
+    velocity: ToolVelocityStage | None
+    couple: CoupleConfig | None
+    at_proxy: bool
     greatest_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
     left_out: tuple[LeftOut, ...]
-    coupling: str
+    accept_unsafe: bool
+    stiffness_npm: float
+    coupling: Choice
     outside: str
 
     @property
@@ -69,7 +80,25 @@ class Plan:
     @property
     def needs_device_velocity(self) -> bool:
         """Whether sp_step reads its velocity argument."""
-        return self.couple_tool is not None and self.velocity is None
+        return self.couple is not None and self.velocity is None
+
+    @property
+    def recovery_ticks(self) -> int:
+        """Ticks of good input after which bad input is forgotten, to 2 % of the greatest force.
+
+        The guard's resynchronisation, the ramp, and the longest memory: a window's length, or four
+        time constants of a pole (none longer than MOST_RECOVERY_S counts: an object that creeps for
+        minutes has rightly rested elsewhere).
+        """
+        ramp = round(1.0 / float(self.output.rise))
+        memory_s = [len(getattr(self.features, "taps", ())) * self.dt_s]
+        passive = self.model.hammerstein
+        if passive is not None and len(passive.tau_s):
+            memory_s.append(4.0 * float(passive.tau_s.max()))
+        bank = getattr(self.model.features, "tau_s", None)
+        memory_s += [4.0 * float(bank.max())] if bank is not None else []
+        longest_s = min(max(memory_s), MOST_RECOVERY_S)
+        return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
 
     @property
     def contact(self) -> bool:
@@ -77,14 +106,35 @@ class Plan:
         return self.per_onset is not None
 
 
-def make_plan(model: Model, scene: Scene) -> Plan:
-    """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together."""
+def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
+    """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together.
+
+    Raises UnsafeError for gains that are a unit error, unless they are accepted.
+    """
     dtype: type[Any] = np.float32 if scene.runtime.number == "float32" else np.float64
     dt_s = _time_step(model, scene)
     watchdog_s = _watchdog_s(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
     stages = model_stages(model, scene, dtype)
-    couple = _couple_tool(scene, dt_s, dtype)
+    outside = _outside_note(model, scene)
+    if scene.guard.outside == "fallback" and model.hammerstein is None:
+        tangent = tangent_fallback(stages, model, dtype)
+        stages = replace(stages, passive=hammerstein_stage(tangent, dt_s, dtype, "deep"))
+        outside = (
+            "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
+            f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
+        )
+    trained = RangeConfig(
+        least_m=dtype(0.0 if contact else model.trained.least_m),
+        greatest_m=dtype(model.trained.greatest_m),
+    )
+    stiffness_npm = greatest_stiffness_npm(stages, model, trained, dtype)
+    choice = _coupling(scene, stiffness_npm, dt_s)
+    couple = None
+    if choice.coupling.mode != "off":
+        if not accept_unsafe:
+            refuse_unit_error(choice.coupling)
+        couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
     return Plan(
@@ -93,26 +143,27 @@ def make_plan(model: Model, scene: Scene) -> Plan:
         real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
         guard=_guard_config(model, watchdog_s, dt_s, contact, dtype),
-        range=RangeConfig(
-            least_m=dtype(0.0 if contact else model.trained.least_m),
-            greatest_m=dtype(model.trained.greatest_m),
-        ),
+        range=trained,
         features=stages.features,
         regressor=stages.regressor,
         passive=stages.passive,
         excess=stages.excess,
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
-        velocity=tool_velocity(dt_s, dtype) if estimates else None,
-        couple_tool=couple,
+        per_fade=dtype(1.0 / _fade_m(trained)) if scene.guard.outside == "zero" else None,
+        velocity=tool_velocity_stage(dt_s, dtype) if estimates else None,
+        couple=couple,
+        at_proxy=choice.coupling.mode == "proxy",
         greatest_mps=dtype(greatest_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
         output=_output_config(model, scene, watchdog_s, dt_s, contact, dtype),
         left_out=(
             *stages.left_out,
-            *_units_left_out(contact, couple is not None, estimates, alpha, dt_s, dtype),
+            *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
         ),
-        coupling=_coupling_note(scene),
-        outside=_outside_note(model, scene),
+        accept_unsafe=accept_unsafe,
+        stiffness_npm=stiffness_npm,
+        coupling=choice,
+        outside=outside,
     )
 
 
@@ -178,6 +229,7 @@ def _output_config(
     return OutputConfig(
         least_n=real(least_n),
         greatest_n=real(greatest_n),
+        slew_n=real(dt_s * max(LEAST_SLEW_NPS, greatest_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
         fall_nps=real(greatest_n / WATCHDOG_FALL_S),
         watchdog_s=real(watchdog_s),
@@ -196,19 +248,19 @@ def foaw_features(dt_s: float) -> PositionVelocity:
     return PositionVelocity(length=max(1, round(VELOCITY_WINDOW_S / dt_s)), band_m=VELOCITY_BAND_M)
 
 
-def tool_velocity(dt_s: float, dtype: type[Any]) -> VelocityStage:
-    """Velocity of the guarded position, for the coupling."""
-    return velocity_stage(foaw_features(dt_s), dt_s, dtype, "position")
+def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:
+    stated = scene.coupling
+    if stated.mode == "auto":
+        smoothing = _smooth_alpha(scene, dt_s) or 1.0
+        return choose(stiffness_npm, dt_s, scene.device.delay_samples, smoothing, stated)
+    felt_npm = stiffness_npm
+    if stated.mode == "proxy":
+        felt_npm = series(stated.stiffness_npm, stiffness_npm)
+    return Choice(stated, f"{stated.mode}: stated in the scene", felt_npm)
 
 
-def _couple_tool(scene: Scene, dt_s: float, real: type[Any]) -> CoupleToolConfig | None:
-    mode = scene.coupling.mode
-    if mode == "proxy":
-        raise UsageError(
-            'coupling.mode = "proxy" needs the stability check, which this version does not have: '
-            'use "off" or "tool"'
-        )
-    return tool_config(scene.coupling, dt_s, real) if mode == "tool" else None
+def _fade_m(trained: RangeConfig) -> float:
+    return FADE * (float(trained.greatest_m) - float(trained.least_m))
 
 
 def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
@@ -221,7 +273,6 @@ def _units_left_out(
     coupled: bool,
     estimates: bool,
     alpha: float | None,
-    dt_s: float,
     dtype: type[Any],
 ) -> list[LeftOut]:
     size = np.dtype(dtype).itemsize
@@ -234,28 +285,18 @@ def _units_left_out(
         left_out.append(LeftOut("coupling", "coupling.mode is off", saved))
     if not estimates:
         why = "the device gives it" if coupled else "nothing in this scene needs a velocity"
-        length = len(tool_velocity(dt_s, dtype).per_step)
-        saved = (length + 2 * (length + 1)) * size + 4
-        left_out.append(LeftOut("velocity estimate", why, saved))
+        left_out.append(LeftOut("velocity estimate", why, 4 * size))
     if alpha is None:
         left_out.append(LeftOut("smoothing", "smoothing.time_constant_s is 0", 2 * size))
     return left_out
 
 
-def _coupling_note(scene: Scene) -> str:
-    if scene.coupling.mode == "auto":
-        return "off: auto chooses off until the stability check exists"
-    return f"{scene.coupling.mode}: stated in the scene"
-
-
 def _outside_note(model: Model, scene: Scene) -> str:
     if scene.guard.outside == "zero":
-        raise UsageError(
-            'guard.outside = "zero" drops the force at the greatest trained depth, and this '
-            'version cannot yet do it without a step: use "hold" or "fallback"'
+        return (
+            "zero: stated in the scene; the force ends over the first "
+            f"{100 * FADE:g} % of the depth beyond the trained one"
         )
     if scene.guard.outside == "hold":
         return "hold: stated in the scene; the force stays that of the greatest trained depth"
-    if model.hammerstein is None:
-        return "hold: the model file has no passive part to fall back on"
     return "fallback: the passive model adds its share of the depth beyond the trained one"

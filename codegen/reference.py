@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import RangeConfig
 from springpot.codegen.plan import Plan
+from springpot.codegen.reference_model import clip, model_force
+from springpot.codegen.reference_proxy import Touch, proxy_motion
 from springpot.codegen.reference_tick import HELD, OUTSIDE, RESYNC, Guarding, Tail
-from springpot.codegen.stages.stage import Starts
 
 Reals = NDArray[Any]
 Notes = NDArray[np.int32]
@@ -23,10 +23,16 @@ class Run:
     notes: Notes
 
 
-def run_reference(plan: Plan, position_m: Reals, velocity_mps: Reals | None = None) -> Run:
+def run_reference(
+    plan: Plan,
+    position_m: Reals,
+    velocity_mps: Reals | None = None,
+    guess_m: Reals | None = None,
+) -> Run:
     """Run the plan on positions (and device velocities) from a fresh state.
 
     position_m, velocity_mps: shape (n,), any float type; rounded to the scene's type first.
+    guess_m: (n,), where the C's proxy was; it decides how long this takes, never the result.
     """
     raw = np.asarray(position_m, dtype=plan.dtype)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
@@ -37,43 +43,31 @@ def run_reference(plan: Plan, position_m: Reals, velocity_mps: Reals | None = No
         starts = np.flatnonzero(notes & RESYNC)
         started = np.arange(len(raw)) >= (starts[0] if len(starts) else len(raw))
         contact = position > 0 if plan.contact else started
-        least = plan.dtype(0) if plan.contact else plan.range.least_m
-        deep = np.where(position > least, position, least)
-        depth, outside = clip(plan.range, deep if plan.contact else position)
-        notes |= np.where(outside, OUTSIDE, 0).astype(np.int32)
-        model_n = model_force(plan, {"deep": deep, "depth": depth}, starts, contact)
         if plan.velocity is not None:
             velocity = plan.velocity.reference(position, starts)
-        force_n = Tail(plan).run(position, velocity, model_n, contact, held, notes)
+        pressed = position
+        if plan.at_proxy:
+
+            def at_proxy(motion: Reals, asked: NDArray[np.bool_]) -> Reals:
+                begun = starts[starts < len(motion)]
+                return model_force(plan, _depths(plan, motion)[0], begun, asked)
+
+            touch = Touch(position, velocity, contact, starts)
+            pressed = proxy_motion(plan, touch, at_proxy, guess_m)
+        motion, outside = _depths(plan, pressed)
+        notes |= np.where(outside, OUTSIDE, 0).astype(np.int32)
+        model_n = model_force(plan, motion, starts, contact)
+        tail = Tail(plan)
+        force_n = tail.run(position, velocity, pressed, model_n, contact, held, notes)
     return Run(force_n=force_n, notes=notes)
 
 
-def model_force(
-    plan: Plan, motion: dict[str, Reals], starts: Starts, contact: NDArray[np.bool_]
-) -> Reals:
-    """Force of the model's stages, N; 0 where there is no contact. motion: "deep" and "depth"."""
-    terms: list[Reals] = []
-    if plan.passive is not None:
-        terms.append(plan.passive.reference(motion[plan.passive.follows], starts))
-    if plan.features is not None and plan.regressor is not None:
-        model_n = np.zeros(len(contact), dtype=plan.dtype)
-        features = plan.features.reference(motion["depth"], starts)
-        model_n[contact] = plan.regressor.reference(features[contact])
-        terms.append(model_n)
-    if plan.excess is not None:
-        deep, trained = (stage.reference(motion[stage.follows], starts) for stage in plan.excess)
-        terms.append(deep - trained)
-    force_n = terms[0]
-    for term in terms[1:]:
-        force_n = force_n + term
-    return np.where(contact, force_n, plan.dtype(0))
-
-
-def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, NDArray[np.bool_]]:
-    """sp_range.h: clipped depth, and where it was outside."""
-    deep, shallow = depth > config.greatest_m, depth < config.least_m
-    clipped = np.where(deep, config.greatest_m, np.where(shallow, config.least_m, depth))
-    return clipped.astype(depth.dtype), deep | shallow
+def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bool_]]:
+    """`deep` and `depth` of sp_step, and where the depth was clipped."""
+    least = plan.dtype(0) if plan.contact else plan.range.least_m
+    deep = np.where(pressed > least, pressed, least)
+    depth, outside = clip(plan.range, deep if plan.contact else pressed)
+    return {"deep": deep, "depth": depth}, outside
 
 
 def _device_velocity(

@@ -5,11 +5,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import CoupleToolConfig, GuardConfig, OutputConfig
+from springpot.codegen.configs import CoupleConfig, GuardConfig, OutputConfig, RangeConfig
 from springpot.codegen.plan import Plan
+from springpot.codegen.stages.stage import SMALLEST, flushed
 
 # Bits of sp_notes.h; a test compares them with the header.
-HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED = 1, 2, 4, 8, 16, 32
+HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED = 1, 2, 4, 8, 16, 32, 64
 
 Reals = NDArray[Any]
 Notes = NDArray[np.int32]
@@ -24,6 +25,8 @@ class Guarding:
     def run(self, raw: Reals) -> tuple[Reals, Notes]:
         """Positions that the tick may believe, and HELD or RESYNC for each."""
         jump_m = self._config.jump_m
+        real = raw.dtype.type
+        raw = np.where(np.abs(raw) < real(SMALLEST), real(0), raw)
         position = raw.copy()
         notes = np.zeros(len(raw), dtype=np.int32)
         good = suspect = raw.dtype.type(0)
@@ -53,12 +56,32 @@ class Guarding:
         return position, notes
 
 
+def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
+    """sp_range_fade and sp_contact.h: the model's force at the border and at the surface, N."""
+    zero, one = model_n.dtype.type(0), model_n.dtype.type(1)
+    if plan.per_fade is not None:
+        beyond = _beyond(plan.range, pressed)
+        share = one - beyond * plan.per_fade
+        fading = np.where(share > 0, model_n * share, zero)
+        model_n = np.where(beyond > 0, fading, model_n)
+    if plan.per_onset is not None:
+        share = pressed * plan.per_onset
+        rising = np.where(share < 1, model_n * share, model_n)
+        model_n = np.where(share > 0, rising, zero)
+    return model_n
+
+
+def _beyond(config: RangeConfig, x: Reals) -> Reals:
+    above, below = x - config.greatest_m, config.least_m - x
+    return np.where(above > below, above, below)
+
+
 class Tail:
     """Contact, coupling, smoothing and output: sp_contact.h to sp_output.h."""
 
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
-        self._couple = _CoupleTool(plan.couple_tool) if plan.couple_tool is not None else None
+        self._couple = Coupled(plan.couple) if plan.couple is not None else None
         self._output = _Output(plan.output)
         self._smoothed = plan.dtype(0)
 
@@ -66,16 +89,14 @@ class Tail:
         self,
         position: Reals,
         velocity: Reals,
+        pressed: Reals,
         model_n: Reals,
         contact: NDArray[np.bool_],
         held: NDArray[np.bool_],
         notes: Notes,
     ) -> Reals:
-        """Force of each tick, N; adds its notes to `notes`."""
-        if self._plan.per_onset is not None:
-            share = position * self._plan.per_onset
-            rising = np.where(share < 1, model_n * share, model_n)
-            model_n = np.where(share > 0, rising, model_n.dtype.type(0))
+        """Force of each tick, N; adds its notes to `notes`. pressed: where the model looks, m."""
+        model_n = shaped(self._plan, pressed, model_n)
         force_n = np.zeros_like(model_n)
         for i in range(len(position)):
             self._output.watch(held[i])
@@ -96,7 +117,8 @@ class Tail:
         if self._couple is not None:
             force = self._couple.force(x, v, force)
         if self._plan.smooth_alpha is not None:
-            self._smoothed += self._plan.smooth_alpha * (force - self._smoothed)
+            alpha, held = self._plan.smooth_alpha, self._smoothed
+            self._smoothed = flushed(held + alpha * (force - held))
             force = self._smoothed
         return force
 
@@ -106,14 +128,24 @@ class Tail:
         self._smoothed = self._plan.dtype(0)
 
 
-class _CoupleTool:
-    def __init__(self, config: CoupleToolConfig) -> None:
+class Coupled:
+    """sp_couple.h."""
+
+    def __init__(self, config: CoupleConfig) -> None:
         self._config = config
         self.proxy: tuple[Any, Any] | None = None
 
+    def place(self, x: Any, v: Any) -> Any:
+        """Position of the proxy, m, which exists from here on."""
+        self.proxy = self.proxy or (x, v)
+        return self.proxy[0]
+
     def force(self, x: Any, v: Any, model_n: Any) -> Any:
+        """Force at the tool, N; then moves the proxy."""
         config = self._config
-        proxy_m, proxy_mps = self.proxy or (x, v)
+        self.place(x, v)
+        assert self.proxy is not None
+        proxy_m, proxy_mps = self.proxy
         e = proxy_m - x
         w = proxy_mps - v
         force_n = -(config.stiffness_npm * e) - config.damping_nspm * w
@@ -156,6 +188,8 @@ class _Output:
             force = force * self._share
             self._share = self._share + self._config.rise
             note |= RAMPED
+        force, limited = self._slewed(force)
+        note |= limited
         least_n, greatest_n = self._config.least_n, self._config.greatest_n
         if not least_n <= force <= greatest_n:
             clamped = least_n if force < least_n else self._real(0)
@@ -163,6 +197,14 @@ class _Output:
             note |= CLAMPED
         self._force = force
         return force, note
+
+    def _slewed(self, force: Any) -> tuple[Any, int]:
+        zero, last = self._real(0), self._force
+        most = (last if last > 0 else zero) + self._config.slew_n
+        least = (last if last < 0 else zero) - self._config.slew_n
+        if force > most:
+            return most, LIMITED
+        return (least, LIMITED) if force < least else (force, 0)
 
     def _fall(self) -> Any:
         size = abs(self._force)

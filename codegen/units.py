@@ -20,7 +20,7 @@ def planned_headers(plan: Plan) -> list[str]:
     headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
     headers += [header for part in parts for header in part.headers]
     headers += ["sp_contact.h"] if plan.contact else []
-    headers += ["sp_couple_tool.h"] if plan.couple_tool is not None else []
+    headers += ["sp_couple.h"] if plan.couple is not None else []
     headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
     return list(dict.fromkeys([*headers, "sp_output.h"]))
 
@@ -33,8 +33,8 @@ def state_members(plan: Plan) -> list[Member]:
         members += plan.regressor.members
     if plan.needs_device_velocity:
         members.append(Member("sp_real good_mps", (REAL,)))
-    if plan.couple_tool is not None:
-        members.append(Member("sp_couple_tool_state couple", (REAL, REAL, U32)))
+    if plan.couple is not None:
+        members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
     return [*members, Member("sp_output_state output", (REAL, REAL, REAL, U32))]

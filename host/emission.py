@@ -19,6 +19,7 @@ from springpot.host.compiler import NoCompilerError
 from springpot.host.footprint import Footprint, measure_footprint
 from springpot.host.library import SceneLibrary
 from springpot.host.scene_file import scene_from_json, scene_to_json
+from springpot.host.stability import Check, check, refuse_unstable
 from springpot.host.toolchain import package_of, toolchain
 from springpot.runtime_c.errors import BudgetError, DataError, MismatchError, UsageError
 
@@ -32,7 +33,7 @@ _OWN_LATER = {"validation", "report.html", "example"}
 
 @dataclass(frozen=True)
 class Emission:
-    """What was emitted. footprint and compile_s are None without a compiler; notices say why."""
+    """What was emitted. footprint, compile_s, check: None without a compiler; notices say why."""
 
     folder: Path
     plan: Plan
@@ -42,18 +43,22 @@ class Emission:
     ram_bytes: int
     write_s: float
     compile_s: float | None
+    check: Check | None
     notices: tuple[str, ...]
 
 
-def emit(scene: Scene, model_file: Path, folder: Path) -> Emission:
+def emit(scene: Scene, model_file: Path, folder: Path, accept_unsafe: bool = False) -> Emission:
     """Emit `scene` into `folder`, replacing an earlier emission there.
 
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
-    the scene's budget, MismatchError where its self-test fails.
+    the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
+    find it unstable, unless that is accepted: the manifest then says so.
     """
     _refuse_foreign(folder)
     model = read_model(model_file)
-    plan = make_plan(model, scene)
+    plan = make_plan(model, scene, accept_unsafe)
+    if not accept_unsafe:
+        refuse_unstable(plan)
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as scratch:
         aside = Path(scratch) / "new"
         begin = time.perf_counter()
@@ -72,7 +77,8 @@ def read_emission(folder: Path) -> tuple[Plan, Model]:
         raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
     model = read_model(folder / MODEL_COPY)
     scene = scene_from_json((folder / SCENE_COPY).read_text(), str(folder / SCENE_COPY))
-    return make_plan(model, scene), model
+    accepted = json.loads((folder / "manifest.json").read_text()).get("accept_unsafe", False)
+    return make_plan(model, scene, accepted), model
 
 
 def _write(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
@@ -86,7 +92,7 @@ def _write(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
 
 def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
     notices = _unchecked(plan.scene)
-    footprint = compile_s = None
+    footprint = compile_s = checked = None
     try:
         begin = time.perf_counter()
         library = SceneLibrary(aside)
@@ -98,6 +104,8 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             )
         footprint, notice = _footprint(plan, aside)
         notices += [notice] if notice else []
+        checked = check(plan, library)
+        notices += _activity(checked)
     except NoCompilerError as error:
         notices.append(f"not built, sizes unknown: {error}")
     facts = json.loads((aside / "manifest.json").read_text())
@@ -110,10 +118,23 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
         ram_bytes=state_bytes(plan),
         write_s=write_s,
         compile_s=compile_s,
+        check=checked,
         notices=tuple(notices),
     )
     _check_budget(emission)
     return emission
+
+
+def _activity(checked: Check) -> list[str]:
+    """A warning where the model gives energy back; never a refusal."""
+    inside, outside = checked.model_map.active(False), checked.model_map.active(True)
+    if not inside[0] and not outside[0]:
+        return []
+    return [
+        f"the model gives energy back in {inside[0]} of {inside[1]} small-signal cells, and in "
+        f"{outside[0]} of {outside[1]} beyond the trained depth: `springpot stability` shows what "
+        "a hand makes of it"
+    ]
 
 
 def _footprint(plan: Plan, folder: Path) -> tuple[Footprint | None, str | None]:
@@ -180,8 +201,6 @@ def _unchecked(scene: Scene) -> list[str]:
     told = []
     if scene.budget.tick_us is not None:
         told.append("budget.tick_us is not checked at emission: `springpot validate` measures it")
-    if scene.device.delay_samples:
-        told.append("device.delay_samples is not acted on: no loop check exists yet")
     if scene.device.surface_mm:
         told.append("device.surface_mm is for drivers: the C counts positions from the surface")
     if scene.runtime.number == "float64" and scene.runtime.target != "host":

@@ -20,11 +20,18 @@ from springpot.host.scene_file import model_path, read_scene
     help="Model file; default: the scene's.",
 )
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@click.option(
+    "--accept-unsafe",
+    is_flag=True,
+    help="Emit although a hand would find it unstable, for replay; the manifest says so.",
+)
 @json_option
-def emit_(scene_file: Path, model_file: Path | None, out: Path, as_json: bool) -> None:
+def emit_(
+    scene_file: Path, model_file: Path | None, out: Path, accept_unsafe: bool, as_json: bool
+) -> None:
     """Emit the C source of a scene."""
     scene = read_scene(scene_file)
-    emission = emit(scene, model_file or model_path(scene, scene_file), out)
+    emission = emit(scene, model_file or model_path(scene, scene_file), out, accept_unsafe)
     for notice in emission.notices:
         say(notice)
     print_result(emission_result(emission), as_json, emission_rows(emission))
@@ -44,6 +51,8 @@ def emission_result(emission: Emission) -> dict[str, Any]:
         "orders": manifest["orders"],
         "coupling": manifest["coupling"],
         "outside": manifest["outside"],
+        "accept_unsafe": manifest["accept_unsafe"],
+        "stability": emission.check.as_dict() if emission.check else None,
         "write_s": emission.write_s,
         "compile_s": emission.compile_s,
     }
@@ -59,13 +68,23 @@ def emission_rows(emission: Emission) -> dict[str, str]:
         "flash": f"{footprint.flash_bytes} bytes" if footprint else "unknown",
         "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
         "units": ", ".join(emission.manifest["units"]),
-        "coupling": emission.manifest["coupling"],
+        "coupling": emission.manifest["coupling"]["why"],
+        "stiffness felt": f"{1e-3 * emission.manifest['coupling']['felt_stiffness_npm']:.3g} N/mm",
         "outside": emission.manifest["outside"],
+        "stability": _stability(emission),
         "hash": emission.hash,
     }
     for item in left_out:
         rows[f"left out: {item['what']}"] = f"{item['why']}, {item['bytes']} bytes"
     return rows
+
+
+def _stability(emission: Emission) -> str:
+    found = emission.check
+    if found is None:
+        return "not checked"
+    active, cells = found.model_map.active(False)
+    return f"spectral radius {found.spectral_radius:.4f}, {active} of {cells} cells active"
 
 
 @click.command()

@@ -17,7 +17,7 @@ Samples = NDArray[np.float64]
 # Distinct in colour, and in black and white by line style or lightness.
 MEASURED, PREDICTED, ERROR = "#1b1b1b", "#d1495b", "#2e6f95"
 _MOST_POINTS = 4000
-_STYLE: Any = {
+STYLE: Any = {
     "font.size": 9.0,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -34,7 +34,7 @@ def typical(series: Sequence[Series]) -> Series:
 
 def prediction(item: Series) -> str:
     """Measured and predicted force, and their difference, against time (figure 7)."""
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 4.2), layout="constrained")
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
         step = _stride(len(item.measured_n))
@@ -48,12 +48,12 @@ def prediction(item: Series) -> str:
         lower.axhline(0.0, color="#888888", lw=0.6)
         lower.set_ylabel("error, N")
         lower.set_xlabel("time, s")
-        return _svg(figure)
+        return svg_text(figure)
 
 
 def hysteresis(item: Series) -> str:
     """Force against depth, measured and predicted (figure 17)."""
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.4, 3.6), layout="constrained")
         axes = figure.subplots()
         step = _stride(len(item.measured_n))
@@ -63,14 +63,14 @@ def hysteresis(item: Series) -> str:
         axes.set_xlabel("depth, mm")
         axes.set_ylabel("force, N")
         axes.legend(loc="upper left", frameon=False)
-        return _svg(figure)
+        return svg_text(figure)
 
 
 def percentage_error(series: Sequence[Series]) -> str:
     """Absolute percentage error against force, with the just noticeable difference (figure 8)."""
     measured_n = np.concatenate([item.measured_n for item in series])
     error_n = np.concatenate([item.predicted_n - item.measured_n for item in series])
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.4, 3.6), layout="constrained")
         axes = figure.subplots()
         shown = measured_n > 0.02 * measured_n.max()
@@ -88,24 +88,24 @@ def percentage_error(series: Sequence[Series]) -> str:
         axes.set_xlabel("measured force, N (scored right of the dotted line)")
         axes.set_ylabel("absolute error, %")
         axes.legend(loc="upper right", frameon=False)
-        return _svg(figure)
+        return svg_text(figure)
 
 
 def importance(orders: Sequence[float], shares: Sequence[float]) -> str:
     """Importance of each fractional order in the forest (figure 11)."""
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.4, 3.0), layout="constrained")
         axes = figure.subplots()
         axes.bar([f"{order:g}" for order in orders], shares, color=ERROR)
         axes.set_xlabel("fractional order")
         axes.set_ylabel("share of the variance removed")
         axes.tick_params(axis="x", labelrotation=45)
-        return _svg(figure)
+        return svg_text(figure)
 
 
 def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
     """Paced tick times with cold caches, and the hot median."""
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.4, 3.0), layout="constrained")
         axes = figure.subplots()
         tick_us = tick_ns * 1e-3
@@ -117,14 +117,15 @@ def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
         axes.set_xlabel("time of a tick, µs")
         axes.set_ylabel("ticks")
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2)
-        return _svg(figure)
+        return svg_text(figure)
 
 
 def _stride(samples: int) -> int:
     return max(1, -(-samples // _MOST_POINTS))
 
 
-def _svg(figure: Figure) -> str:
+def svg_text(figure: Figure) -> str:
+    """The figure as SVG without dates: the same figure, the same text."""
     text = io.StringIO()
     figure.savefig(
         text, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type"))

@@ -177,4 +177,5 @@ def _emit(kind: str, fit: "Fit", name: str, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     model_file = folder / f"{kind}.spm"
     write_model(model_file, fit.model)
-    return emit(plain_scene(name), model_file, folder / kind).folder
+    # For replay: the paper's figures are of the model, whatever a hand would make of it.
+    return emit(plain_scene(name), model_file, folder / kind, accept_unsafe=True).folder

@@ -17,7 +17,8 @@ from springpot.host.metrics import Accuracy, accuracy
 from springpot.host.replay import Replay, TickTimes
 from springpot.trainer.recording import Recording
 
-NOTE_NAMES = {1: "held", 2: "resync", 4: "outside", 8: "clamped", 16: "ramped", 32: "latched"}
+NOTE_NAMES = {1: "held", 2: "resync", 4: "outside", 8: "clamped", 16: "ramped", 32: "latched",
+              64: "limited"}  # fmt: skip
 PACED_S = 3.0
 
 

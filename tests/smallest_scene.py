@@ -7,7 +7,7 @@ import numpy as np
 from springpot.codegen.emit import emit_files
 from springpot.codegen.ir import FirBank, Forest, Model, TrainedRange
 from springpot.codegen.plan import make_plan
-from springpot.codegen.scene import Scene
+from springpot.codegen.scene import Coupling, Guard, Scene
 
 FOLDER = Path(__file__).parent / "smallest_scene"
 
@@ -40,7 +40,13 @@ def smallest_model() -> Model:
 
 def smallest_emission() -> dict[str, str]:
     """Texts of what is generated for it (not the units, which are copies), by name."""
-    scene = Scene(schema=1, name="smallest", model="smallest.spm")
+    scene = Scene(
+        schema=1,
+        name="smallest",
+        model="smallest.spm",
+        coupling=Coupling(mode="off"),
+        guard=Guard(outside="hold"),
+    )
     files = emit_files(make_plan(smallest_model(), scene))
     return {
         name: text

@@ -7,8 +7,13 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from springpot.codegen.coupling import printed_step_is_stable, tool_config, transition
-from springpot.codegen.reference_tick import _CoupleTool
+from springpot.codegen.coupling import (
+    couple_config,
+    printed_step_is_stable,
+    refuse_unit_error,
+    transition,
+)
+from springpot.codegen.reference_tick import Coupled
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.errors import UnsafeError
 
@@ -36,7 +41,7 @@ def test_moves_like_an_independent_two_body_integration() -> None:
     x = 0.004 * (1 - np.cos(2 * np.pi * 3 * time_s))
     v = np.append(np.diff(x) / dt_s, 0.0)  # the tool moves straight within a tick
     pushed_n = 2.0 + np.sin(2 * np.pi * 7 * time_s)
-    couple = _CoupleTool(tool_config(PAPER, dt_s, np.float64))
+    couple = Coupled(couple_config(PAPER, dt_s, np.float64))
     forces = [couple.force(*row) for row in zip(x, v, pushed_n, strict=True)]
     state = np.array([x[0], v[0]])
     for i in range(ticks - 1):
@@ -51,24 +56,24 @@ def test_moves_like_an_independent_two_body_integration() -> None:
 
 
 def test_static_force_is_the_models_and_pushes_out() -> None:
-    couple = _CoupleTool(tool_config(PAPER, 1e-3, np.float64))
+    couple = Coupled(couple_config(PAPER, 1e-3, np.float64))
     forces = [couple.force(0.005, 0.0, 4.0) for _ in range(2000)]
     assert forces[0] == 0.0
     assert forces[-1] == pytest.approx(4.0)
 
 
 def test_no_kick_on_a_fast_contact() -> None:
-    couple = _CoupleTool(tool_config(PAPER, 1e-3, np.float64))
+    couple = Coupled(couple_config(PAPER, 1e-3, np.float64))
     assert couple.force(0.0003, 0.3, 0.0) == 0.0
 
 
 def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
     with pytest.raises(UnsafeError, match=r"20 N s/m\) was probably meant"):
-        tool_config(Coupling(mode="tool", damping_nspm=20_000.0), 1e-3, np.float64)
+        refuse_unit_error(Coupling(mode="tool", damping_nspm=20_000.0))
     with pytest.raises(UnsafeError, match=r"1500 N/m\) was probably meant"):
-        tool_config(Coupling(mode="tool", stiffness_npm=1.5e6), 1e-3, np.float64)
+        refuse_unit_error(Coupling(mode="tool", stiffness_npm=1.5e6))
     with pytest.raises(UnsafeError, match="the paper's gains"):
-        tool_config(Coupling(mode="tool", mass_kg=1e-9), 1e-3, np.float64)
+        refuse_unit_error(Coupling(mode="tool", mass_kg=1e-9))
 
 
 def test_the_printed_step_explodes_where_the_formula_says() -> None:

@@ -163,7 +163,7 @@ def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
     model = model_file(tmp_path)
     emit(SHAPES["paper"], model, tmp_path / "c")
     emit(SHAPES["plain"], model, tmp_path / "c")
-    assert not (tmp_path / "c" / "sp_couple_tool.h").exists()
+    assert not (tmp_path / "c" / "sp_couple.h").exists()
     mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "thesis.txt").write_text("mine")

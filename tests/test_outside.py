@@ -63,8 +63,28 @@ def test_hold_leaves_the_passive_units_out() -> None:
     assert state_bytes(held) < state_bytes(with_fallback)
 
 
-def test_a_model_without_a_passive_part_holds_and_says_so() -> None:
+def test_a_model_without_a_passive_part_gets_a_tangent_and_says_so(tmp_path: Path) -> None:
     bare = dataclasses.replace(small_model(), hammerstein=None)
     plan = make_plan(bare, scene())
-    assert plan.excess is None
     assert "no passive part" in plan.outside
+    assert "Kelvin-Voigt" in plan.outside
+    emit(
+        dataclasses.replace(scene(), guard=Guard(max_force_n=1000.0)),
+        model_file(tmp_path, bare), tmp_path / "c",
+    )  # fmt: skip
+    motion = np.linspace(0.0, 1.3 * DEPTH_M, 2000)
+    force_n, _ = SceneLibrary(tmp_path / "c").new_state().run(motion)
+    border = int(np.searchsorted(motion, bare.trained.greatest_m))
+    assert np.abs(np.diff(force_n[border - 3 : border + 4])).max() < 0.05 * force_n[border]
+    assert np.all(np.diff(force_n[border + 5 :: 50]) > 0.0)
+    assert force_n[-1] > 1.2 * force_n[border]
+
+
+def test_zero_ends_the_force_without_a_step_and_comes_back(tmp_path: Path) -> None:
+    motion, force_n, notes = pressed(tmp_path, "hammerstein", "zero")
+    assert notes & OUTSIDE
+    trained_m = small_model().trained.greatest_m
+    border, gone = (int(np.searchsorted(motion[:2000], s * trained_m)) for s in (1.0, 1.1))
+    assert np.abs(np.diff(force_n)).max() < 0.05 * force_n[border]
+    assert np.all(force_n[gone + 1 : len(motion) - gone - 1] == 0.0)
+    assert force_n[-border] > 0.5 * force_n[border]

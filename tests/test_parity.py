@@ -9,7 +9,15 @@ from support import model_file, press, scene, small_model, wandering
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.plan import make_plan
 from springpot.codegen.reference import Run, run_reference
-from springpot.codegen.reference_tick import CLAMPED, HELD, LATCHED, OUTSIDE, RAMPED, RESYNC
+from springpot.codegen.reference_tick import (
+    CLAMPED,
+    HELD,
+    LATCHED,
+    LIMITED,
+    OUTSIDE,
+    RAMPED,
+    RESYNC,
+)
 from springpot.host.emission import emit
 from springpot.host.library import SceneLibrary
 from springpot.host.replay import Replay
@@ -18,6 +26,7 @@ NUMBERS = ["float32", "float64"]
 SHAPES = {
     "plain": {},
     "tool": {"mode": "tool"},
+    "proxy": {"mode": "proxy"},
     "smooth": {"smoothing_s": 8.3e-4},
     "paper": {"mode": "tool", "smoothing_s": 8.3e-4},
     "m2cgen": {"forest": "m2cgen"},
@@ -66,7 +75,7 @@ def test_hostile_motion_raises_every_note() -> None:
     seen = 0
     for seed in (1, 2, 3):
         seen |= int(np.bitwise_or.reduce(run_reference(plan, wandering(seed)).notes))
-    assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED
+    assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED | LIMITED
 
 
 def test_m2cgen_and_the_table_give_the_same_bits(tmp_path: Path) -> None:

@@ -5,7 +5,15 @@ import pytest
 from support import DEPTH_M, scene, small_model
 
 from springpot.codegen.plan import make_plan
-from springpot.codegen.reference_tick import CLAMPED, HELD, LATCHED, OUTSIDE, RAMPED, RESYNC
+from springpot.codegen.reference_tick import (
+    CLAMPED,
+    HELD,
+    LATCHED,
+    LIMITED,
+    OUTSIDE,
+    RAMPED,
+    RESYNC,
+)
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
 from springpot.host.validation import NOTE_NAMES
 from springpot.runtime_c.errors import UnsafeError, UsageError
@@ -25,7 +33,7 @@ def test_defaults_come_from_the_model() -> None:
     assert plan.output.watchdog_s == np.float32(0.02)
     assert plan.per_onset == pytest.approx(1 / (0.01 * DEPTH_M), rel=1e-2)
     assert plan.guard.jump_m >= np.float32(1e-3)
-    assert plan.coupling.startswith("off: auto")
+    assert plan.coupling.why.startswith("off: auto")
     assert plan.outside.startswith("fallback: ")
 
 
@@ -52,9 +60,7 @@ def test_unused_orders_are_dropped_with_their_bytes() -> None:
 @pytest.mark.parametrize(
     ("sections", "error", "told"),
     [
-        ({"coupling": Coupling(mode="proxy")}, UsageError, "proxy"),
         ({"runtime": Runtime(rate_hz=500)}, UsageError, "runtime.rate_hz = 500"),
-        ({"guard": Guard(outside="zero")}, UsageError, "guard.outside"),
         ({"coupling": Coupling(mode="tool", damping_nspm=2e4)}, UnsafeError, "20 N s/m"),
     ],
 )
@@ -78,7 +84,7 @@ def test_large_forests_are_not_for_m2cgen() -> None:
 def test_note_bits_are_the_headers() -> None:
     text = (INCLUDE / "sp_notes.h").read_text()
     bits = {"HELD": HELD, "RESYNC": RESYNC, "OUTSIDE": OUTSIDE, "CLAMPED": CLAMPED,
-            "RAMPED": RAMPED, "LATCHED": LATCHED}  # fmt: skip
+            "RAMPED": RAMPED, "LATCHED": LATCHED, "LIMITED": LIMITED}  # fmt: skip
     for name, bit in bits.items():
         assert f"SP_NOTE_{name} = {bit}" in text
         assert NOTE_NAMES[bit] == name.lower()

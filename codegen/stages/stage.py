@@ -14,6 +14,7 @@ Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample
 
 REAL, U32, DOUBLE = "real", "u32", "double"
 LANES = 4  # SP_LANES of sp_weigh.h
+SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
 
 
 @dataclass(frozen=True)
@@ -117,6 +118,11 @@ class RegressorStage(Protocol):
     def reference(self, features: Reals) -> Reals:
         """Force of each row of features, N."""
         ...
+
+
+def flushed(x: Any) -> Any:
+    """sp_flushed: one number, or 0 where it would be near denormal."""
+    return x.dtype.type(0) if abs(x) < x.dtype.type(SMALLEST) else x
 
 
 def padded(n: int, lanes: int = LANES) -> int:

@@ -76,6 +76,13 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t del
 int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n,
                   double *position_m, double *velocity_mps);
 
+/* As sim_tool_step, but the hand pushes with push_n, N, in place of its spring. */
+int sim_tool_push(sim_tool *tool, double dt_s, double push_n, double force_n, double *position_m,
+                  double *velocity_mps);
+
+/* Where the tool is and how fast, without sensors. */
+void sim_tool_truth(const sim_tool *tool, double *position_m, double *velocity_mps);
+
 /* The same hand presses the object itself: sample i is position and true force after the tick
  * towards intended_m[i]. The tool's substeps must be the object's; its delay does not apply. */
 int sim_tool_press(sim_tool *tool, sim_object *object_state, uint32_t n, const double *intended_m,

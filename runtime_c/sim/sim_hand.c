@@ -73,13 +73,17 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t del
 }
 
 /* Hand and device are one mass. */
-static void kick(sim_tool *tool, double step_s, double intended_m, double force_n)
+static void push(sim_tool *tool, double step_s, double hand_n, double force_n)
 {
     double mass_kg = hands[tool->hand].mass_kg + SIM_DEVICE_MASS_KG;
     double damping_nspm = hands[tool->hand].damping_nspm + SIM_DEVICE_DAMPING_NSPM;
-    double spring_n = hands[tool->hand].stiffness_npm * (intended_m - tool->position_m);
-    double sum_n = spring_n - damping_nspm * tool->velocity_mps - force_n;
+    double sum_n = hand_n - damping_nspm * tool->velocity_mps - force_n;
     tool->velocity_mps += step_s * sum_n / mass_kg;
+}
+
+static void kick(sim_tool *tool, double step_s, double intended_m, double force_n)
+{
+    push(tool, step_s, hands[tool->hand].stiffness_npm * (intended_m - tool->position_m), force_n);
 }
 
 /* Where the hand intends to be after so many substeps of a tick that ends at intended_m. */
@@ -105,17 +109,59 @@ static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double
     *velocity_mps = tool->encoder_speed_mps;
 }
 
-int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n,
-                  double *position_m, double *velocity_mps)
+static int refused(const sim_tool *tool, double dt_s, double hand, double force_n,
+                   const double *position_m, const double *velocity_mps)
 {
     if (tool == NULL || position_m == NULL || velocity_mps == NULL) {
         return SIM_NULL;
     }
-    if (!(dt_s > 0.0 && isfinite(dt_s)) || !isfinite(intended_m) || !isfinite(force_n)) {
+    if (!(dt_s > 0.0 && isfinite(dt_s)) || !isfinite(hand) || !isfinite(force_n)) {
         return SIM_RANGE;
     }
+    return SIM_OK;
+}
+
+/* The force that acts in this tick, N. */
+static double acting(sim_tool *tool, double force_n)
+{
     double acting_n = tool->delay_samples == 1 ? tool->late_n : force_n;
     tool->late_n = force_n;
+    return acting_n;
+}
+
+int sim_tool_push(sim_tool *tool, double dt_s, double push_n, double force_n, double *position_m,
+                  double *velocity_mps)
+{
+    int status = refused(tool, dt_s, push_n, force_n, position_m, velocity_mps);
+    if (status != SIM_OK) {
+        return status;
+    }
+    double acting_n = acting(tool, force_n);
+    double step_s = dt_s / tool->substeps;
+    for (uint32_t i = 0; i < tool->substeps; i++) {
+        push(tool, 0.5 * step_s, push_n, acting_n);
+        tool->position_m += step_s * tool->velocity_mps;
+        push(tool, 0.5 * step_s, push_n, acting_n);
+    }
+    tool->intended_m = tool->position_m;
+    read_sensors(tool, dt_s, position_m, velocity_mps);
+    return SIM_OK;
+}
+
+void sim_tool_truth(const sim_tool *tool, double *position_m, double *velocity_mps)
+{
+    *position_m = tool->position_m;
+    *velocity_mps = tool->velocity_mps;
+}
+
+int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n,
+                  double *position_m, double *velocity_mps)
+{
+    int status = refused(tool, dt_s, intended_m, force_n, position_m, velocity_mps);
+    if (status != SIM_OK) {
+        return status;
+    }
+    double acting_n = acting(tool, force_n);
     double step_s = dt_s / tool->substeps;
     for (uint32_t i = 0; i < tool->substeps; i++) {
         kick(tool, 0.5 * step_s, intended_at(tool, i, intended_m), acting_n);

@@ -1,8 +1,9 @@
 /* Guard: the position that the rest of the tick may believe.
  *
  * A sample that is not finite, too far away to be real, or further from the last good one than the
- * hand can move in a tick is replaced by the last good one. After `resync_ticks` samples that agree
- * with each other, the new position is taken as true: a stall must not hold for ever. */
+ * hand can move in a tick is replaced by the last good one; a denormal one is 0. After
+ * `resync_ticks` samples that agree with each other, the new position is taken as true: a stall
+ * must not hold for ever. */
 #ifndef SP_GUARD_H
 #define SP_GUARD_H
 
@@ -39,6 +40,7 @@ static inline int sp_guard_near(const sp_guard_config *config, sp_real x, sp_rea
 static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_state *state,
                                         sp_real x, int *notes)
 {
+    x = sp_flushed(x);
     if (!sp_guard_plausible(config, x)) {
         state->agreeing = 0;
         *notes |= SP_NOTE_HELD;

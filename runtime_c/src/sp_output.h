@@ -11,6 +11,7 @@
 typedef struct {
     sp_real least_n;
     sp_real greatest_n;
+    sp_real slew_n;     /* greatest growth of the force in one tick: a fault's, not a touch's */
     sp_real rise;       /* share of the force gained in one tick of the ramp */
     sp_real fall_nps;   /* speed of the watchdog's way to zero */
     sp_real watchdog_s; /* longest time without a good sample */
@@ -58,6 +59,23 @@ static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_s
     return state->force_n;
 }
 
+/* The force grows by at most slew_n; it may vanish at once. */
+static inline sp_real sp_output_slew(sp_real slew_n, sp_real last_n, sp_real force_n, int *notes)
+{
+    const sp_real zero = (sp_real)0;
+    const sp_real most = (last_n > zero ? last_n : zero) + slew_n;
+    const sp_real least = (last_n < zero ? last_n : zero) - slew_n;
+    if (force_n > most) {
+        *notes |= SP_NOTE_LIMITED;
+        return most;
+    }
+    if (force_n < least) {
+        *notes |= SP_NOTE_LIMITED;
+        return least;
+    }
+    return force_n;
+}
+
 static inline sp_real sp_output_force(const sp_output_config *config, sp_output_state *state,
                                       sp_real force_n, int *notes)
 {
@@ -69,6 +87,7 @@ static inline sp_real sp_output_force(const sp_output_config *config, sp_output_
         state->share += config->rise;
         *notes |= SP_NOTE_RAMPED;
     }
+    force_n = sp_output_slew(config->slew_n, state->force_n, force_n, notes);
     if (!(force_n >= config->least_n && force_n <= config->greatest_n)) {
         /* A NaN compares with nothing: it becomes 0. */
         force_n = force_n > config->greatest_n ? config->greatest_n

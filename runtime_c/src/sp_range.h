@@ -23,4 +23,19 @@ static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, in
     return x;
 }
 
+/* For scenes that render nothing outside: the force ends over a depth (1/per_fade, m), not in a
+ * step. */
+static inline sp_real sp_range_fade(const sp_range_config *config, sp_real per_fade, sp_real x,
+                                    sp_real force_n)
+{
+    const sp_real above = x - config->greatest_m;
+    const sp_real below = config->least_m - x;
+    const sp_real beyond = above > below ? above : below;
+    if (!(beyond > (sp_real)0)) {
+        return force_n;
+    }
+    const sp_real share = (sp_real)1 - beyond * per_fade;
+    return share > (sp_real)0 ? force_n * share : (sp_real)0;
+}
+
 #endif

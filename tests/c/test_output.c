@@ -5,6 +5,7 @@
 
 static const sp_output_config config = {.least_n = (sp_real)0,
                                         .greatest_n = (sp_real)12,
+                                        .slew_n = (sp_real)100,
                                         .rise = (sp_real)0.25,
                                         .fall_nps = (sp_real)1500,
                                         .watchdog_s = (sp_real)0.02,
@@ -26,8 +27,8 @@ static void force_stays_within_limits(void)
                  {(sp_real)12, (sp_real)12, 0},
                  {(sp_real)13, (sp_real)12, SP_NOTE_CLAMPED},
                  {(sp_real)-1, (sp_real)0, SP_NOTE_CLAMPED},
-                 {(sp_real)INFINITY, (sp_real)12, SP_NOTE_CLAMPED},
-                 {(sp_real)-INFINITY, (sp_real)0, SP_NOTE_CLAMPED},
+                 {(sp_real)INFINITY, (sp_real)12, SP_NOTE_LIMITED | SP_NOTE_CLAMPED},
+                 {(sp_real)-INFINITY, (sp_real)0, SP_NOTE_LIMITED | SP_NOTE_CLAMPED},
                  {(sp_real)NAN, (sp_real)0, SP_NOTE_CLAMPED}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         sp_output_state state = at_rest();

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
+/* springpot 0.1.0 fd3b583e5e4868972084a446b69720521216b7d07dcd064d4871e2a5adabe3d3 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

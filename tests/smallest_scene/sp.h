@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
+/* springpot 0.1.0 fd3b583e5e4868972084a446b69720521216b7d07dcd064d4871e2a5adabe3d3 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1 */
+/* springpot 0.1.0 fd3b583e5e4868972084a446b69720521216b7d07dcd064d4871e2a5adabe3d3 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -18,6 +18,7 @@ static const sp_range_config range = {
 static const sp_output_config output = {
     .least_n = 0.0f,
     .greatest_n = 12.0f,
+    .slew_n = 3.0f,
     .rise = 0.02f,
     .fall_nps = 1500.0f,
     .watchdog_s = 0.02f,
@@ -26,10 +27,11 @@ static const sp_output_config output = {
 static const sp_real per_onset = 10000.0f;
 
 /* A position is true without a history: the object has rested there for ever. */
-static void restart(sp_state *state, sp_real position, sp_real deep, sp_real depth)
+static void restart(sp_state *state, sp_real position)
 {
-    (void)position;
-    (void)deep;
+    const sp_real deep = position > (sp_real)0 ? position : (sp_real)0;
+    int ignored = 0;
+    const sp_real depth = sp_range_clip(&range, deep, &ignored);
     sp_window_fill(state->history, &state->newest, N_TAPS, depth);
     sp_output_restart(&state->output);
 }
@@ -43,11 +45,11 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);
     (void)velocity_mps;
     sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));
+    if (notes & SP_NOTE_RESYNC) {
+        restart(state, position);
+    }
     const sp_real deep = position > (sp_real)0 ? position : (sp_real)0;
     const sp_real depth = sp_range_clip(&range, deep, &notes);
-    if (notes & SP_NOTE_RESYNC) {
-        restart(state, position, deep, depth);
-    }
     const sp_real *window =
         sp_window_push(state->history, &state->newest, N_TAPS, depth);
     sp_real force = (sp_real)0;
@@ -119,5 +121,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"b258faa04e62e454b657c2a43612f6c37aa8beb3ae2611eb0129cff4cd621da1\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"fd3b583e5e4868972084a446b69720521216b7d07dcd064d4871e2a5adabe3d3\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,14 +1,17 @@
-/* Virtual coupling as the paper draws it (figure 12c, Algorithm 1): the model's force is computed
- * at the tool and moves a proxy, which a spring and a damper tie to the tool:
+/* Virtual coupling (the paper's figure 12c, Algorithm 1): the model's force moves a proxy, which a
+ * spring and a damper tie to the tool:
  *
  *     m a_p = -f_M - k (x_p - x) - b (v_p - v)      positions into the object, f_M >= 0 pushing out
  *     force = k (x - x_p) + b (v - v_p)             positive outward
  *
+ * The paper computes f_M at the tool. Computed at the proxy instead (sp_couple_place), what the
+ * loop must render is the coupling in series with the object: never stiffer than k.
+ *
  * Stepped exactly instead of by Euler: with e = x_p - x and w = v_p - v, and the tool moving at v
  * within the step, (e + f_M/k, w) is multiplied by the matrix exponential `phi`. Stable for every
  * positive stiffness, damping and mass. */
-#ifndef SP_COUPLE_TOOL_H
-#define SP_COUPLE_TOOL_H
+#ifndef SP_COUPLE_H
+#define SP_COUPLE_H
 
 #include <stdint.h>
 
@@ -20,23 +23,21 @@ typedef struct {
     sp_real compliance_mpn; /* 1/k */
     sp_real dt_s;
     sp_real phi[4]; /* exp([[0, 1], [-k/m, -b/m]] dt), row by row */
-} sp_couple_tool_config;
+} sp_couple_config;
 
 typedef struct {
     sp_real proxy_m;
     sp_real proxy_mps;
     uint32_t set; /* the proxy exists: from contact to release */
-} sp_couple_tool_state;
+} sp_couple_state;
 
-static inline void sp_couple_tool_release(sp_couple_tool_state *state)
+static inline void sp_couple_release(sp_couple_state *state)
 {
     state->set = 0;
 }
 
-/* Returns the force felt at the tool, N, from the proxy as it is; then moves the proxy. */
-static inline sp_real sp_couple_tool_force(const sp_couple_tool_config *config,
-                                           sp_couple_tool_state *state, sp_real x, sp_real v,
-                                           sp_real model_n)
+/* The proxy exists from here on; returns where it is, m. */
+static inline sp_real sp_couple_place(sp_couple_state *state, sp_real x, sp_real v)
 {
     if (!state->set) {
         /* At the tool's velocity: from rest there would be a kick of b v. */
@@ -44,6 +45,13 @@ static inline sp_real sp_couple_tool_force(const sp_couple_tool_config *config,
         state->proxy_mps = v;
         state->set = 1;
     }
+    return state->proxy_m;
+}
+
+/* Returns the force felt at the tool, N, from the proxy as it is; then moves the proxy. */
+static inline sp_real sp_couple_force(const sp_couple_config *config, sp_couple_state *state,
+                                      sp_real x, sp_real v, sp_real model_n)
+{
     const sp_real e = state->proxy_m - x;
     const sp_real w = state->proxy_mps - v;
     const sp_real force_n = -(config->stiffness_npm * e) - config->damping_nspm * w;

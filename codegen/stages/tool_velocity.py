@@ -1,0 +1,56 @@
+"""Velocity of the tool, for a coupling: sp_tool_velocity.h."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from springpot.codegen.literals import literal
+from springpot.codegen.stages.stage import REAL, Member, Real, Reals, Starts, flushed, segments
+
+TIME_S = 0.004  # of the low-pass
+
+
+@dataclass(frozen=True)
+class ToolVelocityStage:
+    """Follows the guarded position; its value is the C variable `position_mps`."""
+
+    rate_hz: Real
+    weight: Real
+
+    headers = ("sp_tool_velocity.h",)
+    members = (Member("sp_tool_velocity_state tool_velocity", (REAL, REAL)),)
+
+    def tables(self) -> list[str]:
+        """Rate and weight."""
+        return [
+            f"static const sp_real rate_hz = {literal(self.rate_hz)};",
+            f"static const sp_real velocity_weight = {literal(self.weight)};",
+        ]
+
+    def restart(self) -> list[str]:
+        """At rest."""
+        return ["sp_tool_velocity_rest(&state->tool_velocity, position);"]
+
+    def advance(self) -> list[str]:
+        """Difference and low-pass."""
+        return [
+            "const sp_real position_mps =",
+            "    sp_tool_velocity(&state->tool_velocity, rate_hz, velocity_weight, position);",
+        ]
+
+    def reference(self, x: Reals, starts: Starts) -> Reals:
+        """Velocity of every tick, shape (n,), m/s."""
+        result = np.zeros_like(x)
+        for begin, end, held in segments(len(x), starts):
+            before = x[begin] if held else x.dtype.type(0)
+            differences = np.diff(x[begin:end], prepend=before) * self.rate_hz
+            velocity = x.dtype.type(0)
+            for i, difference in enumerate(differences):
+                velocity = flushed(velocity + self.weight * (difference - velocity))
+                result[begin + i] = velocity
+        return result
+
+
+def tool_velocity_stage(dt_s: float, dtype: type) -> ToolVelocityStage:
+    """Constants for a rate."""
+    return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + TIME_S)))

@@ -1,0 +1,126 @@
+"""Options of the tree models: active small-signal cells, error and tick time on the five objects.
+
+python tests/bench/tree_evidence.py [OBJECT ...]
+"""
+
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
+
+from springpot.codegen.ir import Forest
+from springpot.codegen.plan import make_plan
+from springpot.codegen.scene import Coupling, Scene
+from springpot.host.replay import Replay
+from springpot.host.reproduce import Work, simulated
+from springpot.host.simulated_bench import OBJECTS
+from springpot.host.small_signal import small_signal_map
+from springpot.host.trial_build import built
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.forests import FEATURES_AT_SPLIT, depth_scale, fit_boosted, unscaled
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.training_set import training_set
+from springpot.trainer.tree_ir import forest_ir
+
+Fitted = Callable[[np.ndarray, np.ndarray, float], Forest]
+
+
+def ensemble(kind: Any, **options: Any) -> Fitted:
+    def fit(x: np.ndarray, y: np.ndarray, scale: float) -> Forest:
+        regressor = kind(
+            max_features=FEATURES_AT_SPLIT, random_state=0, n_jobs=-1, n_estimators=100, **options
+        )
+        return unscaled(forest_ir(regressor.fit((scale * x).astype(np.float32), y)), scale)
+
+    return fit
+
+
+def shrunk(leaf: int, weight: float) -> Fitted:
+    """Leaves drawn to their ancestors' means (hierarchical shrinkage, Agarwal et al. 2022)."""
+
+    def fit(x: np.ndarray, y: np.ndarray, scale: float) -> Forest:
+        regressor = RandomForestRegressor(
+            100, min_samples_leaf=leaf, max_features=FEATURES_AT_SPLIT, random_state=0, n_jobs=-1
+        ).fit((scale * x).astype(np.float32), y)
+        for estimator in regressor.estimators_:
+            tree = estimator.tree_
+            mean = tree.value[:, 0, 0].copy()
+            value = mean.copy()
+            for node in range(tree.node_count):
+                for child in (tree.children_left[node], tree.children_right[node]):
+                    if child >= 0:
+                        step = mean[child] - mean[node]
+                        value[child] = value[node] + step / (
+                            1.0 + weight / tree.weighted_n_node_samples[node]
+                        )
+            tree.value[:, 0, 0] = value
+        return unscaled(forest_ir(regressor), scale)
+
+    return fit
+
+
+def boosted(monotone: bool) -> Fitted:
+    return lambda x, y, scale: fit_boosted(x, y, scale, 100, 0, monotone)
+
+
+OPTIONS: dict[str, Fitted] = {
+    "forest, leaf 5 (the paper's)": ensemble(RandomForestRegressor, min_samples_leaf=5),
+    "forest, leaf 20": ensemble(RandomForestRegressor, min_samples_leaf=20),
+    "forest, leaf 80": ensemble(RandomForestRegressor, min_samples_leaf=80),
+    "extra trees, leaf 5": ensemble(ExtraTreesRegressor, min_samples_leaf=5),
+    "forest, leaf 5, shrunk 50": shrunk(5, 50.0),
+    "forest, leaf 5, monotone": ensemble(
+        RandomForestRegressor, min_samples_leaf=5, monotonic_cst=[1] * 10
+    ),
+    "forest, leaf 20, monotone": ensemble(
+        RandomForestRegressor, min_samples_leaf=20, monotonic_cst=[1] * 10
+    ),
+    "extra trees, leaf 5, monotone": ensemble(
+        ExtraTreesRegressor, min_samples_leaf=5, monotonic_cst=[1] * 10
+    ),
+    "boosted": boosted(False),
+    "boosted, monotone": boosted(True),
+}
+
+
+def main(names: list[str]) -> None:
+    print("object,option,active cells of 30,RMSE N,of the paper's forest,tick ns,nodes")
+    scene = Scene(schema=1, name="x", model="x", coupling=Coupling(mode="off"))
+    for name in names:
+        data = simulated(name, "a", Work())
+        options = FitOptions()
+        plain = fit_model("rf-fd", name, data.training, options).model
+        rows_of = training_set(data.training, options.smooth_s)
+        rows = rows_of.rows(options.fraction, options.seed)
+        x, y = rows_of.features(plain.features, rows), rows_of.force_n(rows)
+        scale = depth_scale(plain.trained.greatest_m)
+        paper_n = np.nan
+        for option, fit in OPTIONS.items():
+            forest = fit(x, y, scale)
+            plan = make_plan(replace(plain, regressor=forest), scene)
+            with built(plan) as library:
+                active, _ = small_signal_map(plan, library, 0).active(False)
+                errors = [
+                    np.sqrt(
+                        np.mean((library.new_state().run(rec.position_m)[0] - rec.force_n) ** 2)
+                    )
+                    for rec in data.validation
+                ]
+                rec = data.validation[0]
+                ticks = Replay(library).tick_times(
+                    rec.position_m, np.zeros_like(rec.position_m), plan.dt_s, 0.2
+                )
+            rmse_n = float(np.mean(errors))
+            paper_n = rmse_n if np.isnan(paper_n) else paper_n
+            print(
+                f"{name},{option},{active},{rmse_n:.3f},{rmse_n / paper_n:.2f},"
+                f"{ticks.hot_median:.0f},{len(forest.feature)}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or list(OBJECTS))

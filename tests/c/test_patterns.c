@@ -1,0 +1,66 @@
+/* Bit patterns of a float through guard, velocity guard, clamp: all 2^32 with the argument 1, every
+ * 99 991st by default. Doubles take the same patterns as their upper half. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+#include "sp_guard.h"
+#include "sp_guard_velocity.h"
+#include "sp_output.h"
+
+static const sp_guard_config guard = {.jump_m = (sp_real)0.001,
+                                      .least_m = (sp_real)-10,
+                                      .greatest_m = (sp_real)0.1,
+                                      .resync_ticks = 3};
+static const sp_output_config output = {.least_n = (sp_real)0,
+                                        .greatest_n = (sp_real)12,
+                                        .slew_n = (sp_real)3,
+                                        .rise = (sp_real)0.25,
+                                        .fall_nps = (sp_real)1500,
+                                        .watchdog_s = (sp_real)0.02,
+                                        .dt_s = (sp_real)0.001};
+
+static sp_real pattern(uint32_t bits)
+{
+    sp_real value;
+    if (sizeof(sp_real) == sizeof bits) {
+        memcpy(&value, &bits, sizeof value);
+    } else {
+        const uint64_t wide = (uint64_t)bits << 32 | bits;
+        memcpy(&value, &wide, sizeof value);
+    }
+    return value;
+}
+
+/* 1 where any pattern gets past the guards or the clamp. */
+static int gets_past(uint32_t bits)
+{
+    const sp_real x = pattern(bits);
+    sp_guard_state fresh = {0};
+    sp_guard_state held = {.good_m = (sp_real)0.005, .started = 1};
+    sp_output_state rest = {.share = (sp_real)1};
+    sp_output_state pressed = {.share = (sp_real)1, .force_n = (sp_real)11};
+    sp_real good_mps = (sp_real)0.1;
+    int notes = 0;
+    const sp_real first_m = sp_guard_position(&guard, &fresh, x, &notes);
+    const sp_real next_m = sp_guard_position(&guard, &held, x, &notes);
+    const sp_real v = sp_guard_velocity((sp_real)2, &good_mps, x, &notes);
+    const sp_real slow_n = sp_output_force(&output, &rest, x, &notes);
+    const sp_real fast_n = sp_output_force(&output, &pressed, x, &notes);
+    return !(first_m >= guard.least_m && first_m <= guard.greatest_m) ||
+           !(sp_abs(next_m - (sp_real)0.005) <= guard.jump_m) || !(sp_abs(v) <= (sp_real)2) ||
+           !(slow_n >= (sp_real)0 && slow_n <= (sp_real)3) ||
+           !(fast_n >= (sp_real)0 && fast_n <= (sp_real)12) ||
+           (first_m != (sp_real)0 && sp_abs(first_m) < SP_SMALLEST);
+}
+
+int main(int argc, char **argv)
+{
+    const uint64_t stride = argc > 1 ? strtoull(argv[1], NULL, 10) : 99991;
+    uint64_t past = 0;
+    for (uint64_t bits = 0; bits <= UINT32_MAX; bits += stride) {
+        past += gets_past((uint32_t)bits) ? 1 : 0;
+    }
+    CHECK(past == 0);
+    return failed;
+}
