@@ -7,7 +7,7 @@ import click
 
 from springpot.codegen.model_file import SUFFIX, write_model
 from springpot.host.check_command import say_quality
-from springpot.host.options import NOT_NEGATIVE, POSITIVE, SEED, FiniteRange
+from springpot.host.options import NOT_NEGATIVE, PERCENT, POSITIVE, SEED, FiniteRange
 from springpot.host.output import (
     json_option,
     paths_argument,
@@ -69,7 +69,7 @@ KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybr
     type=click.Choice(["cv", "paper"]),
     default="cv",
     show_default=True,
-    help="rbf-fd: orders by cross-validation, or on the validation recordings.",
+    help="rbf-fd, --within: by cross-validation, or on the validation recordings.",
 )
 @click.option(
     "--centers",
@@ -90,6 +90,13 @@ KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybr
     help="rf-fd, rf-history, boosted: trees on features in 16-bit steps; faster, no search.",
 )
 @click.option(
+    "--within",
+    type=PERCENT,
+    metavar="P%",
+    help="rf-fd: the smallest forest whose error is at most P % above that of the paper's size; "
+    "judged as --select says.",
+)
+@click.option(
     "--monotone", is_flag=True, help="boosted: the force never falls as a derivative rises."
 )
 @json_option
@@ -107,6 +114,7 @@ def train(
     centers: Literal["farthest", "greedy"],
     engine: "Engine | None",
     round_features: bool,
+    within: float | None,
     monotone: bool,
     as_json: bool,
 ) -> None:
@@ -118,7 +126,8 @@ def train(
 
     options = FitOptions(
         seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s, select=select,
-        centers=centers, engine=engine, round_features=round_features, monotone=monotone,
+        centers=centers, engine=engine, round_features=round_features,
+        within=within, monotone=monotone,
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))

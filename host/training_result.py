@@ -44,6 +44,13 @@ def training_rows(
         f"search {fit.search_s:.2f} s",
         "hash": result["hash"],
     }
+    if "trimmed" in result:
+        asked, trimmed = result["asked"], result["trimmed"]
+        rows["trimmed"] = (
+            f"{trimmed['trees']} trees, {trimmed['leaf']} in a leaf, {len(trimmed['orders'])} "
+            f"orders: {trimmed['rmse_n']:.4g} N for {asked['rmse_n']:.4g} N, "
+            f"{trimmed['nodes']} nodes for {asked['nodes']}"
+        )
     for score in result.get("scores", ()):
         mark = " <- chosen" if score["name"] == result["chosen"] else ""
         rows[f"  {score['name']}"] = (

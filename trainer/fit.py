@@ -24,6 +24,8 @@ class FitOptions:
     centers: number and choice of radial basis functions. select: how orders are chosen.
     engine: of the fractional filters; by default taps, and exponentials where the window is long.
     round_features: trees are fitted on features in whole steps of 16 bits.
+    orders: fractional orders; the paper's ten by default.
+    within: the smallest forest whose error is at most this share above that of the one asked for.
     """
 
     seed: int = 0
@@ -38,6 +40,8 @@ class FitOptions:
     monotone: bool = False
     engine: Engine | None = None
     round_features: bool = False
+    orders: tuple[float, ...] | None = None
+    within: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

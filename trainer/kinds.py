@@ -1,10 +1,12 @@
 """Kinds of models by name, and how each is fitted."""
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
+from springpot.runtime_c.errors import UsageError
 from springpot.trainer.auto import fit_auto
 from springpot.trainer.fit import Fit, FitOptions
 from springpot.trainer.fit_hammerstein import fit_hammerstein, fit_hybrid
@@ -45,15 +47,31 @@ def fit_model(
 
     Raises DataError where the recordings do not fit together.
     """
+    if options.within is not None and kind != "rf-fd":
+        raise UsageError(f"--within trims rf-fd; {kind} has no trees to leave out")
     data = training_set(recordings, options.smooth_s)
     # The matrices are small: more threads of BLAS wait for each other, ten times longer on a
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):
+        if options.within is not None:
+            return _trimmed(name, data, options, validation)
         if kind == "rbf-fd":
             fit = fit_rbf_fd(name, data, options, validation)
         else:
             fit = _FITS[kind](name, data, options)
     return replace(fit, warnings=(*fit.warnings, *_short_recordings(data, options)))
+
+
+def _trimmed(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording]
+) -> Fit:
+    from springpot.trainer.trims import trimmed_options
+
+    begin = time.perf_counter()
+    search = trimmed_options(data, options, options.within or 0.0, validation)
+    search_s = time.perf_counter() - begin
+    fit = fit_rf_fd(name, data, search.options)
+    return replace(fit, search_s=search_s, facts={**fit.facts, **search.facts()})
 
 
 def _short_recordings(data: TrainingSet, options: FitOptions) -> tuple[str, ...]:

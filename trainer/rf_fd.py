@@ -26,25 +26,28 @@ RECURSIVE_S = 1000.0
 
 
 def fractional_features(
-    dt_s: float, window_s: float | None, engine: Engine | None = None
+    dt_s: float,
+    window_s: float | None,
+    engine: Engine | None = None,
+    orders: tuple[float, ...] = PAPER_ORDERS,
 ) -> FractionalBank:
-    """The ten orders over `window_s`, 171 taps by default, by `engine`.
+    """The orders over `window_s`, 171 taps by default, by `engine`.
 
     Default engine: taps, and exponentials where the window is long. Without a window, exponentials
     reach far: a true derivative forgets where the tool is held, taps do not.
     """
     if engine == "recursive" and window_s is None:
-        return recursive_bank(PAPER_ORDERS, dt_s, RECURSIVE_S)
+        return recursive_bank(orders, dt_s, RECURSIVE_S)
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     if engine == "recursive" or (engine is None and length > MOST_TAPS):
-        return recursive_bank(PAPER_ORDERS, dt_s, length * dt_s)
+        return recursive_bank(orders, dt_s, length * dt_s)
     if length > MOST_TAPS:
         raise UsageError(
             f"--window-s {window_s:g} is {length} taps, at most {MOST_TAPS} are worth their time: "
             "use --engine recursive"
         )
-    taps = np.stack([gl_taps(order, length, dt_s) for order in PAPER_ORDERS], axis=1)
-    bank = FirBank(orders=PAPER_ORDERS, taps=taps)
+    taps = np.stack([gl_taps(order, length, dt_s) for order in orders], axis=1)
+    bank = FirBank(orders=orders, taps=taps)
     return fast_fir_bank(bank) if engine == "fir-fast" else bank
 
 
@@ -69,8 +72,7 @@ def fit_rf_fd(
     name: str, data: TrainingSet, options: FitOptions, features: Features | None = None
 ) -> Fit:
     """The paper's forest."""
-    features = features or fractional_features(data.dt_s, options.window_s, options.engine)
-    return _fit("rf-fd", name, data, options, features)
+    return _fit("rf-fd", name, data, options, features or _asked_features(data, options))
 
 
 def fit_rf_history(name: str, data: TrainingSet, options: FitOptions) -> Fit:
@@ -80,8 +82,12 @@ def fit_rf_history(name: str, data: TrainingSet, options: FitOptions) -> Fit:
 
 def fit_boosted_fd(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     """Gradient-boosted trees on fractional derivatives."""
-    features = fractional_features(data.dt_s, options.window_s, options.engine)
-    return _fit("boosted", name, data, options, features)
+    return _fit("boosted", name, data, options, _asked_features(data, options))
+
+
+def _asked_features(data: TrainingSet, options: FitOptions) -> FractionalBank:
+    orders = options.orders or PAPER_ORDERS
+    return fractional_features(data.dt_s, options.window_s, options.engine, orders)
 
 
 def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features: Features) -> Fit:
