@@ -21,6 +21,7 @@ _COMMANDS = {
     "emit": ("emit_command", "emit_"),
     "build": ("emit_command", "build"),
     "validate": ("validate_command", "validate_"),
+    "run": ("run_command", "run"),
     "report": ("report_command", "report"),
     "reproduce": ("reproduce_command", "reproduce"),
     "material": ("material_command", "material"),

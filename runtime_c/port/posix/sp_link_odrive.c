@@ -56,7 +56,8 @@ static int take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t s
     case HEARTBEAT:
         memcpy(&self->link.device_error, data, sizeof self->link.device_error);
         self->tripped = now_ns > self->armed_ns + arming_ns &&
-                        (self->link.device_error != 0 || data[4] != CLOSED_LOOP);
+                        (self->link.device_error != 0 || data[4] != CLOSED_LOOP ||
+                         (!drive->with_torque && ((data[5] | data[6] | data[7]) & 1)));
         return 0;
     case TORQUES:
         if (drive->with_torque) {

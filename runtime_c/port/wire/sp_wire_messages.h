@@ -39,9 +39,10 @@
     FIELD(f32, greatest_n)      /* greatest force of its motor */ \
     FIELD(hash, model)          /* manifest hash of the scene that it renders; 0 for a simple one */
 
-/* Host: do it. Anything but START leaves the motor without force. */
+/* Host: do it. After STOP the motor is without force. The device's watchdog counts from the first
+ * FORCE on; once it has tripped, only START, PRESS and RESET take forces again. */
 #define SP_WIRE_COMMAND(FIELD) \
-    FIELD(u8, action)           /* SP_WIRE_STOP, _START, _RESET */ \
+    FIELD(u8, action)           /* SP_WIRE_STOP, _START: a hand will be given forces, _RESET, _PRESS: an object is pressed */ \
     FIELD(f32, watchdog_s)      /* silence of the host after which the force goes to zero */ \
     FIELD(f32, rate_hz)         /* samples a second that the host wants */
 
@@ -76,7 +77,7 @@
     FIELD(u8, notes)
 
 enum { SP_WIRE_SIMPLE = 0, SP_WIRE_RENDERS = 1 };
-enum { SP_WIRE_STOP = 0, SP_WIRE_START = 1, SP_WIRE_RESET = 2 };
+enum { SP_WIRE_STOP = 0, SP_WIRE_START = 1, SP_WIRE_RESET = 2, SP_WIRE_PRESS = 3 };
 enum { SP_WIRE_REFUSED_ACTION = 1, SP_WIRE_REFUSED_RATE = 2, SP_WIRE_REFUSED_WATCHDOG = 3 };
 enum { SP_WIRE_TRIPPED = 1, SP_WIRE_RUNNING = 2, SP_WIRE_LOAD_CELL = 4 };
 enum { SP_WIRE_IDLE = 1, SP_WIRE_WAS_RESET = 2 };
