@@ -48,16 +48,16 @@ class Drive:
         self.family = ""
 
     def make_ready(self) -> None:
-        """Hear it, learn its firmware, prove its watchdog, and switch it to torque control.
+        """Hear it, learn its firmware, prove that it can be armed and that its watchdog works.
 
         The proof: the drive is armed without force and left without commands; a drive that does
-        not switch itself off then has no watchdog, and is refused. Raises DeviceError.
+        not switch itself off then has no watchdog, and is refused. The loop arms it again when it
+        starts. Raises DeviceError.
         """
         self._hear()
         self.family = self._firmware()
         self.arm()
         self._prove_watchdog()
-        self.arm()
 
     def arm(self) -> None:
         """Clear errors, torque control, closed loop; zero torque is sent meanwhile."""

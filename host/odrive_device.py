@@ -117,7 +117,7 @@ class CanLink:
         self.measured_n = math.nan
         self.samples = self.crc_errors = self.sequence_gaps = self.unsent = self.device_error = 0
         self._tripped = False
-        self._armed_s = 0.0
+        self.ready = 0
 
     def listen(self, until_s: float) -> int:
         """Take all that is there; wait for the first sample until then."""
@@ -142,7 +142,7 @@ class CanLink:
 
     def reset(self) -> None:
         """Arm it again; the loop goes on sending meanwhile."""
-        self._armed_s, self._tripped = time.monotonic(), False
+        self.ready, self._tripped = 0, False
         drive = self._drive
         drive.send(0x18, b"\0" * 8)
         drive.send(0x0B, struct.pack("<II", 1, 1))
@@ -156,7 +156,8 @@ class CanLink:
             beat = parse_heartbeat(data, self._drive.family)
             self.device_error = beat.error
             wrong = beat.error != 0 or beat.failed or beat.state != CLOSED_LOOP
-            self._tripped = wrong and time.monotonic() > self._armed_s + 0.5
+            self._tripped = bool(self.ready) and wrong
+            self.ready = int(self.ready or not wrong)
         elif found == identifier(node, TORQUES) and self._drive.family == "0.6":
             train = self._transmission
             torque_nm = struct.unpack("<ff", data)[1]

@@ -28,7 +28,7 @@ from springpot.host.loop_library import (
     empty_rows,
 )
 
-_FIRST_SAMPLE_S = 0.2
+_FIRST_SAMPLE_S, _ARMING_S = 0.2, 1.0
 _FLIGHT_ROWS = 1 << 15
 GONE, TRIPPED, ENDED = -1, -2, -3
 _ASKED, _TIME, _FORCE, _DEPTH, _ENDED, _MISUSE = 1, 2, 3, 4, 5, 6
@@ -46,6 +46,7 @@ class PythonLink(Protocol):
     sequence_gaps: int
     unsent: int
     device_error: int
+    ready: int
 
     def listen(self, until_s: float) -> int:
         """Wait for the first sample until a time of time.monotonic; what read returns."""
@@ -68,9 +69,8 @@ class _CLink:
         self._motion = ffi.new("sp_motion *")
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(
-            self._link if name in LinkCounts.__dataclass_fields__ else self._motion, name
-        )
+        of_link = name == "ready" or name in LinkCounts.__dataclass_fields__
+        return getattr(self._link if of_link else self._motion, name)
 
     @property
     def arrived_s(self) -> float:
@@ -122,6 +122,7 @@ class PythonLoop:
         self._rows: deque[list[float]] = deque()
         self._flight: deque[list[float]] = deque(maxlen=_FLIGHT_ROWS)
         self._row = [0.0] * len(COLUMNS)
+        self._arming_s = 0.0  # since when the device was asked to be ready; 0: it is
         self._thread: threading.Thread | None = None
 
     def start(self, device: Device) -> None:
@@ -184,6 +185,8 @@ class PythonLoop:
     def _run(self) -> None:
         period_s = self._settings.period_s
         begin_s = deadline_s = time.monotonic()
+        if not self._link.ready:
+            self._make_ready()
         if fresh := self._listen(deadline_s + _FIRST_SAMPLE_S):
             begin_s = deadline_s = time.monotonic()
         while not self._state.reason:
@@ -219,6 +222,20 @@ class PythonLoop:
             self._tell(reason=_ENDED)
         return bool(count > 0)
 
+    def _make_ready(self) -> None:
+        self._link.reset()
+        self._arming_s = 0.0 if self._link.ready else time.monotonic()
+
+    def _at_work(self) -> bool:
+        """Whether the scene may be called: no force reaches a device that is not ready."""
+        if self._arming_s and self._link is not None:
+            if self._link.ready:
+                self._arming_s = 0.0
+            elif time.monotonic() - self._arming_s > _ARMING_S:
+                self._arming_s = 0.0
+                self._trip()
+        return not (self._state.paused or self._state.tripped or self._arming_s)
+
     def _lose(self) -> None:
         self._link = None
         self._tell(connected=0, disconnects=self._state.disconnects + 1)
@@ -232,11 +249,14 @@ class PythonLoop:
             self._link, self._next = self._next, None
             self._reset_next = True
             self._tell(connected=1, tripped=0)
+            self._arming_s = 0.0
+            if not self._link.ready:
+                self._make_ready()
         if self._want_reset:
             self._want_reset, self._reset_next = False, True
             self._tell(tripped=0)
             if self._link is not None:
-                self._link.reset()
+                self._make_ready()
         if self._state.paused and not self._want_pause:
             self._reset_next = True
         if self._state.paused != self._want_pause:
@@ -253,7 +273,7 @@ class PythonLoop:
         row[COLUMN["tick_s"]] = row[COLUMN["notes"]] = 0.0
         row[COLUMN["age_s"]] = now_s - link.arrived_s if fresh and link else np.nan
         row[COLUMN["measured_n"]] = link.measured_n if link else np.nan
-        if self._state.paused or self._state.tripped:
+        if not self._at_work():
             call, row[COLUMN["returned_n"]] = NONE, 0.0
         else:
             call = self._call(fresh)
@@ -304,7 +324,7 @@ class PythonLoop:
 
     def _check_limits(self) -> None:
         row, settings = self._row, self._settings
-        if self._state.reason or self._state.paused or self._state.tripped:
+        if self._state.reason or not self._at_work():
             return
         measured_n = row[COLUMN["measured_n"]]
         force_n = max(abs(row[COLUMN["returned_n"]]), abs(np.nan_to_num(measured_n)))
@@ -315,7 +335,7 @@ class PythonLoop:
 
     def _send(self, call: int, behind: bool) -> int:
         force_n = self._row[COLUMN["returned_n"]]
-        if self._state.reason or self._state.paused or self._state.tripped:
+        if self._state.reason or not self._at_work():
             force_n = 0.0
             call |= SILENT
         put = 1 if self._link is None or behind else self._link.write(force_n)

@@ -75,7 +75,7 @@ class Board:
         for frame in self.receiver.feed(content):
             values = frame.values
             if frame.name == "force" and not frame.old and self.running and not self.tripped:
-                if self.force_n and not values["force_n"]:
+                if abs(self.force_n) > 0.05 and not values["force_n"]:
                     say(event="zero", was_n=self.force_n)
                 self.force_n, self.force_came_s = values["force_n"], time.monotonic()
                 self.faults.force_came()

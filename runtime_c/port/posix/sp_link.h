@@ -23,13 +23,14 @@ typedef struct {
 
 typedef struct sp_link sp_link;
 struct sp_link {
-    int fd; /* to wait on, or -1: a sample is there whenever it is asked for */
+    int fd;    /* to wait on, or -1: a sample is there whenever it is asked for */
+    int ready; /* takes forces; 0 until the device has answered a reset */
 
     /* Take all that has come: how many samples were new, the newest in *motion; or negative. */
     int (*read)(sp_link *link, uint64_t now_ns, sp_motion *motion);
     /* Send a force (N, positive pushes the tool out): 0, 1 where there was no room, or negative. */
     int (*write)(sp_link *link, uint64_t now_ns, double force_n);
-    /* Ask a device that tripped to take forces again. */
+    /* Ask a device that is not ready, or that tripped, to take forces. */
     void (*reset)(sp_link *link, uint64_t now_ns);
 
     uint32_t samples;       /* all that came, unused ones included */

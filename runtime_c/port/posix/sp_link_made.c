@@ -57,12 +57,15 @@ sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
                           double frequency_hz)
 {
     hand *self = (hand *)memory;
-    *self =
-        (hand){.link = {.fd = -1, .read = read_hand, .write = write_hand, .reset = reset_nothing},
-               .tool = (sim_tool *)tool,
-               .dt_s = dt_s,
-               .depth_m = depth_m,
-               .turn_rps = 6.283185307179586 * frequency_hz};
+    *self = (hand){.link = {.fd = -1,
+                            .ready = 1,
+                            .read = read_hand,
+                            .write = write_hand,
+                            .reset = reset_nothing},
+                   .tool = (sim_tool *)tool,
+                   .dt_s = dt_s,
+                   .depth_m = depth_m,
+                   .turn_rps = 6.283185307179586 * frequency_hz};
     return &self->link;
 }
 
@@ -98,10 +101,13 @@ sp_link *sp_link_replay_init(void *memory, uint64_t n, const double *position_m,
                              const double *velocity_mps)
 {
     replay *self = (replay *)memory;
-    *self = (replay){
-        .link = {.fd = -1, .read = read_replay, .write = write_replay, .reset = reset_nothing},
-        .n = n,
-        .position_m = position_m,
-        .velocity_mps = velocity_mps};
+    *self = (replay){.link = {.fd = -1,
+                              .ready = 1,
+                              .read = read_replay,
+                              .write = write_replay,
+                              .reset = reset_nothing},
+                     .n = n,
+                     .position_m = position_m,
+                     .velocity_mps = velocity_mps};
     return &self->link;
 }

@@ -18,7 +18,6 @@ enum {
 };
 enum { CLOSED_LOOP = 8, TORQUE_CONTROL = 1, PASSTHROUGH = 1 };
 enum { LINE = 32, ROOM = 4096, BYTES = 8 };
-static const uint64_t arming_ns = 500000000; /* a drive needs a moment until it says it is ready */
 static const double two_pi = 6.283185307179586;
 
 typedef struct {
@@ -27,7 +26,6 @@ typedef struct {
     char line[LINE];
     uint32_t used;
     int cut; /* the last line went out only in part */
-    uint64_t armed_ns;
     int tripped;
     double measured_n;
 } odrive;
@@ -49,15 +47,17 @@ static int take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t s
                       uint64_t now_ns, sp_motion *motion)
 {
     const sp_odrive *drive = &self->drive;
+    int failed;
     if (id >> 5 != drive->node || size < BYTES) {
         return 0;
     }
     switch (id & 31u) {
     case HEARTBEAT:
         memcpy(&self->link.device_error, data, sizeof self->link.device_error);
-        self->tripped = now_ns > self->armed_ns + arming_ns &&
-                        (self->link.device_error != 0 || data[4] != CLOSED_LOOP ||
-                         (!drive->with_torque && ((data[5] | data[6] | data[7]) & 1)));
+        failed = self->link.device_error != 0 || data[4] != CLOSED_LOOP ||
+                 (!drive->with_torque && ((data[5] | data[6] | data[7]) & 1));
+        self->tripped = self->link.ready && failed;
+        self->link.ready = self->link.ready || !failed;
         return 0;
     case TORQUES:
         if (drive->with_torque) {
@@ -230,7 +230,8 @@ static void reset_odrive(sp_link *link, uint64_t now_ns)
     put_u32(data, CLOSED_LOOP);
     put_u32(data + 4, 0);
     (void)send_frame(self, AXIS_STATE, data);
-    self->armed_ns = now_ns;
+    (void)now_ns;
+    self->link.ready = 0;
     self->tripped = 0;
 }
 

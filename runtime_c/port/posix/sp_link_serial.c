@@ -10,7 +10,6 @@ typedef struct {
     double surface_m;
     sp_wire_command command; /* under way until its ack */
     uint32_t command_sequence;
-    int resetting;
     uint64_t command_ns;
     int tripped;
 } serial;
@@ -32,7 +31,7 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     sp_wire_sample sample;
     sp_wire_ack ack;
     if (sp_wire_get_ack(frame, &ack) && ack.command == self->command_sequence && !ack.refused) {
-        self->resetting = 0;
+        self->link.ready = 1;
     }
     if (!sp_wire_get_sample(frame, &sample)) {
         return 0;
@@ -65,13 +64,13 @@ static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motion)
     }
     link->crc_errors = self->receiver.crc_errors;
     link->sequence_gaps = self->receiver.gaps;
-    if (self->resetting && now_ns - self->command_ns > command_again_ns) {
+    if (!link->ready && now_ns - self->command_ns > command_again_ns) {
         send_command(self, now_ns);
     }
     if (count < 0) {
         return SP_LINK_GONE;
     }
-    return self->tripped && !self->resetting ? SP_LINK_TRIPPED : fresh;
+    return self->tripped && link->ready ? SP_LINK_TRIPPED : fresh;
 }
 
 static int write_serial(sp_link *link, uint64_t now_ns, double force_n)
@@ -93,7 +92,7 @@ static void reset_serial(sp_link *link, uint64_t now_ns)
 {
     serial *self = (serial *)link;
     self->command.action = SP_WIRE_RESET;
-    self->resetting = 1;
+    link->ready = 0;
     send_command(self, now_ns);
 }
 
@@ -106,11 +105,14 @@ sp_link *sp_link_serial_init(void *memory, int fd, double surface_m, float watch
                              float rate_hz, uint32_t next_sequence)
 {
     serial *self = (serial *)memory;
-    *self = (serial){
-        .link = {.fd = fd, .read = read_serial, .write = write_serial, .reset = reset_serial},
-        .sequence = next_sequence,
-        .surface_m = surface_m,
-        .command = {.watchdog_s = watchdog_s, .rate_hz = rate_hz}};
+    *self = (serial){.link = {.fd = fd,
+                              .ready = 1,
+                              .read = read_serial,
+                              .write = write_serial,
+                              .reset = reset_serial},
+                     .sequence = next_sequence,
+                     .surface_m = surface_m,
+                     .command = {.watchdog_s = watchdog_s, .rate_hz = rate_hz}};
     sp_wire_restart(&self->receiver);
     return &self->link;
 }

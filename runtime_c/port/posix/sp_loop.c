@@ -36,12 +36,14 @@ struct sp_loop {
     sp_link *link;
     sp_motion motion;
     uint64_t period_ns, start_ns, deadline_ns, end_ns;
-    int fresh;      /* a sample came that no tick has used */
-    int reset_next; /* the scene, before its next call */
+    int fresh;          /* a sample came that no tick has used */
+    int reset_next;     /* the scene, before its next call */
+    uint64_t arming_ns; /* since when the device was asked to be ready; 0: it is */
     sp_row row;
 };
 
 static const uint64_t first_sample_ns = 200000000; /* longest wait for it before the first tick */
+static const uint64_t most_arming_ns = 1000000000;
 
 static uint64_t now(void)
 {
@@ -69,6 +71,26 @@ static void trip(sp_loop *self)
         self->tripped = 1;
         self->trips++;
     }
+}
+
+static void make_ready(sp_loop *self)
+{
+    self->link->reset(self->link, now());
+    self->arming_ns = self->link->ready ? 0 : now();
+}
+
+/* Whether the scene may be called: no force reaches a device that is not ready. */
+static int at_work(sp_loop *self)
+{
+    if (self->arming_ns && self->link != NULL) {
+        if (self->link->ready) {
+            self->arming_ns = 0;
+        } else if (now() - self->arming_ns > most_arming_ns) {
+            self->arming_ns = 0;
+            trip(self);
+        }
+    }
+    return !self->paused && !self->tripped && !self->arming_ns;
 }
 
 static void take(sp_loop *self)
@@ -142,12 +164,16 @@ static void accept_wishes(sp_loop *self)
         self->connected = 1;
         self->fresh = 0;
         self->reset_next = 1;
+        self->arming_ns = 0;
+        if (!next->ready) {
+            make_ready(self);
+        }
     }
     if (atomic_exchange(&self->want_reset, 0)) {
         self->reset_next = 1;
         self->tripped = 0;
         if (self->link != NULL) {
-            self->link->reset(self->link, now());
+            make_ready(self);
         }
     }
     const int pause = self->want_pause;
@@ -199,7 +225,7 @@ static void check_limits(sp_loop *self)
 {
     const sp_row *row = &self->row;
     const double measured_n = isfinite(row->measured_n) ? row->measured_n : 0.0;
-    if (self->reason || self->paused || self->tripped) {
+    if (self->reason || !at_work(self)) {
         return;
     }
     if (!(fabs(row->returned_n) <= self->config.max_force_n) ||
@@ -215,7 +241,7 @@ static void send_force(sp_loop *self, int behind)
     sp_row *row = &self->row;
     int call = (int)row->call;
     double force_n = row->returned_n;
-    if (self->reason || self->paused || self->tripped) {
+    if (self->reason || !at_work(self)) {
         force_n = 0.0;
         call |= SP_CALL_SILENT;
     }
@@ -243,7 +269,7 @@ static void tick(sp_loop *self, uint64_t begin_ns, int behind)
     begin_row(self, begin_ns);
     self->row.age_s =
         fresh ? 1e-9 * (double)(int64_t)(begin_ns - self->motion.arrived_ns) : (double)NAN;
-    if (self->paused || self->tripped) {
+    if (!at_work(self)) {
         self->row.call = SP_CALL_NONE;
         self->row.returned_n = 0.0;
         self->row.position_m = fresh ? self->motion.position_m : self->row.position_m;
@@ -278,6 +304,9 @@ static void advance(sp_loop *self, int fresh)
 static void first_deadline(sp_loop *self)
 {
     self->deadline_ns = now();
+    if (!self->link->ready) {
+        make_ready(self);
+    }
     if (self->link->fd >= 0) {
         listen_until(self, self->deadline_ns + first_sample_ns, 1);
         self->deadline_ns = now() + self->period_ns / 4;
