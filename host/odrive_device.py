@@ -161,7 +161,7 @@ class CanLink:
         elif found == identifier(node, TORQUES) and self._drive.family == "0.6":
             train = self._transmission
             torque_nm = struct.unpack("<ff", data)[1]
-            self.measured_n = -train.sign * torque_nm * 2 * math.pi / train.m_per_turn
+            self.measured_n = train.sign * torque_nm * 2 * math.pi / train.m_per_turn
         elif found == identifier(node, ENCODER):
             turns, turns_per_s = struct.unpack("<ff", data)
             train = self._transmission

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Protocol, Self
 
 import numpy as np
 
@@ -55,6 +55,14 @@ class Progress:
     state: LoopState
 
 
+class RowTaker(Protocol):
+    """Where the rows of a loop go."""
+
+    def append(self, rows: Rows) -> None:
+        """Take the next rows."""
+        ...
+
+
 class Running:
     """A loop on a device with its log: what rendering and recording have in common."""
 
@@ -64,7 +72,7 @@ class Running:
         url: str,
         wanted: Wanted,
         settings: LoopSettings,
-        log: SessionLog | None = None,
+        log: RowTaker | None = None,
         kind: LoopKind = "c",
         reconnect_s: float = RECONNECT_S,
         tell: Callable[[str], None] = say,
@@ -84,7 +92,7 @@ class Running:
         self._fresh_s = time.monotonic()
         self._returning: threading.Thread | None = None
         self._told_trips = 0
-        self._was_running = False
+        self._stopped = False
 
     def start(self) -> None:
         """Start the loop."""
@@ -92,7 +100,6 @@ class Running:
             raise UsageError("this session was started already: make a new one")
         self._loop.start(self._device)
         self._fresh_s = time.monotonic()
-        self._was_running = True
         self._pump = threading.Thread(target=self._run_pump, daemon=True)
         self._pump.start()
 
@@ -110,8 +117,9 @@ class Running:
 
     def stop(self) -> None:
         """End with zero force, and wait for that."""
-        if self._pump is None:
+        if self._pump is None or self._stopped:
             return
+        self._stopped = True
         self._loop.ask_stop()
         self._loop.join()
         self._pump.join()
@@ -264,7 +272,7 @@ class Running:
             else:
                 self._tell("no sample for the watchdog's time: force zero until reset (r), or stop")
         silent_s = time.monotonic() - self._fresh_s
-        if silent_s > self._reconnect_s and not state.paused and not state.tripped:
+        if silent_s > (self._reconnect_s or 1.0) and not state.paused and not state.tripped:
             self._fail(
                 DeviceError(
                     f"{self.url}: connected but silent for {silent_s:.1f} s, force zero: restart "
@@ -274,8 +282,8 @@ class Running:
 
     def _bring_back(self) -> None:
         """Open the device again until the time for that is over; then the session ends."""
-        if not self._device.comes_back:
-            self._fail(DeviceError(f"{self.url}: gone, force zero"))
+        if not self._device.comes_back or not self._reconnect_s:
+            self._fail(DeviceError(f"{self.url}: gone, force zero, stopped: plug it in"))
             return
         begin_s = time.monotonic()
         self._tell(f"{self.url}: gone, force zero; waiting {self._reconnect_s:g} s for it")

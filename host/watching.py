@@ -38,7 +38,7 @@ def obey(running: Running, key: str) -> None:
         running.reset()
 
 
-def progress_line(progress: Progress) -> str:
+def progress_line(progress: Progress, keys: str = _KEYS) -> str:
     """One line: rate, depth, force, late ticks, age of the sample."""
     state = progress.state
     age = "no sample" if math.isnan(progress.age_s) else f"sample {1e3 * progress.age_s:.2f} ms old"
@@ -52,7 +52,7 @@ def progress_line(progress: Progress) -> str:
     ]
     flags = {"paused": state.paused, "FORCE ZERO, reset with r": state.latched or state.tripped,
              "waiting for the device": not state.connected}  # fmt: skip
-    return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{_KEYS}]"])
+    return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
 
 
 @contextlib.contextmanager

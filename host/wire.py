@@ -124,7 +124,6 @@ class Receiver:
 
     def restart(self) -> None:
         """Forget the sequence: the other end has started again."""
-        self._pending.clear()
         self._seen = 0
 
     def _frame(self, chunk: bytes) -> Frame | None:

@@ -80,6 +80,7 @@ class Board:
                 self.force_n, self.force_came_s = values["force_n"], time.monotonic()
                 self.faults.force_came()
             elif frame.name == "ask":
+                self.receiver.restart()
                 self.hello()
             elif frame.name == "command":
                 self.command(frame.sequence, **values)

@@ -61,8 +61,8 @@ static int take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t s
         return 0;
     case TORQUES:
         if (drive->with_torque) {
-            self->measured_n =
-                -drive->sign * (double)real_at(data + 4) * two_pi / drive->m_per_turn;
+            /* at rest the object pushes back what the motor pushes in */
+            self->measured_n = drive->sign * (double)real_at(data + 4) * two_pi / drive->m_per_turn;
         }
         return 0;
     case ENCODER:

@@ -1,7 +1,8 @@
 /* Force control while recording: the tool presses with a commanded force. To the loop it is a
  * scene: the force that it returns drives the motor, so that it is negative while pressing.
  *
- * With a load cell the motor gets the command and a part of the error; without one, the command. */
+ * The motor gets the command and a part of the measured error. Without samples for the watchdog's
+ * time the press is over: no force, latched. */
 #ifndef SP_PRESS_H
 #define SP_PRESS_H
 
@@ -17,8 +18,12 @@ typedef struct {
     double p_gain;   /* N/N */
     double d_gain_s; /* N/(N/s) */
     double d_time_s; /* of the low-pass on the D part */
+    double watchdog_s;
+    int32_t latched_note;
     double measured_n;
     double error_n; /* filtered */
+    double silent_s;
+    int32_t latched;
 } sp_press;
 
 int sp_press_step(sp_press *press, double position_m, double velocity_mps, double *force_n);

@@ -27,7 +27,7 @@
     MESSAGE(7, FEED, feed)       \
     MESSAGE(8, RENDERED, rendered)
 
-/* Host: who are you? */
+/* Host: who are you? A device that hears it, old or new, forgets the sequence that it has seen. */
 #define SP_WIRE_ASK(FIELD) \
     FIELD(u32, layout)          /* sp_wire_layout() of the host */
 
