@@ -23,10 +23,12 @@ demo: $(STAMP)
 test: $(STAMP) test-c
 	$(BIN)/pytest
 
-# Long tests: 10 000 malformed files, an hour at 1 kHz, a million damaged frames.
+# Long tests: 10 000 malformed files, an hour at 1 kHz, a million damaged frames,
+# every fault of a session five times.
 soak: $(STAMP)
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/test_wire.py
+	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/test_faults.py
 
 check: format lint types
 	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized

@@ -39,6 +39,7 @@ class LoopState:
     elapsed_s: float = 0.0
     latched: int = 0
     tripped: int = 0
+    kept_trip: int = 0
     connected: int = 1
     paused: int = 0
     reason: int = 0

@@ -111,6 +111,8 @@ class OdriveDevice:
 class CanLink:
     """A link of Python on a bus of python-can; methods as in sp_link.h."""
 
+    made = False
+
     def __init__(self, drive: Drive, transmission: Transmission) -> None:
         self._drive, self._transmission = drive, transmission
         self.position_m = self.velocity_mps = self.arrived_s = 0.0

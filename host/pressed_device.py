@@ -2,7 +2,7 @@
 with a force controller (runtime_c/port/posix/sp_press.h) in place of a scene."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.host.device import Wanted
+from springpot.host.device_url import parse_device
 from springpot.host.engine import LATCHED, Engine
 from springpot.host.keys import reading_keys
 from springpot.host.loop import LoopSettings
@@ -26,6 +27,7 @@ _REST_S = 0.5  # between two presses
 _MORE_TICKS = 50  # so that none of the command's is missing when clocks differ
 # Force control through a link with a period of delay: gentler than that of the simulated device.
 _GAINS = {"p_gain": 1.0, "d_gain_s": 0.01, "d_time_s": 0.0015}
+_OPEN = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,9 @@ class PressedDevice:
         """
         greatest_n = float(np.max(np.abs(command_n)))
         rows = _Taken(len(command_n), on_samples)
-        engine = press_engine(command_n, _HEADROOM * greatest_n)
+        # A drive's torque is its own command: fed back, it would only chase itself.
+        gains = _OPEN if parse_device(self._url).scheme == "odrive" else _GAINS
+        engine = press_engine(command_n, _HEADROOM * greatest_n, gains)
         settings = LoopSettings(
             period_s=1 / RATE_HZ,
             seconds=(len(command_n) + _MORE_TICKS) / RATE_HZ + 1.0,
@@ -124,7 +128,7 @@ class _Taken:
             self._on_samples(position_m, force_n)
 
 
-def press_engine(command_n: Samples, max_force_n: float) -> Engine:
+def press_engine(command_n: Samples, max_force_n: float, gains: Mapping[str, float]) -> Engine:
     """A force controller that follows command_n, one value a tick."""
     library = loop_library("double")
     command_n = np.ascontiguousarray(command_n, dtype=np.float64)
@@ -135,7 +139,7 @@ def press_engine(command_n: Samples, max_force_n: float) -> Engine:
         "max_force_n": max_force_n,
         "watchdog_s": _WATCHDOG_S,
         "latched_note": LATCHED,
-        **_GAINS,
+        **gains,
     }
     press = library.ffi.new("sp_press *", settings)
 

@@ -47,6 +47,7 @@ class PythonLink(Protocol):
     unsent: int
     device_error: int
     ready: int
+    made: bool  # a sample for every period, however late it is
 
     def listen(self, until_s: float) -> int:
         """Wait for the first sample until a time of time.monotonic; what read returns."""
@@ -71,6 +72,11 @@ class _CLink:
     def __getattr__(self, name: str) -> Any:
         of_link = name == "ready" or name in LinkCounts.__dataclass_fields__
         return getattr(self._link if of_link else self._motion, name)
+
+    @property
+    def made(self) -> bool:
+        """Whether there is a sample for every period, however late it is."""
+        return bool(self._link.fd < 0)
 
     @property
     def arrived_s(self) -> float:
@@ -190,7 +196,8 @@ class PythonLoop:
         if fresh := self._listen(deadline_s + _FIRST_SAMPLE_S):
             begin_s = deadline_s = time.monotonic()
         while not self._state.reason:
-            behind = time.monotonic() - deadline_s >= period_s
+            made = self._link is not None and self._link.made
+            behind = not made and time.monotonic() - deadline_s >= period_s
             if not behind and not fresh:
                 until_s = deadline_s + period_s / 4
                 if (left := deadline_s - time.monotonic()) > 0:
@@ -238,7 +245,8 @@ class PythonLoop:
 
     def _lose(self) -> None:
         self._link = None
-        self._tell(connected=0, disconnects=self._state.disconnects + 1)
+        kept = int(self._state.latched or self._state.tripped)
+        self._tell(kept_trip=kept, connected=0, disconnects=self._state.disconnects + 1)
 
     def _trip(self) -> None:
         if not self._state.tripped:
@@ -247,8 +255,8 @@ class PythonLoop:
     def _accept_wishes(self) -> None:
         if self._next is not None:
             self._link, self._next = self._next, None
-            self._reset_next = True
-            self._tell(connected=1, tripped=0)
+            self._reset_next = self._reset_next or not self._state.kept_trip
+            self._tell(connected=1, tripped=int(self._state.tripped and self._state.kept_trip))
             self._arming_s = 0.0
             if not self._link.ready:
                 self._make_ready()

@@ -300,9 +300,13 @@ class Running:
             self._loop.attach(device)
             while not self._loop.look().connected and not self._loop.look().over:
                 time.sleep(0.001)
-            self._told_trips = self._loop.look().watchdog_trips
+            state = self._loop.look()
+            self._told_trips = state.watchdog_trips
             self._fresh_s = time.monotonic()
-            self._tell(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, force ramps in")
+            then = (
+                "force ramps in" if not state.kept_trip else "it had tripped before: reset with r"
+            )
+            self._tell(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
             self._returning = None
             return
         self._fail(

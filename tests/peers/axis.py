@@ -60,7 +60,7 @@ class Axis:
             case 0x07:
                 wanted = struct.unpack_from("<I", data)[0]
                 if wanted == CLOSED_LOOP and not self.error:
-                    self.state = CLOSED_LOOP
+                    self.state, self.tool = CLOSED_LOOP, Tool(self.options, self.tool.dt_s)
                 elif wanted == IDLE:
                     self.state, self.torque_nm = IDLE, 0.0
                 say(event="state", state=self.state)

@@ -30,7 +30,7 @@ struct sp_loop {
 
     /* Told to the other thread, under no lock: each by itself. */
     _Atomic uint64_t ticks, late, stale, trips, disconnects, resets, elapsed_ns;
-    _Atomic int connected, latched, tripped, paused, reason, over, got;
+    _Atomic int connected, latched, tripped, kept_trip, paused, reason, over, got;
 
     /* The thread's own. */
     sp_link *link;
@@ -61,6 +61,7 @@ static struct timespec as_timespec(uint64_t time_ns)
 static void lose_link(sp_loop *self)
 {
     self->link = NULL;
+    self->kept_trip = self->latched || self->tripped;
     self->connected = 0;
     self->disconnects++;
 }
@@ -160,10 +161,10 @@ static void accept_wishes(sp_loop *self)
     sp_link *next = atomic_exchange(&self->next_link, NULL);
     if (next != NULL) {
         self->link = next;
-        self->tripped = 0;
+        self->tripped = self->tripped && self->kept_trip;
+        self->reset_next = self->reset_next || !self->kept_trip;
         self->connected = 1;
         self->fresh = 0;
-        self->reset_next = 1;
         self->arming_ns = 0;
         if (!next->ready) {
             make_ready(self);
@@ -339,7 +340,8 @@ static void *run(void *argument)
             break;
         }
         const uint64_t late_ns = now() - self->deadline_ns;
-        const int behind = late_ns < UINT64_MAX / 2 && late_ns >= self->period_ns;
+        const int made = self->link != NULL && self->link->fd < 0; /* a sample for every period */
+        const int behind = !made && late_ns < UINT64_MAX / 2 && late_ns >= self->period_ns;
         if (!behind) {
             look_for_sample(self);
         }
@@ -418,6 +420,7 @@ void sp_loop_look(sp_loop *loop, sp_loop_state *state)
                              .elapsed_s = 1e-9 * (double)loop->elapsed_ns,
                              .latched = loop->latched,
                              .tripped = loop->tripped,
+                             .kept_trip = loop->kept_trip,
                              .connected = loop->connected,
                              .paused = loop->paused,
                              .reason = loop->reason,

@@ -81,7 +81,8 @@ typedef struct {
     uint64_t newest_row; /* rows put into the ring since the start */
     double elapsed_s;
     int32_t latched;
-    int32_t tripped; /* the device itself */
+    int32_t tripped;   /* the device itself */
+    int32_t kept_trip; /* had tripped before a disconnect: the device's return does not reset it */
     int32_t connected;
     int32_t paused;
     int32_t reason;
@@ -100,7 +101,7 @@ void sp_loop_join(sp_loop *loop);
 /* Zero force and no calls until resumed; the scene is reset then. */
 void sp_loop_pause(sp_loop *loop, int pause);
 void sp_loop_reset(sp_loop *loop);
-/* After a disconnect: go on with this link, the scene reset once. */
+/* After a disconnect: go on with this link, the scene reset once, unless it had tripped before. */
 void sp_loop_attach(sp_loop *loop, sp_link *link);
 void sp_loop_look(sp_loop *loop, sp_loop_state *state);
 /* Copy up to n rows that were not drained yet; how many. One thread only. */
