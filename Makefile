@@ -9,7 +9,7 @@ COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
 
 include runtime_c/flags.mk
 
-.PHONY: demo test soak check format lint types ns test-c clean
+.PHONY: demo test soak bench-host check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -29,6 +29,10 @@ soak: $(STAMP)
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/test_faults.py
+
+# Sessions of a minute over simulated devices: ticks, lateness, and the Python loop beside.
+bench-host: $(STAMP)
+	$(BIN)/python tests/bench/host_loop.py
 
 check: format lint types
 	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized

@@ -91,7 +91,7 @@ class _CLink:
                 select.select([link.fd], [], [], max(0.0, until_s - time.monotonic()))
             elif (left := until_s - time.monotonic()) > 0:
                 time.sleep(left)
-            count = int(link.read(link, time.monotonic_ns(), self._motion))
+            count = int(link.read(link, time.monotonic_ns(), self._motion, 1))
             if count or time.monotonic() >= until_s:
                 return count
 

@@ -178,7 +178,7 @@ class Running:
                 )
                 line = (
                     f"stopped: the force reached {force_n:.3g} N, the limit is "
-                    f"{settings.max_force_n:g} N: raise --max-force, or press less"
+                    f"{settings.max_force_n:g} N: raise --max-force-n, or press less"
                 )
                 return line, SpringpotError(line)
             case 4:

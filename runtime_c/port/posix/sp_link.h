@@ -26,8 +26,9 @@ struct sp_link {
     int fd;    /* to wait on, or -1: a sample is there whenever it is asked for */
     int ready; /* takes forces; 0 until the device has answered a reset */
 
-    /* Take all that has come: how many samples were new, the newest in *motion; or negative. */
-    int (*read)(sp_link *link, uint64_t now_ns, sp_motion *motion);
+    /* Take all that has come: how many samples were new, the newest `room` of them at motions, in
+     * order; or negative. */
+    int (*read)(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room);
     /* Send a force (N, positive pushes the tool out): 0, 1 where there was no room, or negative. */
     int (*write)(sp_link *link, uint64_t now_ns, double force_n);
     /* Ask a device that is not ready, or that tripped, to take forces. */
@@ -73,6 +74,9 @@ uint32_t sp_link_replay_size(void);
 sp_link *sp_link_replay_init(void *memory, uint64_t n, const double *position_m,
                              const double *velocity_mps);
 /* springpot declarations end */
+
+/* Where the next sample goes, `count` having come: the oldest makes room. */
+sp_motion *sp_link_place(sp_motion *motions, uint32_t room, int count);
 
 /* Read what is there; how many bytes, 0 for none, or SP_LINK_GONE. */
 int sp_link_take(int fd, uint8_t *bytes, uint32_t room);

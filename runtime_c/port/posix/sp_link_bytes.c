@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "sp_link.h"
@@ -9,6 +10,15 @@ static int failed(void)
     return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR || errno == ENOBUFS
                ? 0
                : SP_LINK_GONE;
+}
+
+sp_motion *sp_link_place(sp_motion *motions, uint32_t room, int count)
+{
+    if ((uint32_t)count < room) {
+        return &motions[count];
+    }
+    memmove(motions, motions + 1, (room - 1) * sizeof *motions);
+    return &motions[room - 1];
 }
 
 int sp_link_take(int fd, uint8_t *bytes, uint32_t room)

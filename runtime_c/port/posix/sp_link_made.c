@@ -28,8 +28,9 @@ static void reset_nothing(sp_link *link, uint64_t now_ns)
     (void)now_ns;
 }
 
-static int read_hand(sp_link *link, uint64_t now_ns, sp_motion *motion)
+static int read_hand(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t room)
 {
+    (void)room;
     hand *self = (hand *)link;
     const double time_s = (double)++self->ticks * self->dt_s;
     const double intended_m = self->depth_m / 2 * (1 - cos(self->turn_rps * time_s));
@@ -69,8 +70,9 @@ sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
     return &self->link;
 }
 
-static int read_replay(sp_link *link, uint64_t now_ns, sp_motion *motion)
+static int read_replay(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t room)
 {
+    (void)room;
     replay *self = (replay *)link;
     if (self->at == self->n) {
         return SP_LINK_ENDED;

@@ -28,6 +28,12 @@ typedef struct {
     int cut; /* the last line went out only in part */
     int tripped;
     double measured_n;
+
+    /* Of the reading that is under way. */
+    uint64_t now_ns;
+    sp_motion *motions;
+    uint32_t room;
+    int fresh;
 } odrive;
 
 static float real_at(const uint8_t *bytes)
@@ -42,14 +48,14 @@ static void put_u32(uint8_t *bytes, uint32_t value)
     memcpy(bytes, &value, sizeof value);
 }
 
-/* One frame from the drive; 1 where it holds a new position. */
-static int take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t size,
-                      uint64_t now_ns, sp_motion *motion)
+/* One frame from the drive. */
+static void take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
 {
     const sp_odrive *drive = &self->drive;
+    sp_motion *motion;
     int failed;
     if (id >> 5 != drive->node || size < BYTES) {
-        return 0;
+        return;
     }
     switch (id & 31u) {
     case HEARTBEAT:
@@ -58,24 +64,25 @@ static int take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t s
                  (!drive->with_torque && ((data[5] | data[6] | data[7]) & 1));
         self->tripped = self->link.ready && failed;
         self->link.ready = self->link.ready || !failed;
-        return 0;
+        return;
     case TORQUES:
         if (drive->with_torque) {
             /* at rest the object pushes back what the motor pushes in */
             self->measured_n = drive->sign * (double)real_at(data + 4) * two_pi / drive->m_per_turn;
         }
-        return 0;
+        return;
     case ENCODER:
         self->link.samples++;
+        motion = sp_link_place(self->motions, self->room, self->fresh++);
         motion->position_m =
             drive->sign * ((double)real_at(data) - drive->zero_turns) * drive->m_per_turn -
             drive->surface_m;
         motion->velocity_mps = drive->sign * (double)real_at(data + 4) * drive->m_per_turn;
         motion->measured_n = self->measured_n;
-        motion->arrived_ns = now_ns;
-        return 1;
+        motion->arrived_ns = self->now_ns;
+        return;
     default:
-        return 0;
+        return;
     }
 }
 
@@ -90,23 +97,23 @@ static int nibble(char text)
 
 /* A line of the adapter: t, three digits of identifier, one of length, two a byte, perhaps four of
  * a time stamp. Other lines are its answers. */
-static int take_line(odrive *self, uint64_t now_ns, sp_motion *motion)
+static void take_line(odrive *self)
 {
     uint8_t data[BYTES];
     uint32_t id = 0;
     if (self->used == 0 || self->line[0] != 't') {
-        return 0;
+        return;
     }
     for (uint32_t i = 1; i < self->used; i++) {
         if (nibble(self->line[i]) < 0) {
             self->link.crc_errors++;
-            return 0;
+            return;
         }
     }
     const uint32_t size = self->used > 4 ? (uint32_t)nibble(self->line[4]) : BYTES + 1;
     if (size > BYTES || (self->used != 5 + 2 * size && self->used != 9 + 2 * size)) {
         self->link.crc_errors++;
-        return 0;
+        return;
     }
     for (uint32_t i = 1; i < 4; i++) {
         id = id << 4 | (uint32_t)nibble(self->line[i]);
@@ -114,18 +121,19 @@ static int take_line(odrive *self, uint64_t now_ns, sp_motion *motion)
     for (uint32_t i = 0; i < size; i++) {
         data[i] = (uint8_t)(nibble(self->line[5 + 2 * i]) << 4 | nibble(self->line[6 + 2 * i]));
     }
-    return take_frame(self, id, data, size, now_ns, motion);
+    take_frame(self, id, data, size);
 }
 
-static int take_text(odrive *self, const uint8_t *bytes, int count, uint64_t now_ns,
-                     sp_motion *motion)
+static void take_text(odrive *self, const uint8_t *bytes, int count)
 {
     enum { BELL = 7, RETURN = 13 };
-    int fresh = 0;
     for (int i = 0; i < count; i++) {
         if (bytes[i] == RETURN) {
-            fresh += self->used < LINE ? take_line(self, now_ns, motion) : 0;
-            self->link.crc_errors += self->used >= LINE;
+            if (self->used < LINE) {
+                take_line(self);
+            } else {
+                self->link.crc_errors++;
+            }
             self->used = 0;
         } else if (bytes[i] == BELL) {
             self->link.crc_errors++;
@@ -134,17 +142,20 @@ static int take_text(odrive *self, const uint8_t *bytes, int count, uint64_t now
             self->line[self->used++] = (char)bytes[i];
         }
     }
-    return fresh;
 }
 
-static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motion)
+static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room)
 {
     odrive *self = (odrive *)link;
-    int fresh = 0, count;
+    int count;
+    self->now_ns = now_ns;
+    self->motions = motions;
+    self->room = room;
+    self->fresh = 0;
     if (self->drive.slcan) {
         uint8_t bytes[ROOM];
         while ((count = sp_link_take(link->fd, bytes, ROOM)) > 0) {
-            fresh += take_text(self, bytes, count, now_ns, motion);
+            take_text(self, bytes, count);
             if (count < ROOM) {
                 break;
             }
@@ -154,14 +165,14 @@ static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motion)
         struct can_frame frame;
         while ((count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame)) > 0) {
             if (count == (int)sizeof frame && !(frame.can_id & ~(canid_t)CAN_SFF_MASK)) {
-                fresh += take_frame(self, frame.can_id, frame.data, frame.can_dlc, now_ns, motion);
+                take_frame(self, frame.can_id, frame.data, frame.can_dlc);
             }
         }
 #else
         count = SP_LINK_GONE;
 #endif
     }
-    return count < 0 ? SP_LINK_GONE : self->tripped ? SP_LINK_TRIPPED : fresh;
+    return count < 0 ? SP_LINK_GONE : self->tripped ? SP_LINK_TRIPPED : self->fresh;
 }
 
 static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)

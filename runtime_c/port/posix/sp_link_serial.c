@@ -26,7 +26,8 @@ static void send_command(serial *self, uint64_t now_ns)
     (void)sp_link_put(self->link.fd, bytes, count);
 }
 
-static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns, sp_motion *motion)
+static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns, sp_motion *motions,
+                      uint32_t room, int count)
 {
     sp_wire_sample sample;
     sp_wire_ack ack;
@@ -36,6 +37,7 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     if (!sp_wire_get_sample(frame, &sample)) {
         return 0;
     }
+    sp_motion *motion = sp_link_place(motions, room, count);
     self->link.samples++;
     self->tripped = (sample.status & SP_WIRE_TRIPPED) != 0;
     motion->position_m = (double)sample.position_m - self->surface_m;
@@ -46,7 +48,7 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     return 1;
 }
 
-static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motion)
+static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room)
 {
     serial *self = (serial *)link;
     uint8_t bytes[ROOM];
@@ -55,7 +57,7 @@ static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motion)
         for (int i = 0; i < count; i++) {
             sp_wire_frame frame;
             if (sp_wire_receive(&self->receiver, bytes[i], &frame) == SP_WIRE_NEW) {
-                fresh += take_frame(self, &frame, now_ns, motion);
+                fresh += take_frame(self, &frame, now_ns, motions, room, fresh);
             }
         }
         if (count < ROOM) {

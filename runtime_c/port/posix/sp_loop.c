@@ -14,6 +14,8 @@ typedef int (*step_function)(void *, sp_real, sp_real, sp_real *);
 typedef int (*idle_function)(void *, sp_real, sp_real *);
 typedef void (*reset_function)(void *);
 
+enum { WAITING = 64 };
+
 struct sp_loop {
     sp_loop_config config;
     step_function step;
@@ -34,7 +36,9 @@ struct sp_loop {
 
     /* The thread's own. */
     sp_link *link;
-    sp_motion motion;
+    sp_motion motion;           /* of this tick */
+    sp_motion waiting[WAITING]; /* samples that no tick has used, oldest first */
+    int waiting_count;
     uint64_t period_ns, start_ns, deadline_ns, end_ns;
     int fresh;          /* a sample came that no tick has used */
     int reset_next;     /* the scene, before its next call */
@@ -96,9 +100,13 @@ static int at_work(sp_loop *self)
 
 static void take(sp_loop *self)
 {
-    const int count = self->link->read(self->link, now(), &self->motion);
+    sp_motion come[WAITING];
+    const int count = self->link->read(self->link, now(), come, WAITING);
     if (count > 0) {
-        self->fresh = 1;
+        for (int i = 0; i < count && i < WAITING; i++) {
+            *sp_link_place(self->waiting, WAITING, self->waiting_count) = come[i];
+            self->waiting_count += self->waiting_count < WAITING;
+        }
     } else if (count == SP_LINK_GONE) {
         lose_link(self);
     } else if (count == SP_LINK_TRIPPED) {
@@ -112,7 +120,7 @@ static void take(sp_loop *self)
 static void listen_until(sp_loop *self, uint64_t until_ns, int only_first)
 {
     uint64_t time_ns;
-    while ((time_ns = now()) < until_ns && !(only_first && self->fresh)) {
+    while ((time_ns = now()) < until_ns && !(only_first && self->waiting_count)) {
         if (self->link == NULL || self->link->fd < 0) {
             const struct timespec until = as_timespec(until_ns);
             (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
@@ -126,22 +134,30 @@ static void listen_until(sp_loop *self, uint64_t until_ns, int only_first)
     }
 }
 
-static void look_for_sample(sp_loop *self)
+static void look_for_sample(sp_loop *self, int behind)
 {
-    if (self->link == NULL) {
-        return;
-    }
-    if (self->link->fd < 0) {
-        take(self);
-        return;
-    }
-    if (!self->fresh) {
+    if (self->link != NULL && !self->waiting_count) {
         take(self);
     }
     /* A sample that is a little late is worth waiting for, while the tick itself is in time. */
-    if (!self->fresh && self->link != NULL) {
+    if (self->link != NULL && self->link->fd >= 0 && !behind) {
         listen_until(self, self->deadline_ns + self->period_ns / 4, 1);
     }
+}
+
+/* The sample of this tick: the newest. Periods that were missed take one each, oldest first, so
+ * that the scene's memory has no hole. Returns whether there is one. */
+static int next_sample(sp_loop *self, int behind)
+{
+    if (!self->waiting_count) {
+        return 0;
+    }
+    const int used = behind ? 1 : self->waiting_count;
+    self->motion = self->waiting[used - 1];
+    self->waiting_count -= used;
+    memmove(self->waiting, self->waiting + used,
+            (size_t)self->waiting_count * sizeof *self->waiting);
+    return 1;
 }
 
 static void begin_row(sp_loop *self, uint64_t begin_ns)
@@ -164,7 +180,7 @@ static void accept_wishes(sp_loop *self)
         self->tripped = self->tripped && self->kept_trip;
         self->reset_next = self->reset_next || !self->kept_trip;
         self->connected = 1;
-        self->fresh = 0;
+        self->waiting_count = 0;
         self->arming_ns = 0;
         if (!next->ready) {
             make_ready(self);
@@ -264,9 +280,8 @@ static void send_force(sp_loop *self, int behind)
 }
 
 /* One period. behind: the next one has begun too. */
-static void tick(sp_loop *self, uint64_t begin_ns, int behind)
+static void tick(sp_loop *self, uint64_t begin_ns, int fresh, int behind)
 {
-    const int fresh = self->fresh && !behind;
     begin_row(self, begin_ns);
     self->row.age_s =
         fresh ? 1e-9 * (double)(int64_t)(begin_ns - self->motion.arrived_ns) : (double)NAN;
@@ -280,7 +295,6 @@ static void tick(sp_loop *self, uint64_t begin_ns, int behind)
     }
     check_limits(self);
     send_force(self, behind);
-    self->fresh = self->fresh && !fresh;
     self->stale += !fresh;
     self->late += begin_ns - self->deadline_ns > self->period_ns && begin_ns > self->deadline_ns;
     self->ticks++;
@@ -340,16 +354,13 @@ static void *run(void *argument)
             break;
         }
         const uint64_t late_ns = now() - self->deadline_ns;
-        const int made = self->link != NULL && self->link->fd < 0; /* a sample for every period */
-        const int behind = !made && late_ns < UINT64_MAX / 2 && late_ns >= self->period_ns;
-        if (!behind) {
-            look_for_sample(self);
-        }
+        const int behind = late_ns < UINT64_MAX / 2 && late_ns >= self->period_ns;
+        look_for_sample(self, behind);
         if (self->reason) {
             break;
         }
-        const int fresh = self->fresh;
-        tick(self, now(), behind);
+        const int fresh = next_sample(self, behind);
+        tick(self, now(), fresh, behind);
         self->elapsed_ns = now() - self->start_ns;
         advance(self, fresh && !behind);
         if (!self->reason && self->deadline_ns >= self->end_ns) {

@@ -4,7 +4,8 @@
  *
  * Every period gives one row, whatever happened in it: with a new sample the scene's sp_step was
  * called, without one sp_idle; the row holds the inputs bit for bit and what was returned. A thread
- * that was kept away makes up for its missed periods at once, as idle ones: time is complete.
+ * that was kept away makes up for its missed periods at once, with the samples that came meanwhile:
+ * time is complete.
  *
  * Built once for each number type.
  */
