@@ -26,7 +26,7 @@ class SerialDevice:
 
     def __init__(self, address: Address, wanted: Wanted) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""
-        address.refuse_others(("baud", "surface_mm"))
+        address.refuse_others(("baud", "surface_mm", "feed"))
         self.address, self.wanted = address, wanted
         baud = int(address.number("baud", BAUD, 1200, 12e6))
         frame_bytes = max(messages()[name].wire_bytes for name in ("sample", "force"))

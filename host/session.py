@@ -14,6 +14,7 @@ from typing import Any, Literal, Protocol, Self
 import numpy as np
 
 from springpot.codegen.scene import Device as DeviceKeys
+from springpot.host.board_loop import BoardLoop
 from springpot.host.device import Device, Wanted
 from springpot.host.devices import open_device
 from springpot.host.emission import read_emission
@@ -33,6 +34,7 @@ from springpot.host.loop_library import (
 )
 from springpot.host.output import say
 from springpot.host.python_loop import PythonLoop
+from springpot.host.serial_device import SerialDevice
 from springpot.host.session_log import SessionLog, flight_seconds, write_flight
 from springpot.runtime_c.errors import DeviceError, SpringpotError, UsageError
 from springpot.trainer.recording import Zero
@@ -82,7 +84,11 @@ class Running:
         self._device: Device = open_device(url, wanted)
         if getattr(self._device, "only_python", False):
             kind = "python"
-        self._loop: Loop = (CLoop if kind == "c" else PythonLoop)(engine, settings)
+        self._loop: Loop
+        if isinstance(self._device, SerialDevice) and self._device.renders:
+            self._loop = BoardLoop(self._device, settings)
+        else:
+            self._loop = (CLoop if kind == "c" else PythonLoop)(engine, settings)
         self.loop_name = self._loop.name
         self.error: SpringpotError | None = None
         self._pump: threading.Thread | None = None
@@ -214,7 +220,7 @@ class Running:
     def scheduler(self) -> str:
         """What the system granted the loop, and what to do where it refused."""
         if self.loop_name != CLoop.name:
-            return f"{self.loop_name}, SCHED_OTHER"
+            return self.loop_name + (", SCHED_OTHER" if self.loop_name != BoardLoop.name else "")
         got = self.state.got
         named = [
             name

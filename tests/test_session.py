@@ -306,3 +306,25 @@ def test_idle_and_late_samples_are_logged_as_they_were(tmp_path, folder):
     assert session.result()["samples"] >= len(call) - 20
     assert np.count_nonzero(call & UNSENT) < 50
     assert_faithful(folder, log)
+
+
+@pytest.mark.parametrize("fed", [False, True])
+def test_a_board_that_renders(tmp_path, folder, fed):
+    """The host watches or feeds, and refuses another model; the bits are this machine's."""
+    log, motion = tmp_path / "a.h5", tmp_path / "press.h5"
+    write_recording(motion, recording("press", press(1.0)))
+    with peer("serial_board", "--scene", folder, *(["--fed"] if fed else [])) as board:
+        url = f"{board.url}&feed={motion}" if fed else board.url
+        with Session(folder, url, log, seconds=1.5, tell=list) as session:
+            session.start()
+            wait_until(lambda: session.running.state.ticks > 300, 5, "no calls")
+            session.reset()
+            finish(session)
+        assert session.result()["resets"] == 2  # at its start, and the user's
+        assert session.result()["sequence_gaps"] == 0
+        assert session.result()["ticks"] > 900
+        assert assert_faithful(folder, log).force_n.max() > 0.3
+        other = tmp_path / "other"
+        emit(scene(smoothing_s=0.01), model_file(tmp_path), other)
+        with pytest.raises(DeviceError, match="the board renders model"):
+            Session(other, board.url, tell=list).__enter__()
