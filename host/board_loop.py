@@ -106,6 +106,12 @@ class BoardLoop:
         self._state = LoopState(**{**self._state.__dict__, **changes})
 
     def _run(self) -> None:
+        try:
+            self._watch()
+        finally:
+            self._tell(over=1)
+
+    def _watch(self) -> None:
         begin_s = time.monotonic()
         while not self._state.reason:
             now_s = time.monotonic() - begin_s
@@ -132,7 +138,6 @@ class BoardLoop:
             time.sleep(_POLL_S)
         with contextlib.suppress(DeviceError):
             self._listen(time.monotonic() - begin_s)
-        self._tell(over=1)
 
     def _act(self, now_s: float) -> None:
         """Send the oldest command that is not acknowledged, again and again."""

@@ -1,6 +1,7 @@
 """Single keys of a person at a terminal, without waiting; nothing where there is no terminal."""
 
 import contextlib
+import os
 import select
 import sys
 import termios
@@ -19,10 +20,10 @@ class Keys:
         """Return the keys in order, perhaps none."""
         found = ""
         while self._terminal is not None and select.select([self._terminal], [], [], 0)[0]:
-            key = self._terminal.read(1)
-            if not key:
+            keys = os.read(self._terminal.fileno(), 64).decode(errors="replace")
+            if not keys:
                 break
-            found += key
+            found += keys
         return found
 
 

@@ -61,10 +61,7 @@ class Drive:
 
     def arm(self) -> None:
         """Clear errors, torque control, closed loop; zero torque is sent meanwhile."""
-        self.send(CLEAR_ERRORS, b"\0" * 8)
-        self.send(CONTROLLER_MODE, struct.pack("<II", _TORQUE_CONTROL, _PASSTHROUGH))
-        self.torque(0.0)
-        self.send(AXIS_STATE, struct.pack("<II", CLOSED_LOOP, 0))
+        self.ask_for_torque_control()
         until, told = time.monotonic() + _ARMED_S, ""
         while time.monotonic() < until:
             self.torque(0.0)
@@ -77,6 +74,13 @@ class Drive:
             f"{self.url}: node {self.node} does not go to closed loop ({told or 'it is silent'}): "
             "calibrate it and clear its errors with odrivetool (`dump_errors(odrv0)`)"
         )
+
+    def ask_for_torque_control(self) -> None:
+        """Clear errors, torque control, closed loop; the heartbeat says when it is ready."""
+        self.send(CLEAR_ERRORS, b"\0" * 8)
+        self.send(CONTROLLER_MODE, struct.pack("<II", _TORQUE_CONTROL, _PASSTHROUGH))
+        self.torque(0.0)
+        self.send(AXIS_STATE, struct.pack("<II", CLOSED_LOOP, 0))
 
     def rest(self) -> None:
         """No torque, and the axis idle."""

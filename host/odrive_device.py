@@ -146,9 +146,8 @@ class CanLink:
         """Arm it again; the loop goes on sending meanwhile."""
         self.ready, self._tripped = 0, False
         drive = self._drive
-        drive.send(0x18, b"\0" * 8)
-        drive.send(0x0B, struct.pack("<II", 1, 1))
-        drive.send(0x07, struct.pack("<II", CLOSED_LOOP, 0))
+        with contextlib.suppress(DeviceError):  # the next read finds out
+            drive.ask_for_torque_control()
 
     def _take(self, found: int, data: bytes) -> int:
         node = self._drive.node

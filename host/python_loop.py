@@ -189,6 +189,15 @@ class PythonLoop:
         self._state = replace(self._state, **changes)
 
     def _run(self) -> None:
+        try:
+            self._tick_on()
+        finally:
+            for _ in range(3):
+                if self._link is not None and self._link.write(0.0) == GONE:
+                    self._lose()
+            self._tell(over=1)
+
+    def _tick_on(self) -> None:
         period_s = self._settings.period_s
         begin_s = deadline_s = time.monotonic()
         if not self._link.ready:
@@ -212,10 +221,6 @@ class PythonLoop:
             seconds = self._settings.seconds
             if not self._state.reason and seconds and deadline_s - begin_s >= seconds:
                 self._tell(reason=_TIME)
-        for _ in range(3):
-            if self._link is not None and self._link.write(0.0) == GONE:
-                self._lose()
-        self._tell(over=1)
 
     def _listen(self, until_s: float) -> bool:
         if self._link is None:

@@ -4,6 +4,7 @@ A loop (a C thread by default) keeps the time; Python watches it, writes the log
 device that was unplugged. However the session is left, the force is zero first.
 """
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -123,18 +124,21 @@ class Running:
 
     def stop(self) -> None:
         """End with zero force, and wait for that."""
-        if self._pump is None or self._stopped:
+        if self._stopped:
             return
-        self._stopped = True
-        self._loop.ask_stop()
-        self._loop.join()
-        self._pump.join()
+        if self._pump is not None:
+            self._loop.ask_stop()
+            self._loop.join()
+            self._pump.join()
         self._device.stop()
+        self._stopped = True
 
     def close(self) -> None:
-        """Stop, and free the port."""
+        """Stop, and free the port; an impatient second Ctrl-C does not get in between."""
         try:
-            self.stop()
+            while not self._stopped:
+                with contextlib.suppress(KeyboardInterrupt):
+                    self.stop()
         finally:
             self._device.close()
 
@@ -239,6 +243,8 @@ class Running:
                 self._take(self._loop.drain())
             except SpringpotError as error:
                 self._fail(error)
+            except OSError as error:
+                self._fail(DeviceError(f"the log cannot go on ({error}): stopped, force zero"))
             if over:
                 return
             state = self._loop.look()

@@ -8,6 +8,7 @@ import os
 import pty
 import random
 import signal
+import sys
 import tempfile
 import time
 import tty
@@ -51,7 +52,7 @@ def say(**event: object) -> None:
 
 def be_a_device() -> None:
     """Stop on SIGTERM; be scheduled as a device's firmware is, where that is allowed."""
-    signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with contextlib.suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(60))
 
