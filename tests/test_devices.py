@@ -116,8 +116,8 @@ def test_a_line_too_slow_for_the_rate():
 
 def test_a_device_that_answers_nothing(tmp_path):
     script = (
-        "import os, pty, time; m, s = pty.openpty(); print(os.ttyname(s)); os.close(s)\n"
-        "time.sleep(60)"
+        "import os, pty, time; m, s = pty.openpty(); name = os.ttyname(s); os.close(s)\n"
+        "print(name); time.sleep(60)"
     )
     process = subprocess.Popen([sys.executable, "-u", "-c", script], text=True,
                                stdout=subprocess.PIPE)  # fmt: skip
