@@ -9,7 +9,7 @@ COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
 
 include runtime_c/flags.mk
 
-.PHONY: demo test soak check format lint types ns test-c clean
+.PHONY: demo test soak bench-tick bench-host check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -24,11 +24,23 @@ test: $(STAMP) test-c
 	$(BIN)/pytest
 
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
-# hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop.
+# hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a
+# million damaged frames, every fault of a session five times.
 soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
 	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/test_hostile.py tests/test_stability.py
+	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/test_wire.py
+	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/test_faults.py
+
+# Sessions of a minute over simulated devices: ticks, lateness, and the Python loop beside.
+bench-host: $(STAMP)
+	$(BIN)/python tests/bench/host_loop.py
+
+# Whole ticks beside plain taps and m2cgen, the forest alone by others; JSON=FILE for the figures.
+bench-tick: $(STAMP)
+	$(BIN)/pip install --quiet --disable-pip-version-check tl2cgen treelite onnxruntime skl2onnx
+	$(BIN)/python tests/bench/tick.py $(if $(JSON),--json $(JSON))
 
 check: format lint types
 	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized

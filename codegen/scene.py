@@ -56,12 +56,19 @@ class Guard:
 
 @dataclass(frozen=True)
 class Device:
-    """What loop checks assume and drivers need."""
+    """What loop checks assume and drivers need.
+
+    m_per_turn, sign, zero_turns, max_torque_nm: the transmission of a motor drive.
+    """
 
     __pydantic_config__ = _CLOSED
     delay_samples: Annotated[int, Interval(ge=0, le=10)] = 0
     velocity: Literal["estimate", "device"] = "estimate"
     surface_mm: float = 0.0
+    m_per_turn: Annotated[float, Interval(gt=0, le=100)] | None = None
+    sign: Literal[1, -1] = 1
+    zero_turns: float = 0.0
+    max_torque_nm: Annotated[float, Gt(0)] | None = None
 
 
 @dataclass(frozen=True)

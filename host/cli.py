@@ -22,6 +22,7 @@ _COMMANDS = {
     "build": ("emit_command", "build"),
     "stability": ("stability_command", "stability_"),
     "validate": ("validate_command", "validate_"),
+    "run": ("run_command", "run"),
     "report": ("report_command", "report"),
     "reproduce": ("reproduce_command", "reproduce"),
     "material": ("material_command", "material"),

@@ -6,11 +6,11 @@ import shutil
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from pathlib import Path
 
 from serial.tools import list_ports
 
 from springpot.host.compiler import CompilerError, cache_folder, compiler_version, find_compiler
+from springpot.host.serial_port import latency_timer
 
 _LATENCY_MS = 1
 
@@ -112,11 +112,9 @@ def _serial_port(device: str, description: str) -> Finding:
     if not os.access(device, os.R_OK | os.W_OK):
         do = "join the port's group (often `sudo usermod -aG dialout $USER`), then log in again"
         return Finding(what, False, f"{description}: permission denied", do)
-    latency = Path("/sys/bus/usb-serial/devices") / Path(device).name / "latency_timer"
-    if latency.exists() and (ms := int(latency.read_text())) > _LATENCY_MS:
-        do = (
-            f"`echo {_LATENCY_MS} | sudo tee {latency}`: {ms} ms is {1000 // ms} exchanges a second"
-        )
+    found = latency_timer(device)
+    if found is not None and (ms := found[1]) > _LATENCY_MS:
+        do = f"`echo {_LATENCY_MS} | sudo tee {found[0]}`: {ms} ms: {1000 // ms} exchanges a second"
         return Finding(what, False, f"{description}: latency timer {ms} ms", do)
     return Finding(what, True, description)
 

@@ -9,8 +9,11 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from springpot.host.options import POSITIVE
+from springpot.host.pressed_device import Limits, PressedDevice
 from springpot.host.protocols import load_protocol
 from springpot.host.recording_session import PressQuality, open_device, record_session
+from springpot.host.watching import progress_line, stopping_on_sigterm
 
 
 @click.command()
@@ -25,10 +28,28 @@ from springpot.host.recording_session import PressQuality, open_device, record_s
     default=0,
     help="Of random commands, and of a simulated device's noise unless its URL has a seed.",
 )
+@click.option("--object", "object_name", help="What lies under a real device: for file names.")
+@click.option("--max-force-n", type=POSITIVE, help="Stop beyond this; default 1.3 x the command.")
+@click.option(
+    "--max-depth-mm", type=POSITIVE, default=30.0, show_default=True, help="Stop beyond this depth."
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
-def record(url: str, protocol: str, out: Path, seed: int, as_json: bool) -> None:
-    """Drive a device under force control and write one recording for each profile."""
-    device = open_device(url, seed)
+def record(
+    url: str,
+    protocol: str,
+    out: Path,
+    seed: int,
+    object_name: str | None,
+    max_force_n: float | None,
+    max_depth_mm: float,
+    as_json: bool,
+) -> None:
+    """Drive a device under force control and write one recording for each profile.
+
+    On a real device, the key q and Ctrl-C stop with zero force.
+    """
+    limits = Limits(max_force_n, max_depth_mm / 1e3)
+    device = open_device(url, seed, object_name or "object", limits)
     profiles = load_protocol(protocol, seed)
     label = protocol if not protocol.endswith(".toml") else Path(protocol).stem
     with Progress(
@@ -45,7 +66,12 @@ def record(url: str, protocol: str, out: Path, seed: int, as_json: bool) -> None
         def on_press(quality: PressQuality) -> None:
             progress.update(task, description=quality.name, advance=quality.duration_s)
 
-        qualities = record_session(device, url, label, profiles, out, on_press)
+        if isinstance(device, PressedDevice):
+            device.on_progress = lambda now: progress.update(
+                task, description=progress_line(now, "q stop")
+            )
+        with stopping_on_sigterm():
+            qualities = record_session(device, url, label, profiles, out, on_press)
     click.echo(_as_json(out, qualities) if as_json else _as_text(out, qualities), nl=False)
 
 

@@ -4,14 +4,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
-from urllib.parse import urlsplit
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.host.device_url import parse_device
+from springpot.host.pressed_device import Limits, PressedDevice
 from springpot.host.protocols import RATE_HZ, Profile
 from springpot.host.simulated_bench import SimulatedBench, parse_url
-from springpot.runtime_c.errors import DeviceError, UsageError
+from springpot.runtime_c.errors import UsageError
 from springpot.trainer.journal import JournalWriter
 from springpot.trainer.journal_reader import journal_of
 from springpot.trainer.recording import SUFFIX, Recording
@@ -51,18 +52,20 @@ class PressQuality:
     tracking_rms_n: float
 
 
-def open_device(url: str, default_seed: int = 0) -> ForceControlled:
+def open_device(
+    url: str, default_seed: int = 0, object_name: str = "object", limits: Limits | None = None
+) -> ForceControlled:
     """Open the device of a URL; `default_seed` seeds a simulated one whose URL has no seed.
 
+    object_name, limits: of what lies under a device that is not simulated.
     Raises DeviceError for a scheme that no driver serves, UsageError for a wrong URL.
     """
-    scheme = urlsplit(url).scheme
-    if scheme != "sim":
-        raise DeviceError(
-            f"{url}: no driver for {scheme or 'a device without a scheme'!r}: "
-            "use sim://OBJECT, for example sim://ecoflex-00-30"
-        )
-    return SimulatedBench(parse_url(url, default_seed))
+    scheme = parse_device(url).scheme
+    if scheme == "sim":
+        return SimulatedBench(parse_url(url, default_seed))
+    if scheme == "replay":
+        raise UsageError(f"{url}: a recording cannot be pressed: give a device, or sim://OBJECT")
+    return PressedDevice(url, object_name, limits or Limits())
 
 
 def record_session(

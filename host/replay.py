@@ -1,6 +1,7 @@
 """Replay of positions through a scene's C, and the time its ticks take."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 
 from springpot.host.compiler import shared_library
 from springpot.host.library import Reals, SceneLibrary
+from springpot.host.session_log import INPUT
 from springpot.runtime_c.errors import SpringpotError
 from springpot.runtime_c.paths import INCLUDE, PORT_HOST
 
@@ -54,6 +56,25 @@ class Replay:
             self._step, self._ffi.cast("void *", state.address), len(position),
             self._reals(position), self._reals(velocity), self._reals(force),
             self._ffi.from_buffer("int32_t[]", notes),
+        )  # fmt: skip
+        return force, notes
+
+    def repeat(self, calls: Mapping[str, Reals]) -> tuple[Reals, Reals]:
+        """Make the calls of a session's log again, from a fresh state: forces (N) and notes, (n,).
+
+        calls: the channels of the log, see `session_log`. Rows without a call stay 0.
+        """
+        made = np.ascontiguousarray(calls["call"], dtype=np.int32)
+        force = np.zeros(len(made), dtype=self._library.dtype)
+        notes = np.zeros(len(made), dtype=np.int32)
+        state = self._library.new_state()
+        inputs = [self._converted(calls[name]) for name in (INPUT, "velocity_mps", "dt_s")]
+        pointer = self._ffi.cast
+        addresses = [pointer("void *", self._library.address(f)) for f in ("step", "idle", "reset")]
+        self._port.sp_replay_calls(
+            *addresses, pointer("void *", state.address), len(made),
+            self._ffi.from_buffer("int32_t[]", made), *map(self._reals, inputs),
+            self._reals(force), self._ffi.from_buffer("int32_t[]", notes),
         )  # fmt: skip
         return force, notes
 

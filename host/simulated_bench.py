@@ -203,6 +203,11 @@ class SimulatedHand:
         self._out_m = self._library.ffi.new("double *")
         self._out_mps = self._library.ffi.new("double *")
 
+    @property
+    def address(self) -> int:
+        """Address of the C state, for C that moves the hand."""
+        return int(self._library.ffi.cast("uintptr_t", self.state))
+
     def step(self, dt_s: float, intended_m: float, force_n: float) -> tuple[float, float]:
         """Advance one tick of `dt_s` under a rendered force; return position_m, velocity_mps."""
         self._library.check(

@@ -8,6 +8,8 @@ INCLUDE = ROOT / "include"
 SOURCE = ROOT / "src"
 SIM = ROOT / "sim"
 PORT_HOST = ROOT / "port" / "host"
+PORT_POSIX = ROOT / "port" / "posix"
+PORT_WIRE = ROOT / "port" / "wire"
 FLAGS_FILE = ROOT / "flags.mk"
 
 

@@ -8,7 +8,8 @@ import fcntl
 import json
 import os
 import secrets
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from types import TracebackType
@@ -20,14 +21,14 @@ from springpot.runtime_c.errors import DeviceError, UsageError
 from springpot.trainer.journal_blocks import (
     FACTS,
     LAST_FACTS,
-    PAIRS,
     PAYLOAD_BYTES,
     SAMPLES,
     encode,
+    most_rows,
 )
 from springpot.trainer.journal_reader import journal_of, read_journal
 from springpot.trainer.notices import notice
-from springpot.trainer.recording import Samples
+from springpot.trainer.recording import Samples, Zero
 from springpot.trainer.recording_file import store_recording, sync_folder
 
 _MOST_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
@@ -42,10 +43,19 @@ class JournalWriter:
     """
 
     def __init__(
-        self, file: Path, name: str, dt_s: float, source: str, details: Mapping[str, Any]
+        self,
+        file: Path,
+        name: str,
+        dt_s: float,
+        source: str,
+        details: Mapping[str, Any],
+        *,
+        zero: Zero = "none",
+        channels: Sequence[str] = (),
     ) -> None:
-        """Begin the recording `file`; name, dt_s (s), source and details as in `Recording`.
+        """Begin the recording `file`; name, dt_s (s), source, details and zero as in `Recording`.
 
+        channels: names of what each row holds beside position and force.
         Raises UsageError where it exists, is being recorded, or was left behind by a crash;
         DeviceError where it cannot be written.
         """
@@ -55,39 +65,53 @@ class JournalWriter:
         self._descriptor = self._create()
         self._number = secrets.randbits(64)
         self._blocks = 0
-        self._pairs = max(1, min(PAIRS, int(_MOST_S / dt_s)))
-        self._pending = np.empty((0, 2))
+        self._width = 2 + len(channels)
+        self._rows = max(1, min(most_rows(self._width), int(_MOST_S / dt_s)))
+        self._pending = np.empty((0, self._width))
         self._synced_s = monotonic()
-        self._full = False
+        self.full = False
         self._closed = False
         facts = {
             "schema": 1,
             "name": name,
             "dt_s": dt_s,
             "source": source,
+            "zero": zero,
             "details": dict(details),
-            "block_s": self._pairs * dt_s,
+            "channels": list(channels),
+            "block_s": self._rows * dt_s,
         }
         self._write_facts(json.dumps(facts).encode())
         sync_folder(file.parent)
 
-    def append(self, position_m: Samples, force_n: Samples) -> None:
-        """Take the next samples, each shape (n,). Raises DeviceError where the disk is full."""
-        new = np.stack((position_m, force_n), axis=1)
+    def append(
+        self, position_m: Samples, force_n: Samples, channels: Samples | None = None
+    ) -> None:
+        """Take the next samples, each shape (n,). Raises DeviceError where the disk is full.
+
+        channels: shape (n, k), a column for each channel beside them.
+        """
+        new = np.empty((len(position_m), self._width))
+        new[:, 0], new[:, 1] = position_m, force_n
+        if channels is not None:
+            new[:, 2:] = channels
         self._pending = np.concatenate((self._pending, new))
-        while len(self._pending) >= self._pairs:
-            self._write_samples(self._pairs)
+        while len(self._pending) >= self._rows:
+            self._write_samples(self._rows)
         if monotonic() - self._synced_s > _SYNC_S:
             self._sync()
 
-    def finish(self) -> None:
+    def finish(self, details: Mapping[str, Any] | None = None) -> None:
         """Write the HDF5 file aside, sync it, rename it, and only then remove the journal.
 
+        details: what became known since the start, added to the recording's.
         Raises DeviceError where there is no room for it; the journal then stays and is readable.
         """
         self._flush()
         try:
-            store_recording(self.file, read_journal(self.journal).recording, overwrite=False)
+            recording = read_journal(self.journal).recording
+            told = {**recording.details, **(details or {})}
+            store_recording(self.file, replace(recording, details=told), overwrite=False)
         except FileExistsError:
             raise UsageError(
                 f"{self.file}: another program wrote it meanwhile; this recording is kept in "
@@ -96,6 +120,11 @@ class JournalWriter:
         except OSError as error:
             raise self._failure(error) from None
         self.journal.unlink()
+        self._close()
+
+    def discard(self) -> None:
+        """Remove the journal of a recording that never began."""
+        self.journal.unlink(missing_ok=True)
         self._close()
 
     def __enter__(self) -> Self:
@@ -110,7 +139,7 @@ class JournalWriter:
         if self._closed:
             return
         try:
-            if not self._full:
+            if not self.full:
                 self._flush()
         except DeviceError:
             pass  # the error that is under way says more
@@ -148,7 +177,7 @@ class JournalWriter:
             while content:
                 content = content[os.write(self._descriptor, content) :]
         except OSError as error:
-            self._full = True
+            self.full = True
             raise self._failure(error) from None
         self._blocks += 1
 

@@ -1,7 +1,8 @@
 """The blocks of a journal: fixed size, each with a checksum, so that damage stays where it is.
 
 A block is 4096 bytes: a header, the payload, zeros, and the CRC-32 of all before it. The first
-blocks hold the recording's facts as JSON, the others samples: pairs of position (m) and force (N).
+blocks hold the recording's facts as JSON, the others samples: rows of position (m), force (N) and
+whatever channels the facts name beside them.
 """
 
 import struct
@@ -18,12 +19,17 @@ _HEADER = struct.Struct("<8sQIHH")
 _CHECKSUM = struct.Struct("<I")
 _MARK = b"spjourn1"
 PAYLOAD_BYTES: Final = BLOCK_BYTES - _HEADER.size - _CHECKSUM.size
-_PAIR_BYTES = 16
-PAIRS: Final = PAYLOAD_BYTES // _PAIR_BYTES
+_NUMBER_BYTES = 8
+PAIRS: Final = PAYLOAD_BYTES // (2 * _NUMBER_BYTES)
 
 FACTS, LAST_FACTS, SAMPLES = 0, 1, 2
 
-Pairs = NDArray[np.float64]
+Rows = NDArray[np.float64]
+
+
+def most_rows(width: int) -> int:
+    """Rows of `width` numbers that fit into a block."""
+    return PAYLOAD_BYTES // (width * _NUMBER_BYTES)
 
 
 @dataclass(frozen=True)
@@ -35,10 +41,9 @@ class Block:
     kind: int
     payload: bytes
 
-    @property
-    def pairs(self) -> Pairs:
-        """Samples of a block of them, shape (n, 2): position m, force N."""
-        return np.frombuffer(self.payload, dtype="<f8").reshape(-1, 2)
+    def rows(self, width: int) -> Rows:
+        """Samples of a block of them, shape (n, width): position m, force N, more channels."""
+        return np.frombuffer(self.payload, dtype="<f8").reshape(-1, width)
 
 
 def encode(journal: int, index: int, kind: int, payload: bytes) -> bytes:
@@ -57,7 +62,7 @@ def decode(content: bytes) -> Block | None:
     if _CHECKSUM.pack(zlib.crc32(body)) != checksum:
         return None
     mark, journal, index, kind, used = _HEADER.unpack_from(body)
-    if mark != _MARK or used > PAYLOAD_BYTES or (kind == SAMPLES and used % _PAIR_BYTES):
+    if mark != _MARK or used > PAYLOAD_BYTES or (kind == SAMPLES and used % _NUMBER_BYTES):
         return None
     return Block(journal, index, kind, body[_HEADER.size : _HEADER.size + used])
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.journal_blocks import BLOCK_BYTES, LAST_FACTS, SAMPLES, Block, decode
-from springpot.trainer.recording import SUFFIX, Recording
+from springpot.trainer.recording import SUFFIX, Recording, Samples
 
 JOURNAL_SUFFIX = ".journal"
 MOST_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
@@ -30,6 +30,15 @@ class Recovered:
 class _Journal:
     facts: Mapping[str, Any]
     blocks: list[Block | None]  # of samples, None where damaged
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of the channels beside position and force."""
+        return list(self.facts.get("channels", ()))
+
+    def rows(self, blocks: list[Block | None]) -> list[Samples]:
+        """Samples of the whole blocks among these, each (n, 2 + channels)."""
+        return [block.rows(2 + len(self.channels)) for block in blocks if block]
 
 
 def journal_of(file: Path) -> Path:
@@ -86,7 +95,7 @@ def read_parts(path: Path) -> tuple[list[Recording], str]:
             parts.append([])
         if block is None:
             holes.append(f"{_seconds(journal, k):.3f} s")
-    parts = [part for part in parts if sum(len(b.pairs) for b in part if b) >= 2]
+    parts = [part for part in parts if sum(map(len, journal.rows(part))) >= 2]
     if not parts:
         raise DataError(f"{path}: no whole block of samples: nothing can be recovered")
     recordings = [
@@ -114,10 +123,13 @@ def _read(path: Path) -> _Journal:
     facts = _facts(path, blocks)
     begin = next(k for k, block in enumerate(blocks) if block and block.kind == LAST_FACTS) + 1
     samples = [b if b and b.kind == SAMPLES else None for b in blocks[begin:]]
-    if sum(len(block.pairs) for block in samples if block) < 2:
+    row_bytes = 8 * (2 + len(facts.get("channels", ())))
+    samples = [b if b and len(b.payload) % row_bytes == 0 else None for b in samples]
+    journal = _Journal(facts, samples)
+    if sum(map(len, journal.rows(samples))) < 2:
         raise DataError(f"{path}: a recording that was interrupted before its first samples: "
                         "remove it")  # fmt: skip
-    return _Journal(facts, samples)
+    return journal
 
 
 def _facts(path: Path, blocks: list[Block | None]) -> Mapping[str, Any]:
@@ -144,13 +156,18 @@ def _seconds(journal: _Journal, block: int) -> float:
 
 
 def _recording(path: Path, journal: _Journal, blocks: list[Block | None], suffix: str) -> Recording:
-    pairs = np.concatenate([block.pairs for block in blocks if block])
+    rows = np.concatenate(journal.rows(blocks))
     facts = journal.facts
     return Recording(
         name=str(facts["name"]) + suffix,
-        position_m=np.ascontiguousarray(pairs[:, 0], dtype=np.float64),
-        force_n=np.ascontiguousarray(pairs[:, 1], dtype=np.float64),
+        position_m=np.ascontiguousarray(rows[:, 0], dtype=np.float64),
+        force_n=np.ascontiguousarray(rows[:, 1], dtype=np.float64),
         dt_s=float(facts["dt_s"]),
+        zero=facts.get("zero", "none"),
         source=str(facts["source"]),
         details=facts["details"],
+        channels={
+            name: np.ascontiguousarray(rows[:, 2 + k], dtype=np.float64)
+            for k, name in enumerate(journal.channels)
+        },
     )

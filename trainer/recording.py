@@ -30,6 +30,8 @@ class Recording:
     position_delay_s, force_delay_s: how much later than the truth each channel was sampled.
     source: where the samples came from, for people (file and block, or device).
     details: further facts of the source, for people and reports; JSON values.
+    channels: more samples beside the two, each (n,); of a session what each tick was given and
+    returned. A fit does not see them.
 
     Raises DataError where the channels cannot be a recording.
     """
@@ -43,6 +45,7 @@ class Recording:
     force_delay_s: float = 0.0
     source: str = ""
     details: Mapping[str, Any] = field(default_factory=dict)
+    channels: Mapping[str, Samples] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.position_m.ndim != 1 or self.position_m.shape != self.force_n.shape:

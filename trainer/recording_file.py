@@ -19,7 +19,7 @@ from springpot.trainer.journal_reader import (
     read_journal,
 )
 from springpot.trainer.notices import notice
-from springpot.trainer.recording import SIGN_RULE, SUFFIX, Recording
+from springpot.trainer.recording import SIGN_RULE, SUFFIX, Recording, Samples
 
 SCHEMA = 1
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
@@ -27,6 +27,7 @@ SCHEMA = 1
 _SEAL = b"springpot sha256"
 _SEAL_BYTES = len(_SEAL) + hashlib.sha256().digest_size
 _CHANNEL_UNITS = {"position_m": "m", "force_n": "N"}
+_MORE = "channels"  # group of the channels beside these two
 _CHUNK_SAMPLES = 1 << 17
 
 
@@ -81,18 +82,22 @@ def _hdf5(recording: Recording) -> bytes:
         file.attrs["source"] = recording.source
         file.attrs["details"] = json.dumps(dict(recording.details), sort_keys=True)
         for channel, unit in _CHANNEL_UNITS.items():
-            samples = getattr(recording, channel)
-            dataset = file.create_dataset(
-                channel,
-                data=samples,
-                chunks=(min(len(samples), _CHUNK_SAMPLES),),
-                compression="gzip",
-                compression_opts=1,
-                shuffle=True,
-                fletcher32=True,
-            )
-            dataset.attrs["unit"] = unit
+            _data_set(file, channel, getattr(recording, channel)).attrs["unit"] = unit
+        for channel, samples in recording.channels.items():
+            _data_set(file, f"{_MORE}/{channel}", samples)
     return memory.getvalue()
+
+
+def _data_set(file: h5py.File, name: str, samples: Samples) -> h5py.Dataset:
+    return file.create_dataset(
+        name,
+        data=samples,
+        chunks=(min(len(samples), _CHUNK_SAMPLES),),
+        compression="gzip",
+        compression_opts=1,
+        shuffle=True,
+        fletcher32=True,
+    )
 
 
 def read_recording(path: Path) -> Recording:
@@ -147,6 +152,10 @@ def _read_hdf5(path: Path) -> Recording:
                 force_delay_s=float(file.attrs["force_delay_s"]),
                 source=str(file.attrs["source"]),
                 details=json.loads(file.attrs["details"]),
+                channels={
+                    name: np.asarray(file[_MORE][name], dtype=np.float64)
+                    for name in file.get(_MORE, ())
+                },
             )
     except FileNotFoundError:
         raise DataError(f"{path}: no such file") from None

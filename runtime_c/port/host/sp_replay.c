@@ -31,6 +31,8 @@ static int sleep_until_next(struct timespec *deadline, double period_s)
 }
 
 typedef int (*sp_step_function)(void *, sp_real, sp_real, sp_real *);
+typedef int (*sp_idle_function)(void *, sp_real, sp_real *);
+typedef void (*sp_reset_function)(void *);
 
 void sp_replay(void *step, void *state, uint32_t n, const sp_real *position_m,
                const sp_real *velocity_mps, sp_real *force_n, int32_t *notes)
@@ -39,6 +41,29 @@ void sp_replay(void *step, void *state, uint32_t n, const sp_real *position_m,
     memcpy(&call, &step, sizeof call);
     for (uint32_t i = 0; i < n; i++) {
         notes[i] = call(state, position_m[i], velocity_mps[i], &force_n[i]);
+    }
+}
+
+void sp_replay_calls(void *step, void *idle, void *reset, void *state, uint32_t n,
+                     const int32_t *call, const sp_real *position_m, const sp_real *velocity_mps,
+                     const sp_real *dt_s, sp_real *force_n, int32_t *notes)
+{
+    sp_step_function make_step;
+    sp_idle_function make_idle;
+    sp_reset_function make_reset;
+    memcpy(&make_step, &step, sizeof make_step);
+    memcpy(&make_idle, &idle, sizeof make_idle);
+    memcpy(&make_reset, &reset, sizeof make_reset);
+    for (uint32_t i = 0; i < n; i++) {
+        if (call[i] & SP_REPLAY_RESET) {
+            make_reset(state);
+        }
+        if (call[i] & SP_REPLAY_NONE) {
+            continue;
+        }
+        notes[i] = call[i] & SP_REPLAY_IDLE
+                       ? make_idle(state, dt_s[i], &force_n[i])
+                       : make_step(state, position_m[i], velocity_mps[i], &force_n[i]);
     }
 }
 

@@ -11,6 +11,14 @@
 void sp_replay(void *step, void *state, uint32_t n, const sp_real *position_m,
                const sp_real *velocity_mps, sp_real *force_n, int32_t *notes);
 
+enum { SP_REPLAY_IDLE = 1, SP_REPLAY_RESET = 2, SP_REPLAY_NONE = 4 };
+
+/* Make the calls of a session again: call[i] is bits of the above, sp_step where none of IDLE and
+ * NONE is set. Rows without a call keep force and notes as they are. */
+void sp_replay_calls(void *step, void *idle, void *reset, void *state, uint32_t n,
+                     const int32_t *call, const sp_real *position_m, const sp_real *velocity_mps,
+                     const sp_real *dt_s, sp_real *force_n, int32_t *notes);
+
 /* Time each of n ticks, ns, one every period_s (s), with `cold_bytes` of other memory walked in
  * between. Returns 0, or the error of the clock. */
 int sp_pace(void *step, void *state, uint32_t n, const sp_real *position_m,

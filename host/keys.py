@@ -1,0 +1,41 @@
+"""Single keys of a person at a terminal, without waiting; nothing where there is no terminal."""
+
+import contextlib
+import os
+import select
+import sys
+import termios
+import tty
+from collections.abc import Iterator
+from typing import TextIO
+
+
+class Keys:
+    """Keys pressed since the last look."""
+
+    def __init__(self, terminal: TextIO | None) -> None:
+        self._terminal = terminal
+
+    def pressed(self) -> str:
+        """Return the keys in order, perhaps none."""
+        found = ""
+        while self._terminal is not None and select.select([self._terminal], [], [], 0)[0]:
+            keys = os.read(self._terminal.fileno(), 64).decode(errors="replace")
+            if not keys:
+                break
+            found += keys
+        return found
+
+
+@contextlib.contextmanager
+def reading_keys() -> Iterator[Keys]:
+    """Read keys one by one while this lasts."""
+    if not sys.stdin.isatty():
+        yield Keys(None)
+        return
+    before = termios.tcgetattr(sys.stdin)
+    tty.setcbreak(sys.stdin)
+    try:
+        yield Keys(sys.stdin)
+    finally:
+        termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)

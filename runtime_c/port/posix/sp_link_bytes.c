@@ -1,0 +1,34 @@
+#define _POSIX_C_SOURCE 200809L
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "sp_link.h"
+
+static int failed(void)
+{
+    return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR || errno == ENOBUFS
+               ? 0
+               : SP_LINK_GONE;
+}
+
+sp_motion *sp_link_place(sp_motion *motions, uint32_t room, int count)
+{
+    if ((uint32_t)count < room) {
+        return &motions[count];
+    }
+    memmove(motions, motions + 1, (room - 1) * sizeof *motions);
+    return &motions[room - 1];
+}
+
+int sp_link_take(int fd, uint8_t *bytes, uint32_t room)
+{
+    const ssize_t count = read(fd, bytes, room);
+    return count > 0 ? (int)count : count == 0 ? SP_LINK_GONE : failed();
+}
+
+int sp_link_put(int fd, const uint8_t *bytes, uint32_t count)
+{
+    const ssize_t put = write(fd, bytes, count);
+    return put >= 0 ? (int)put : failed();
+}

@@ -1,0 +1,262 @@
+#include <math.h>
+#include <string.h>
+#if defined(__linux__)
+#include <linux/can.h>
+#endif
+
+#include "sp_link.h"
+
+/* CAN Simple: identifier = node << 5 | command; all little-endian. */
+enum {
+    HEARTBEAT = 0x01,
+    AXIS_STATE = 0x07,
+    ENCODER = 0x09,
+    CONTROLLER_MODE = 0x0b,
+    INPUT_TORQUE = 0x0e,
+    CLEAR_ERRORS = 0x18,
+    TORQUES = 0x1c
+};
+enum { CLOSED_LOOP = 8, TORQUE_CONTROL = 1, PASSTHROUGH = 1 };
+enum { LINE = 32, ROOM = 4096, BYTES = 8 };
+static const double two_pi = 6.283185307179586;
+
+typedef struct {
+    sp_link link;
+    sp_odrive drive;
+    char line[LINE];
+    uint32_t used;
+    int cut; /* the last line went out only in part */
+    int tripped;
+    double measured_n;
+
+    /* Of the reading that is under way. */
+    uint64_t now_ns;
+    sp_motion *motions;
+    uint32_t room;
+    int fresh;
+} odrive;
+
+static float real_at(const uint8_t *bytes)
+{
+    float value;
+    memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
+static void put_u32(uint8_t *bytes, uint32_t value)
+{
+    memcpy(bytes, &value, sizeof value);
+}
+
+/* One frame from the drive. */
+static void take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
+{
+    const sp_odrive *drive = &self->drive;
+    sp_motion *motion;
+    int failed;
+    if (id >> 5 != drive->node || size < BYTES) {
+        return;
+    }
+    switch (id & 31u) {
+    case HEARTBEAT:
+        memcpy(&self->link.device_error, data, sizeof self->link.device_error);
+        failed = self->link.device_error != 0 || data[4] != CLOSED_LOOP ||
+                 (!drive->with_torque && ((data[5] | data[6] | data[7]) & 1));
+        self->tripped = self->link.ready && failed;
+        self->link.ready = self->link.ready || !failed;
+        return;
+    case TORQUES:
+        if (drive->with_torque) {
+            /* at rest the object pushes back what the motor pushes in */
+            self->measured_n = drive->sign * (double)real_at(data + 4) * two_pi / drive->m_per_turn;
+        }
+        return;
+    case ENCODER:
+        self->link.samples++;
+        motion = sp_link_place(self->motions, self->room, self->fresh++);
+        motion->position_m =
+            drive->sign * ((double)real_at(data) - drive->zero_turns) * drive->m_per_turn -
+            drive->surface_m;
+        motion->velocity_mps = drive->sign * (double)real_at(data + 4) * drive->m_per_turn;
+        motion->measured_n = self->measured_n;
+        motion->arrived_ns = self->now_ns;
+        return;
+    default:
+        return;
+    }
+}
+
+static int nibble(char text)
+{
+    if (text >= '0' && text <= '9') {
+        return text - '0';
+    }
+    const char small = (char)(text | 0x20);
+    return small >= 'a' && small <= 'f' ? small - 'a' + 10 : -1;
+}
+
+/* A line of the adapter: t, three digits of identifier, one of length, two a byte, perhaps four of
+ * a time stamp. Other lines are its answers. */
+static void take_line(odrive *self)
+{
+    uint8_t data[BYTES];
+    uint32_t id = 0;
+    if (self->used == 0 || self->line[0] != 't') {
+        return;
+    }
+    for (uint32_t i = 1; i < self->used; i++) {
+        if (nibble(self->line[i]) < 0) {
+            self->link.crc_errors++;
+            return;
+        }
+    }
+    const uint32_t size = self->used > 4 ? (uint32_t)nibble(self->line[4]) : BYTES + 1;
+    if (size > BYTES || (self->used != 5 + 2 * size && self->used != 9 + 2 * size)) {
+        self->link.crc_errors++;
+        return;
+    }
+    for (uint32_t i = 1; i < 4; i++) {
+        id = id << 4 | (uint32_t)nibble(self->line[i]);
+    }
+    for (uint32_t i = 0; i < size; i++) {
+        data[i] = (uint8_t)(nibble(self->line[5 + 2 * i]) << 4 | nibble(self->line[6 + 2 * i]));
+    }
+    take_frame(self, id, data, size);
+}
+
+static void take_text(odrive *self, const uint8_t *bytes, int count)
+{
+    enum { BELL = 7, RETURN = 13 };
+    for (int i = 0; i < count; i++) {
+        if (bytes[i] == RETURN) {
+            if (self->used < LINE) {
+                take_line(self);
+            } else {
+                self->link.crc_errors++;
+            }
+            self->used = 0;
+        } else if (bytes[i] == BELL) {
+            self->link.crc_errors++;
+            self->used = 0;
+        } else if (self->used < LINE) {
+            self->line[self->used++] = (char)bytes[i];
+        }
+    }
+}
+
+static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room)
+{
+    odrive *self = (odrive *)link;
+    int count;
+    self->now_ns = now_ns;
+    self->motions = motions;
+    self->room = room;
+    self->fresh = 0;
+    if (self->drive.slcan) {
+        uint8_t bytes[ROOM];
+        while ((count = sp_link_take(link->fd, bytes, ROOM)) > 0) {
+            take_text(self, bytes, count);
+            if (count < ROOM) {
+                break;
+            }
+        }
+    } else {
+#if defined(__linux__)
+        struct can_frame frame;
+        while ((count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame)) > 0) {
+            if (count == (int)sizeof frame && !(frame.can_id & ~(canid_t)CAN_SFF_MASK)) {
+                take_frame(self, frame.can_id, frame.data, frame.can_dlc);
+            }
+        }
+#else
+        count = SP_LINK_GONE;
+#endif
+    }
+    return count < 0 ? SP_LINK_GONE : self->tripped ? SP_LINK_TRIPPED : self->fresh;
+}
+
+static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    uint8_t text[LINE];
+    uint32_t used = 0;
+    if (self->cut) {
+        text[used++] = '\r'; /* end what was cut off: the adapter refuses it, and takes the next */
+    }
+    text[used++] = 't';
+    for (int shift = 8; shift >= 0; shift -= 4) {
+        text[used++] = (uint8_t)digits[id >> shift & 15u];
+    }
+    text[used++] = (uint8_t)digits[size];
+    for (uint32_t i = 0; i < size; i++) {
+        text[used++] = (uint8_t)digits[data[i] >> 4];
+        text[used++] = (uint8_t)digits[data[i] & 15u];
+    }
+    text[used++] = '\r';
+    const int put = sp_link_put(self->link.fd, text, used);
+    self->cut = put > 0 ? put < (int)used : self->cut;
+    return put < 0 ? SP_LINK_GONE : put < (int)used;
+}
+
+static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
+{
+    const uint32_t id = self->drive.node << 5 | command;
+    if (self->drive.slcan) {
+        return send_text(self, id, data, BYTES);
+    }
+#if defined(__linux__)
+    struct can_frame frame = {.can_id = id, .can_dlc = BYTES};
+    memcpy(frame.data, data, BYTES);
+    const int put = sp_link_put(self->link.fd, (const uint8_t *)&frame, sizeof frame);
+    return put < 0 ? SP_LINK_GONE : put < (int)sizeof frame;
+#else
+    return SP_LINK_GONE;
+#endif
+}
+
+static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
+{
+    odrive *self = (odrive *)link;
+    const sp_odrive *drive = &self->drive;
+    uint8_t data[BYTES] = {0};
+    const float torque_nm = (float)(-drive->sign * force_n * drive->m_per_turn / two_pi);
+    (void)now_ns;
+    if (!(fabs((double)torque_nm) <= drive->max_torque_nm)) {
+        return SP_LINK_TRIPPED; /* the session was set up wrongly: no force is better than less */
+    }
+    memcpy(data, &torque_nm, sizeof torque_nm);
+    const int put = send_frame(self, INPUT_TORQUE, data);
+    link->unsent += put == 1;
+    return put;
+}
+
+static void reset_odrive(sp_link *link, uint64_t now_ns)
+{
+    odrive *self = (odrive *)link;
+    uint8_t data[BYTES] = {0};
+    (void)send_frame(self, CLEAR_ERRORS, data);
+    put_u32(data, TORQUE_CONTROL);
+    put_u32(data + 4, PASSTHROUGH);
+    (void)send_frame(self, CONTROLLER_MODE, data);
+    put_u32(data, CLOSED_LOOP);
+    put_u32(data + 4, 0);
+    (void)send_frame(self, AXIS_STATE, data);
+    (void)now_ns;
+    self->link.ready = 0;
+    self->tripped = 0;
+}
+
+uint32_t sp_link_odrive_size(void)
+{
+    return (uint32_t)sizeof(odrive);
+}
+
+sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive)
+{
+    odrive *self = (odrive *)memory;
+    *self = (odrive){
+        .link = {.fd = fd, .read = read_odrive, .write = write_odrive, .reset = reset_odrive},
+        .drive = *drive,
+        .measured_n = (double)NAN};
+    return &self->link;
+}

@@ -1,0 +1,120 @@
+#include <math.h>
+
+#include "sp_link.h"
+#include "sp_wire.h"
+
+typedef struct {
+    sp_link link;
+    sp_wire_receiver receiver;
+    uint32_t sequence;
+    double surface_m;
+    sp_wire_command command; /* under way until its ack */
+    uint32_t command_sequence;
+    uint64_t command_ns;
+    int tripped;
+} serial;
+
+enum { ROOM = 4096 };
+static const uint64_t command_again_ns = 10000000;
+
+static void send_command(serial *self, uint64_t now_ns)
+{
+    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    self->command_sequence = self->sequence;
+    self->command_ns = now_ns;
+    const uint32_t count = sp_wire_send_command(&self->sequence, &self->command, bytes);
+    (void)sp_link_put(self->link.fd, bytes, count);
+}
+
+static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns, sp_motion *motions,
+                      uint32_t room, int count)
+{
+    sp_wire_sample sample;
+    sp_wire_ack ack;
+    if (sp_wire_get_ack(frame, &ack) && ack.command == self->command_sequence && !ack.refused) {
+        self->link.ready = 1;
+    }
+    if (!sp_wire_get_sample(frame, &sample)) {
+        return 0;
+    }
+    sp_motion *motion = sp_link_place(motions, room, count);
+    self->link.samples++;
+    self->tripped = (sample.status & SP_WIRE_TRIPPED) != 0;
+    motion->position_m = (double)sample.position_m - self->surface_m;
+    motion->velocity_mps = (double)sample.velocity_mps;
+    motion->measured_n =
+        sample.status & SP_WIRE_LOAD_CELL ? (double)sample.measured_n : (double)NAN;
+    motion->arrived_ns = now_ns;
+    return 1;
+}
+
+static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room)
+{
+    serial *self = (serial *)link;
+    uint8_t bytes[ROOM];
+    int fresh = 0, count;
+    while ((count = sp_link_take(link->fd, bytes, sizeof bytes)) > 0) {
+        for (int i = 0; i < count; i++) {
+            sp_wire_frame frame;
+            if (sp_wire_receive(&self->receiver, bytes[i], &frame) == SP_WIRE_NEW) {
+                fresh += take_frame(self, &frame, now_ns, motions, room, fresh);
+            }
+        }
+        if (count < ROOM) {
+            break;
+        }
+    }
+    link->crc_errors = self->receiver.crc_errors;
+    link->sequence_gaps = self->receiver.gaps;
+    if (!link->ready && now_ns - self->command_ns > command_again_ns) {
+        send_command(self, now_ns);
+    }
+    if (count < 0) {
+        return SP_LINK_GONE;
+    }
+    return self->tripped && link->ready ? SP_LINK_TRIPPED : fresh;
+}
+
+static int write_serial(sp_link *link, uint64_t now_ns, double force_n)
+{
+    serial *self = (serial *)link;
+    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    const sp_wire_force force = {(float)force_n};
+    (void)now_ns;
+    const uint32_t count = sp_wire_send_force(&self->sequence, &force, bytes);
+    const int put = sp_link_put(link->fd, bytes, count);
+    if (put < 0) {
+        return SP_LINK_GONE;
+    }
+    link->unsent += put < (int)count;
+    return put < (int)count;
+}
+
+static void reset_serial(sp_link *link, uint64_t now_ns)
+{
+    serial *self = (serial *)link;
+    self->command.action = SP_WIRE_RESET;
+    link->ready = 0;
+    send_command(self, now_ns);
+}
+
+uint32_t sp_link_serial_size(void)
+{
+    return (uint32_t)sizeof(serial);
+}
+
+sp_link *sp_link_serial_init(void *memory, int fd, double surface_m, float watchdog_s,
+                             float rate_hz, uint32_t next_sequence)
+{
+    serial *self = (serial *)memory;
+    *self = (serial){.link = {.fd = fd,
+                              .ready = 1,
+                              .read = read_serial,
+                              .write = write_serial,
+                              .reset = reset_serial},
+                     .sequence = next_sequence,
+                     .surface_m = surface_m,
+                     .command = {.watchdog_s = watchdog_s, .rate_hz = rate_hz}};
+    sp_wire_restart(&self->receiver);
+    return &self->link;
+}

@@ -1,0 +1,60 @@
+"""Simulated peers as processes: started, listened to, ended."""
+
+import json
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+PEERS = Path(__file__).parent / "peers"
+CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
+
+
+class Peer:
+    """A peer that runs: its URL, and the events that it has told."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        assert process.stdout is not None
+        self.process = process
+        self.url = process.stdout.readline().strip()
+        assert "://" in self.url, "the peer died: " + self.url
+        self.events: list[dict[str, Any]] = []
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def named(self, name: str) -> list[dict[str, Any]]:
+        return [event for event in self.events if event["event"] == name]
+
+    def wait_for(self, name: str, seconds: float = 10.0, more: int = 0) -> dict[str, Any]:
+        """The event after `more` of its name."""
+        wait_until(lambda: len(self.named(name)) > more, seconds, f"no event {name}")
+        return self.named(name)[more]
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.events.append(json.loads(line))
+
+
+def wait_until(true: Callable[[], object], seconds: float, what: str) -> None:
+    until = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < until, what
+        time.sleep(0.005)
+
+
+@contextmanager
+def peer(kind: str, *options: object) -> Iterator[Peer]:
+    command = [sys.executable, str(PEERS / f"{kind}.py"), *map(str, options)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        yield Peer(process)
+    finally:
+        process.terminate()
+        process.wait(5)
+        if process.stdout is not None:
+            process.stdout.close()
