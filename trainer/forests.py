@@ -11,7 +11,11 @@ from springpot.runtime_c.errors import UsageError
 from springpot.trainer.tree_ir import boosted_ir, forest_ir
 
 Samples = NDArray[np.float64]
-FEATURES_AT_SPLIT = 1 / 3
+# The paper gives neither. All features at a split: with a third of them, leaves follow features that
+# lag behind the force, and the forest gave energy back in up to 15 of 30 small-signal cells. Few rows
+# a tree make up for the time, and halve the nodes (tests/bench/tree_evidence.py).
+FEATURES_AT_SPLIT = 1.0
+ROWS_OF_A_TREE = 0.35
 
 
 def depth_scale(span_m: float) -> float:
@@ -24,11 +28,12 @@ def depth_scale(span_m: float) -> float:
 
 
 def random_forest(trees: int, leaf: int, seed: int) -> Any:
-    """Forest as the paper's, not fitted: bootstrap, a third of the features at each split."""
+    """Forest as the paper's, not fitted: bootstrap, all features at each split."""
     return RandomForestRegressor(
         n_estimators=trees,
         min_samples_leaf=leaf,
         max_features=FEATURES_AT_SPLIT,
+        max_samples=ROWS_OF_A_TREE,
         random_state=seed,
         n_jobs=-1,
     )
