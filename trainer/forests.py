@@ -11,9 +11,10 @@ from springpot.runtime_c.errors import UsageError
 from springpot.trainer.tree_ir import boosted_ir, forest_ir
 
 Samples = NDArray[np.float64]
-# The paper gives neither. All features at a split: with a third of them, leaves follow features that
-# lag behind the force, and the forest gave energy back in up to 15 of 30 small-signal cells. Few rows
-# a tree make up for the time, and halve the nodes (tests/bench/tree_evidence.py).
+# The paper gives neither. With a third of the features at a split, leaves follow features that lag
+# behind the force, and the forest gave energy back in up to 15 of 30 small-signal cells; with all of
+# them in none. Few rows a tree make up for the time and halve the nodes
+# (tests/bench/tree_evidence.py).
 FEATURES_AT_SPLIT = 1.0
 ROWS_OF_A_TREE = 0.35
 
