@@ -1,4 +1,4 @@
-/* springpot 0.1.0 9002f36cb863242daba9ac024a40adef73216abd586e9ea821c6e6e3e1e73da0 */
+/* springpot 0.1.0 871f569485c8a12e6b0ba6c4b46b7871ad0532d7b17f9b69bc16172cdedf6e24 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 9002f36cb863242daba9ac024a40adef73216abd586e9ea821c6e6e3e1e73da0 */
+/* springpot 0.1.0 871f569485c8a12e6b0ba6c4b46b7871ad0532d7b17f9b69bc16172cdedf6e24 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -122,5 +122,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"9002f36cb863242daba9ac024a40adef73216abd586e9ea821c6e6e3e1e73da0\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"871f569485c8a12e6b0ba6c4b46b7871ad0532d7b17f9b69bc16172cdedf6e24\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
