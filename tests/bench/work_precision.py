@@ -98,6 +98,8 @@ def main(path: Path) -> None:
         left.set_xlabel("whole tick, hot, ns")
         left.set_ylabel("relative error of the half derivative at 2 Hz")
         left.legend(frameon=False)
+        left.set_xticks([20, 50, 100, 200, 500, 1000], ["20", "50", "100", "200", "500", "1000"])
+        left.minorticks_off()
         for printed, color in ((True, MEASURED), (False, PREDICTED)):
             errors = [max(abs(integrator_force(s, printed) - truth), 1e-9) for s in steps]
             name = "printed (semi-implicit Euler)" if printed else "exact"
@@ -105,6 +107,8 @@ def main(path: Path) -> None:
         right.set_xlabel("step of the coupling, ms (both: about ten multiplications)")
         right.set_ylabel("error of the force, N")
         right.legend(frameon=False)
+        right.set_xticks(list(1e3 * steps), [f"{1e3 * step:g}" for step in steps])
+        right.minorticks_off()
         path.write_text(svg_text(figure))
 
 
