@@ -1,4 +1,4 @@
-/* springpot 0.1.0 871f569485c8a12e6b0ba6c4b46b7871ad0532d7b17f9b69bc16172cdedf6e24 */
+/* springpot 0.1.0 c7c26e87fe241efbd59e009a750e83c6598fca6677b7ffb816d2e5796197f0ab */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 871f569485c8a12e6b0ba6c4b46b7871ad0532d7b17f9b69bc16172cdedf6e24 */
+/* springpot 0.1.0 c7c26e87fe241efbd59e009a750e83c6598fca6677b7ffb816d2e5796197f0ab */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -122,5 +122,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"871f569485c8a12e6b0ba6c4b46b7871ad0532d7b17f9b69bc16172cdedf6e24\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"c7c26e87fe241efbd59e009a750e83c6598fca6677b7ffb816d2e5796197f0ab\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

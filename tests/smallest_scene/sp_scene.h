@@ -1,4 +1,4 @@
-/* springpot 0.1.0 871f569485c8a12e6b0ba6c4b46b7871ad0532d7b17f9b69bc16172cdedf6e24 */
+/* springpot 0.1.0 c7c26e87fe241efbd59e009a750e83c6598fca6677b7ffb816d2e5796197f0ab */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
