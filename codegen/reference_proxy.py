@@ -13,7 +13,7 @@ from springpot.codegen.stages.stage import Starts
 
 Reals = NDArray[Any]
 ModelForce = Callable[[Reals, NDArray[np.bool_]], Reals]
-_CHUNK = 32  # ticks guessed at a time
+_CHUNK = 1024  # ticks guessed at a time
 
 
 @dataclass(frozen=True, eq=False)

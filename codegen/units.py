@@ -42,15 +42,27 @@ def state_members(plan: Plan) -> list[Member]:
 
 def state_bytes(plan: Plan) -> int:
     """Size of sp_state: the members' sizes, each padded to its own alignment."""
+    return _layout(plan)[1]
+
+
+def member_offset(plan: Plan, name: str) -> int:
+    """Where the member `name` begins in sp_state, bytes. Raises KeyError."""
+    return _layout(plan)[0][name]
+
+
+def _layout(plan: Plan) -> tuple[dict[str, int], int]:
     sizes = {REAL: plan.dtype(0).itemsize, U32: 4, DOUBLE: 8}
+    offsets = {}
     total = 0
     widest = 1
     for member in state_members(plan):
         align = max(sizes[scalar] for scalar in member.scalars)
         size = sum(sizes[scalar] for scalar in member.scalars)
-        total = _padded(total, align) + _padded(size, align)
+        total = _padded(total, align)
+        offsets[member.declaration.split()[-1].split("[")[0]] = total
+        total += _padded(size, align)
         widest = max(widest, align)
-    return _padded(total, widest)
+    return offsets, _padded(total, widest)
 
 
 def _padded(size: int, align: int) -> int:

@@ -86,6 +86,11 @@ class SceneState:
         """Address of the state, for C that calls sp_step."""
         return int(self._ffi.cast("uintptr_t", self._state))
 
+    def real_at(self, offset: int) -> float:
+        """The number that the state holds at `offset` bytes: for tests of what a tick remembers."""
+        memory = self._ffi.cast("char *", self._memory) + offset
+        return float(self._ffi.cast(f"{self._real} *", memory)[0])
+
     def reset(self) -> None:
         """Forget the past; unlatch the watchdog."""
         self._library.function("reset")(self._state)

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.golden import backward_velocity
+from springpot.codegen.plan import Plan
 from springpot.codegen.reference import run_reference
+from springpot.codegen.units import member_offset
 from springpot.host.emission import read_emission
 from springpot.host.frames import refuse_other_frame
 from springpot.host.library import SceneLibrary
@@ -53,7 +55,8 @@ def validate(folder: Path, recordings: Sequence[Recording], paced_s: float = PAC
         position = recording.position_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
         force, notes = replay.run(position, velocity)
-        reference = run_reference(plan, position, velocity)
+        guess_m = proxy_positions(plan, library, position, velocity)
+        reference = run_reference(plan, position, velocity, guess_m)
         mismatches += int(np.sum(_differs(force, reference.force_n) | (notes != reference.notes)))
         again = repeat_session(replay, recording, library.manifest["hash"])
         if again is not None:
@@ -100,6 +103,21 @@ def repeat_session(
     silenced = (call & (NONE | SILENT | UNSENT)) != 0
     mismatches = int(np.sum((other | sent_otherwise) & ((call & NONE) == 0)))
     return np.where(silenced, felt, force), mismatches
+
+
+def proxy_positions(
+    plan: Plan, library: SceneLibrary, position: NDArray[Any], velocity: NDArray[Any]
+) -> NDArray[Any] | None:
+    """Where the C's proxy is before each tick, (n,), m; the reference proves it. None without."""
+    if not plan.at_proxy:
+        return None
+    offset = member_offset(plan, "couple")
+    state = library.new_state()
+    found = np.zeros_like(position)
+    for i in range(len(position) - 1):
+        state.step(float(position[i]), float(velocity[i]))
+        found[i + 1] = state.real_at(offset)
+    return found
 
 
 def _differs(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:

@@ -21,6 +21,7 @@ from springpot.codegen.reference_tick import (
 from springpot.host.emission import emit
 from springpot.host.library import SceneLibrary
 from springpot.host.replay import Replay
+from springpot.host.validation import proxy_positions
 
 NUMBERS = ["float32", "float64"]
 SHAPES = {
@@ -76,6 +77,23 @@ def test_hostile_motion_raises_every_note() -> None:
     for seed in (1, 2, 3):
         seen |= int(np.bitwise_or.reduce(run_reference(plan, wandering(seed)).notes))
     assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED | LIMITED
+
+
+def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
+    tmp_path: Path,
+) -> None:
+    chosen = scene(mode="proxy")
+    emit(chosen, model_file(tmp_path), tmp_path / "c")
+    plan = make_plan(small_model(), chosen)
+    library = SceneLibrary(tmp_path / "c")
+    position = wandering(5).astype(plan.dtype)
+    velocity = np.zeros_like(position)
+    guess_m = proxy_positions(plan, library, position, velocity)
+    assert guess_m is not None
+    right = run_reference(plan, position, velocity)
+    assert_same_bits(run_reference(plan, position, velocity, guess_m), right)
+    assert_same_bits(run_reference(plan, position, velocity, 0.9 * guess_m), right)
+    assert_same_bits(Run(*Replay(library).run(position, velocity)), right)
 
 
 def test_m2cgen_and_the_table_give_the_same_bits(tmp_path: Path) -> None:

@@ -36,9 +36,9 @@ PLAIN = Scene(schema=1, name="x", model="x")
 
 
 @cache
-def simulated_model(name: str, kind: str) -> Model:
+def simulated_model(name: str, kind: str, trees: int = TREES) -> Model:
     training = simulated(name, "a", Work(signals=1)).training
-    options = FitOptions(trees=TREES, monotone=kind == "boosted")
+    options = FitOptions(trees=trees, monotone=kind == "boosted")
     return fit_model(kind, name, training, options).model
 
 
@@ -75,11 +75,13 @@ def _agrees_with_the_stiffer_object(found: Stability) -> None:
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-@pytest.mark.parametrize("kind", ["hammerstein", "boosted"])
-def test_no_active_cells_for_passive_and_monotone_models(name: str, kind: str) -> None:
-    if kind == "boosted" and name != "dragon-skin-10" and not SOAK:
+@pytest.mark.parametrize("kind", ["hammerstein", "boosted", "rf-fd"])
+def test_no_active_cells_for_passive_and_monotone_models_and_the_default_forest(
+    name: str, kind: str
+) -> None:
+    if kind != "hammerstein" and name != "dragon-skin-10" and not SOAK:
         pytest.skip("make soak")
-    plan = make_plan(simulated_model(name, kind), dataclasses.replace(
+    plan = make_plan(simulated_model(name, kind, 100), dataclasses.replace(
         PLAIN, guard=dataclasses.replace(PLAIN.guard, max_force_n=1000.0)
     ))  # fmt: skip
     with built(plan) as library:

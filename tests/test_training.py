@@ -53,7 +53,7 @@ def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     scale = 64.0  # the power of two nearest to 1/0.012 m
     assert depth_scale(DEPTH_M) == scale
     forest = RandomForestRegressor(
-        n_estimators=5, min_samples_leaf=20, max_features=1 / 3, random_state=1
+        n_estimators=5, min_samples_leaf=20, max_samples=0.35, random_state=1
     ).fit(scale * data.features(model.features, rows), data.force_n(rows))
     features = fir_derivatives(scale * item.position_m, model.features.taps)
     expected = forest.predict(features.astype(np.float32))

@@ -4,11 +4,11 @@
 
 /* springpot declarations begin */
 enum {
-    SP_NOTE_HELD = 1,    /* the sample was missing or not believable: the last good one served */
-    SP_NOTE_RESYNC = 2,  /* a new position was taken as true: history restarts at it */
-    SP_NOTE_OUTSIDE = 4, /* outside the trained depth: the model saw the nearest trained one */
-    SP_NOTE_CLAMPED = 8, /* the force was cut to the scene's limits */
-    SP_NOTE_RAMPED = 16, /* the force rises from zero after a start or restart at depth */
+    SP_NOTE_HELD = 1,     /* the sample was missing or not believable: the last good one served */
+    SP_NOTE_RESYNC = 2,   /* a new position was taken as true: history restarts at it */
+    SP_NOTE_OUTSIDE = 4,  /* outside the trained depth: the model saw the nearest trained one */
+    SP_NOTE_CLAMPED = 8,  /* the force was cut to the scene's limits */
+    SP_NOTE_RAMPED = 16,  /* the force rises from zero after a start or restart at depth */
     SP_NOTE_LATCHED = 32, /* the watchdog tripped: the force goes to zero, until sp_reset */
     SP_NOTE_LIMITED = 64  /* the force grew faster than a touch makes it: held back */
 };

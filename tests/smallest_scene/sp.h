@@ -1,4 +1,4 @@
-/* springpot 0.1.0 fd3b583e5e4868972084a446b69720521216b7d07dcd064d4871e2a5adabe3d3 */
+/* springpot 0.1.0 f915e22dcc0fdff549436775c5d979aa3cb6d85c59c5b55d7526beedcc371996 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

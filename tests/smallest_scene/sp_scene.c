@@ -1,4 +1,4 @@
-/* springpot 0.1.0 fd3b583e5e4868972084a446b69720521216b7d07dcd064d4871e2a5adabe3d3 */
+/* springpot 0.1.0 f915e22dcc0fdff549436775c5d979aa3cb6d85c59c5b55d7526beedcc371996 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -121,5 +121,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"fd3b583e5e4868972084a446b69720521216b7d07dcd064d4871e2a5adabe3d3\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"f915e22dcc0fdff549436775c5d979aa3cb6d85c59c5b55d7526beedcc371996\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
