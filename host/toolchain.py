@@ -21,7 +21,15 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
     "cortex-m7": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m7", "-mfpu=fpv5-d16")),
     "rv32imafc": (
         "riscv64-unknown-elf-",
-        ("-march=rv32imafc_zicsr", "-mabi=ilp32f", "-ffreestanding"),
+        (
+            "-march=rv32imafc",
+            "-misa-spec=2.2",  # F and the counters without naming zicsr: the library's own choice
+            "-mabi=ilp32f",
+            "-mcmodel=medany",
+            "-mno-relax",
+            "-ffreestanding",
+            "--specs=picolibc.specs",
+        ),
     ),
 }
 
