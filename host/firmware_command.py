@@ -25,8 +25,10 @@ def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
     board = board_of(name)
     with emitted_folder(scene) as folder:
         program = build_firmware(folder, board, out)
-    run = " ".join([board.emulator, "-M", board.name, *board.options, "-nographic", "-monitor none",
-                    "-chardev pty,id=c0", "-serial chardev:c0", "-kernel", str(program)])  # fmt: skip
+    run = (
+        f"{' '.join([board.emulator, '-M', board.name, *board.options])} -nographic -monitor none "
+        f"-chardev pty,id=c0 -serial chardev:c0 -kernel {program}"
+    )
     print_result(
         {"firmware": str(program), "board": board.name, "target": board.target},
         as_json,
