@@ -15,7 +15,7 @@ class Toolchain:
     flags: tuple[str, ...]
 
 
-_ARM = ("-mthumb", "-mfloat-abi=hard", "-ffreestanding")
+_ARM = ("-mthumb", "-mfloat-abi=hard")
 _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
     "cortex-m4f": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16")),
     "cortex-m7": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m7", "-mfpu=fpv5-d16")),
@@ -27,7 +27,6 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
             "-mabi=ilp32f",
             "-mcmodel=medany",
             "-mno-relax",
-            "-ffreestanding",
             "--specs=picolibc.specs",
         ),
     ),
