@@ -97,7 +97,7 @@ def _linked(board: Board, out: Path, sources: tuple[str, ...], strict: bool = Fa
     if "overflowed by" in result.stderr:
         over = next(line for line in result.stderr.splitlines() if "overflowed by" in line)
         raise BudgetError(
-            f"{board.name}: the firmware does not fit ({over.split(': ')[-1]}): emit with "
-            "`--flash` and `--ram` of the board to see what would make it fit"
+            f"{board.name}: the firmware does not fit ({over.split(': ')[-1]}): give the "
+            "scene a [budget] and `springpot emit --fit`"
         )
     raise CompilerError(f"{tools.compiler} refused the firmware: {result.stderr.strip()[:600]}")

@@ -36,7 +36,9 @@ def main() -> None:
     options = parser.parse_args()
     recordings = read_recordings(options.recording)
     position = np.concatenate([item.position_m for item in recordings])[: options.ticks]
-    print("model mode board | flash RAM stack | most bound restart bound | ticks differing | RMSE N")
+    print(
+        "model mode board | flash RAM stack | most bound restart bound | ticks differing | RMSE N"
+    )
     for model in options.models:
         for mode in options.mode:
             for name in options.board:
