@@ -10,6 +10,7 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
+    SMALLEST,
     Member,
     Probe,
     Reals,
@@ -20,7 +21,6 @@ from springpot.codegen.stages.stage import (
 )
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
-SMALLEST = 1e-30  # SP_POLES_SMALLEST
 
 
 def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:
