@@ -19,7 +19,7 @@ from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.fir import FirStage
 from springpot.codegen.stages.forest import CompactForestStage, IfsStage, WideForestStage
 from springpot.codegen.stages.stage import RegressorStage, Stage
-from springpot.codegen.units import planned_headers, stages, state_bytes
+from springpot.codegen.units import measured_tables, planned_headers, stages, state_bytes
 from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
 
 _HASH = "@manifest-hash@"
@@ -34,7 +34,7 @@ def emit_files(plan: Plan) -> dict[str, str]:
     files = {
         f"{prefix}.h": public_header(plan),
         f"{prefix}_scene.h": scene_header(plan),
-        f"{prefix}_tables.h": _tables(plan, "tables", _once(plan)),
+        f"{prefix}_tables.h": _tables(plan, "tables", _once(plan), measured_tables(plan)),
         f"{prefix}_scene.c": scene_source(plan, json.dumps(_short_manifest(plan))),
         f"{prefix}_golden.h": _golden(plan),
         f"{prefix}_selftest.c": selftest_source(plan),
@@ -132,10 +132,12 @@ def _stamp(name: str) -> str:
     return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"
 
 
-def _tables(plan: Plan, name: str, parts: Sequence[Stage | RegressorStage]) -> str:
+def _tables(
+    plan: Plan, name: str, parts: Sequence[Stage | RegressorStage], more: Sequence[str] = ()
+) -> str:
     prefix = plan.scene.runtime.prefix
     guard = f"{prefix}_{name}_H".upper()
-    lines = [line for part in parts for line in ("", *part.tables())]
+    lines = [*(line for part in parts for line in ("", *part.tables())), *more]
     head = f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n\n"
     return "\n".join([f'{head}#include "{prefix}_scene.h"', *lines, "\n#endif\n"])
 

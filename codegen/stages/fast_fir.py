@@ -72,6 +72,8 @@ class FastFirStage:
             array_text("weights", "sp_real", self.weights),
         ]
 
+    measured = None
+
     def restart(self) -> list[str]:
         """Fill the window; no pole has seen a rise."""
         return [

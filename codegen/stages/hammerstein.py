@@ -12,6 +12,7 @@ from springpot.codegen.stages.stage import (
     LANES,
     REAL,
     SMALLEST,
+    Measured,
     Member,
     Real,
     Reals,
@@ -41,7 +42,8 @@ class HammersteinStage:
     """Arrays of sp_hammerstein_tables, and the variable of the tick that it follows.
 
     Curves: shape (pieces, degree + 1, curves), highest power first. spring: one, branches: one
-    each, stops: (stops, pieces, degree + 1). loss: (branches,), radius: (stops,).
+    each, stops: (stops, pieces, degree + 1), radius: (stops,). loss, per_tau (1/s), per_gain
+    (inverse of what is folded into the branches): (branches,).
     follows: "depth" (clipped to the trained range) or "deep" (not clipped). Its force is the C
     variable `{follows}_passive_n`.
     """
@@ -49,6 +51,8 @@ class HammersteinStage:
     config: HammersteinConfig
     spring: Reals
     branches: Reals
+    per_tau: Reals
+    per_gain: Reals
     loss: Reals
     stops: Reals
     radius: Reals
@@ -96,6 +100,24 @@ class HammersteinStage:
     @property
     def _play(self) -> str:
         return f"state->{self.follows}_play" if self.config.n_stops else "NULL"
+
+    @property
+    def measured(self) -> Measured:
+        """Losses and gains from the time step."""
+        return Measured(
+            headers=("sp_measured.h", "sp_hammerstein_dt.h"),
+            tables=(
+                array_text("branch_per_tau", "sp_real", self.per_tau),
+                array_text("branch_per_gain", "sp_real", self.per_gain),
+            ),
+            advance=(
+                f"sp_real {self.follows}_branch[{self.config.n_branches}];",
+                f"const sp_real {self.follows}_passive_n = sp_hammerstein_step_dt(",
+                "    &passive, &passive_tables, branch_per_tau, branch_per_gain, dt_s,",
+                f"    {self.follows}, state->{self.follows}_before, state->{self.follows}_held,",
+                f"    {self._play}, {self.follows}_branch);",
+            ),
+        )
 
     def restart(self) -> list[str]:
         """Relaxed branches."""
@@ -192,7 +214,9 @@ def hammerstein_stage(
     branches = np.zeros((room, BASIS_SIZE[model.basis]))
     branches[:n_branches] = gain[:, None] * model.branch_n
     loss: Reals = np.ones(room, dtype=dtype)
+    per_tau, per_gain = loss.copy(), loss.copy()
     loss[:n_branches] = pole_loss
+    per_tau[:n_branches], per_gain[:n_branches] = 1.0 / model.tau_s, 1.0 / gain
     curves = curve_terms(model.basis, branches)
     return HammersteinStage(
         config=HammersteinConfig(
@@ -208,6 +232,8 @@ def hammerstein_stage(
             :, :, 0
         ].astype(dtype),
         branches=curves.astype(dtype),
+        per_tau=per_tau,
+        per_gain=per_gain,
         loss=loss,
         stops=np.moveaxis(curve_terms(model.basis, stop_n), 2, 0).astype(dtype),
         radius=(model.radius_m / model.span_m).astype(dtype),
