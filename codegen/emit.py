@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.forest_compact import work_at_most
 from springpot.codegen.glue import public_header, scene_header, scene_source
 from springpot.codegen.golden import golden_positions, golden_velocities, probe_inputs
 from springpot.codegen.literals import wrapped
@@ -105,6 +106,7 @@ def _model_facts(plan: Plan) -> dict[str, Any]:
         facts["leaf_error_n"] = regressor.table.leaf_error_n
     if isinstance(regressor, CompactForestStage):
         facts["leaf_error_n"] = regressor.forest.leaf_error_n
+        facts["work_at_most"] = work_at_most(regressor.forest)
     return facts
 
 
