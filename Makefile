@@ -9,7 +9,10 @@ COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
 
 include runtime_c/flags.mk
 
-.PHONY: demo test soak bench-tick bench-host check format lint types ns test-c clean
+MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf \
+  picolibc-riscv64-unknown-elf qemu-system-misc
+
+.PHONY: demo test test-mcu setup-mcu firmware soak bench-mcu bench-tick bench-host check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -23,15 +26,29 @@ demo: $(STAMP)
 test: $(STAMP) test-c
 	$(BIN)/pytest
 
+# Cross compilers and emulators, from the system's packages, as root.
+setup-mcu:
+	apt-get update -q >/dev/null
+	DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $(MCU_PACKAGES) >/dev/null
+
+# The same C on emulated boards; what is missing here is skipped, counted, and said.
+test-mcu: $(STAMP)
+	$(BIN)/pytest -n 2 tests/test_mcu_*.py
+
+# make firmware BOARD=mps2-an386 SCENE=scene.toml: build/firmware/BOARD/firmware.elf and its sources.
+firmware: $(STAMP)
+	$(BIN)/springpot firmware --scene $(SCENE) --board $(BOARD) --out build/firmware/$(BOARD)
+
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a
-# million damaged frames, every fault of a session five times.
+# million damaged frames, every fault of a session five times, a minute on every emulated board.
 soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
 	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/test_hostile.py tests/test_stability.py tests/test_engines.py
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/test_faults.py
+	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/test_mcu_board.py
 
 # Sessions of a minute over simulated devices: ticks, lateness, and the Python loop beside.
 bench-host: $(STAMP)

@@ -12,6 +12,7 @@ import numpy as np
 from springpot.codegen.forest_compact import work_at_most
 from springpot.codegen.glue import public_header, scene_header, scene_source
 from springpot.codegen.golden import golden_positions, golden_velocities, probe_inputs
+from springpot.codegen.instructions import instruction_bound
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model_file import model_hash
 from springpot.codegen.plan import Plan
@@ -70,6 +71,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "accept_unsafe": plan.accept_unsafe,
         **_model_facts(plan),
         "state_bytes": state_bytes(plan),
+        **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
         "limits": {
             "least_n": float(plan.output.least_n),
             "greatest_n": float(plan.output.greatest_n),

@@ -83,6 +83,8 @@ class Budget:
     __pydantic_config__ = _CLOSED
     flash_bytes: Annotated[int, Gt(0)] | None = None
     ram_bytes: Annotated[int, Gt(0)] | None = None
+    stack_bytes: Annotated[int, Gt(0)] | None = None
+    tick_instructions: Annotated[int, Gt(0)] | None = None
     tick_us: Annotated[float, Gt(0)] | None = None
 
 

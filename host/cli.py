@@ -20,6 +20,7 @@ _COMMANDS = {
     "train": ("train_command", "train"),
     "emit": ("emit_command", "emit_"),
     "build": ("emit_command", "build"),
+    "firmware": ("firmware_command", "firmware"),
     "stability": ("stability_command", "stability_"),
     "validate": ("validate_command", "validate_"),
     "run": ("run_command", "run"),

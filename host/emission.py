@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from springpot.codegen.emit import emit_files
+from springpot.codegen.instructions import instruction_bound
 from springpot.codegen.ir import Model
 from springpot.codegen.model_file import read_model
 from springpot.codegen.plan import Plan, make_plan
-from springpot.codegen.scene import Scene
+from springpot.codegen.scene import Budget, Scene
 from springpot.codegen.units import state_bytes
 from springpot.host.compiler import NoCompilerError
 from springpot.host.footprint import Footprint, measure_footprint
@@ -146,22 +147,34 @@ def _footprint(plan: Plan, folder: Path) -> tuple[Footprint | None, str | None]:
     return measure_footprint(folder, source, tools), None
 
 
-def _check_budget(emission: Emission) -> None:
-    budget = emission.plan.scene.budget
-    flash = emission.footprint.flash_bytes if emission.footprint else None
-    for what, has, may in (
-        ("flash", flash, budget.flash_bytes),
-        ("RAM", emission.ram_bytes, budget.ram_bytes),
+def over_budget(emission: Emission, budget: Budget) -> str:
+    """All sizes that are over the budget, with the budget's; nothing where all fit.
+
+    Raises BudgetError where a size that has a budget cannot be measured.
+    """
+    found = emission.footprint
+    bound = instruction_bound(emission.plan)
+    over = []
+    for what, unit, has, may in (
+        ("flash", "bytes", found.flash_bytes if found else None, budget.flash_bytes),
+        ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
+        ("stack", "bytes", found.stack_bytes if found else None, budget.stack_bytes),
+        ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
     ):
         if may is None:
             continue
         if has is None:
-            raise BudgetError(f"{what}: cannot be measured: {'; '.join(emission.notices)}")
-        if has > may:
             raise BudgetError(
-                f"{what}: {has} bytes, the scene's budget is {may}: raise the budget, or train a "
-                "smaller model"
+                f"{what}: cannot be told: {'; '.join(emission.notices)}: remove the budget's key"
             )
+        if has > may:
+            over.append(f"{what}: {has} {unit}, the scene's budget is {may}")
+    return "; ".join(over)
+
+
+def _check_budget(emission: Emission) -> None:
+    if over := over_budget(emission, emission.plan.scene.budget):
+        raise BudgetError(over)
 
 
 def _refuse_foreign(folder: Path) -> None:

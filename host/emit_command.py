@@ -5,10 +5,12 @@ from typing import Any
 
 import click
 
-from springpot.host.emission import Emission, emit
+from springpot.host.emission import Emission
+from springpot.host.fitting import emit_fitting
 from springpot.host.library import build_scene
 from springpot.host.output import json_option, print_result, say
 from springpot.host.scene_file import model_path, read_scene
+from springpot.trainer.recording_file import read_recordings
 
 
 @click.command(name="emit")
@@ -25,13 +27,30 @@ from springpot.host.scene_file import model_path, read_scene
     is_flag=True,
     help="Emit although a hand would find it unstable, for replay; the manifest says so.",
 )
+@click.option(
+    "--recording",
+    "recordings",
+    multiple=True,
+    type=click.Path(),
+    metavar="REC",
+    help="What smaller versions are measured on, where the scene does not fit its budget.",
+)
+@click.option("--fit", is_flag=True, help="Leave out what costs least until the budget is met.")
 @json_option
 def emit_(
-    scene_file: Path, model_file: Path | None, out: Path, accept_unsafe: bool, as_json: bool
+    scene_file: Path,
+    model_file: Path | None,
+    out: Path,
+    accept_unsafe: bool,
+    recordings: tuple[str, ...],
+    fit: bool,
+    as_json: bool,
 ) -> None:
     """Emit the C source of a scene."""
     scene = read_scene(scene_file)
-    emission = emit(scene, model_file or model_path(scene, scene_file), out, accept_unsafe)
+    found = read_recordings(map(Path, recordings)) if recordings else []
+    model = model_file or model_path(scene, scene_file)
+    emission = emit_fitting(scene, model, out, accept_unsafe, found, fit)
     for notice in emission.notices:
         say(notice)
     print_result(emission_result(emission), as_json, emission_rows(emission))
@@ -46,6 +65,7 @@ def emission_result(emission: Emission) -> dict[str, Any]:
         "flash_bytes": footprint.flash_bytes if footprint else None,
         "ram_bytes": emission.ram_bytes,
         "stack_bytes": footprint.stack_bytes if footprint else None,
+        "instructions": manifest.get("instructions"),
         "units": manifest["units"],
         "left_out": manifest["left_out"],
         "orders": manifest["orders"],
@@ -74,6 +94,8 @@ def emission_rows(emission: Emission) -> dict[str, str]:
         "stability": _stability(emission),
         "hash": emission.hash,
     }
+    if bound := emission.manifest.get("instructions"):
+        rows["instructions"] = f"at most {bound['tick']} a tick, {bound['restart']} at a restart"
     for item in left_out:
         rows[f"left out: {item['what']}"] = f"{item['why']}, {item['bytes']} bytes"
     return rows

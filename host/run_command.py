@@ -60,7 +60,7 @@ def run(
     """Render a scene on a device. Keys: q stop, p pause, r reset; Ctrl-C stops too."""
     if log is not None and log.suffix != SUFFIX:
         raise UsageError(f"{log}: a log is a recording: give it a name ending in {SUFFIX}")
-    with _emitted(scene) as folder, stopping_on_sigterm():
+    with emitted_folder(scene) as folder, stopping_on_sigterm():
         session = Session(
             folder,
             url,
@@ -89,7 +89,7 @@ def _say_above(line: str) -> None:
 
 
 @contextmanager
-def _emitted(scene: Path) -> Iterator[Path]:
+def emitted_folder(scene: Path) -> Iterator[Path]:
     """The folder itself, or that of a scene file emitted for this session."""
     if (scene / SCENE_COPY).exists():
         yield scene

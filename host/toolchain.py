@@ -15,13 +15,20 @@ class Toolchain:
     flags: tuple[str, ...]
 
 
-_ARM = ("-mthumb", "-mfloat-abi=hard", "-ffreestanding")
+_ARM = ("-mthumb", "-mfloat-abi=hard")
 _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
     "cortex-m4f": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16")),
     "cortex-m7": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m7", "-mfpu=fpv5-d16")),
     "rv32imafc": (
         "riscv64-unknown-elf-",
-        ("-march=rv32imafc_zicsr", "-mabi=ilp32f", "-ffreestanding"),
+        (
+            "-march=rv32imafc",
+            "-misa-spec=2.2",  # F and the counters without naming zicsr: the library's own choice
+            "-mabi=ilp32f",
+            "-mcmodel=medany",
+            "-mno-relax",
+            "--specs=picolibc.specs",
+        ),
     ),
 }
 

@@ -23,12 +23,15 @@ from springpot.trainer.recording_file import read_recordings
     metavar="REC",
     help="Recording or folder; may be repeated.",
 )
+@click.option(
+    "--device", "url", help="A board that renders the scene, such as serial:///dev/ttyACM0."
+)
 @json_option
-def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
+def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_json: bool) -> None:
     """Replay recordings through the C of an emitted FOLDER."""
     found = read_recordings(map(Path, recordings))
     with progress_console.status(f"replaying {len(found)} recordings"):
-        validation = validate(folder, found)
+        validation = validate(folder, found, device=url)
     result = validation_result(validation)
     store_validation(folder, validation, found, result)
     print_result(result, as_json, validation_rows(validation))

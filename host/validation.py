@@ -1,6 +1,7 @@
 """Validation: recordings replayed through the C, against the measurement and the reference."""
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.plan import Plan
 from springpot.codegen.reference import run_reference
 from springpot.codegen.units import member_offset
+from springpot.host.board_replay import BoardReplay, board_force, board_replay
 from springpot.host.emission import read_emission
 from springpot.host.frames import refuse_other_frame
 from springpot.host.library import SceneLibrary
@@ -30,7 +32,8 @@ PACED_S = 3.0
 class Validation:
     """Result over all recordings; predicted_n: forces of the C, one array a recording.
 
-    mismatches: ticks where C and reference differ in force or notes, bit for bit.
+    mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
+    bit.
     """
 
     accuracy: Accuracy
@@ -41,12 +44,34 @@ class Validation:
     manifest: dict[str, Any]
 
 
-def validate(folder: Path, recordings: Sequence[Recording], paced_s: float = PACED_S) -> Validation:
-    """Replay every recording from a fresh state. Raises DataError for another sampling rate."""
+def validate(
+    folder: Path,
+    recordings: Sequence[Recording],
+    paced_s: float = PACED_S,
+    device: str | None = None,
+) -> Validation:
+    """Replay every recording from a fresh state; with `device`, through the board of that URL too.
+
+    Raises DataError for another sampling rate, DeviceError where the board does not answer.
+    """
     plan, model = read_emission(folder)
     for recording in recordings:
         refuse_other_frame(recording, model)
     library = SceneLibrary(folder)
+    opened = (
+        nullcontext() if device is None else board_replay(device, plan, library.manifest["hash"])
+    )
+    with opened as board:
+        return _validated(plan, library, recordings, paced_s, board)
+
+
+def _validated(
+    plan: Plan,
+    library: SceneLibrary,
+    recordings: Sequence[Recording],
+    paced_s: float,
+    board: BoardReplay | None,
+) -> Validation:
     replay = Replay(library)
     predicted: list[NDArray[np.float64]] = []
     mismatches = 0
@@ -62,6 +87,9 @@ def validate(folder: Path, recordings: Sequence[Recording], paced_s: float = PAC
         if again is not None:
             force = again[0]
             mismatches += again[1]
+        if board is not None:
+            force, others = board_force(replay, board.run(position, velocity))
+            mismatches += others
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
         predicted.append(force.astype(np.float64))

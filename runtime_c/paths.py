@@ -10,6 +10,7 @@ SIM = ROOT / "sim"
 PORT_HOST = ROOT / "port" / "host"
 PORT_POSIX = ROOT / "port" / "posix"
 PORT_WIRE = ROOT / "port" / "wire"
+PORT_MCU = ROOT / "port" / "mcu"
 FLAGS_FILE = ROOT / "flags.mk"
 
 

@@ -1,0 +1,90 @@
+/* Start of a Cortex-M with a floating-point unit, and its timer. */
+#include "sp_arm.h"
+
+#include "sp_port.h"
+
+#define CPACR SP_REGISTER(0xe000ed88u)
+#define ICSR SP_REGISTER(0xe000ed04u)
+#define SYST_CSR SP_REGISTER(0xe000e010u)
+#define SYST_RVR SP_REGISTER(0xe000e014u)
+#define SYST_CVR SP_REGISTER(0xe000e018u)
+
+enum { FULL_ACCESS_FPU = 0xf << 20, SYST_ON = 7, SYST_MOST = 1 << 24, FIRST_INTERRUPT = 16 };
+
+/* Of the linker script. */
+extern uint32_t sp_stack_top[], sp_data_load[], sp_data[], sp_data_end[], sp_bss[], sp_bss_end[];
+
+int main(void);
+void sp_arm_reset(void);
+
+static uint32_t parts; /* turns of SysTick in a period: it counts to 2^24 only */
+static uint32_t turn;
+
+void sp_arm_periods(float core_hz, float period_s)
+{
+    uint32_t counts = (uint32_t)(core_hz * period_s + 0.5f);
+    for (parts = 1; counts > SYST_MOST; parts *= 2) {
+        counts /= 2;
+    }
+    SYST_RVR = counts - 1;
+    SYST_CVR = 0;
+    SYST_CSR = SYST_ON;
+}
+
+static void on_systick(void)
+{
+    turn++;
+    if (turn >= parts) {
+        turn = 0;
+        sp_port_period();
+    }
+}
+
+static void on_interrupt(void)
+{
+    sp_board_interrupt((ICSR & 0x1ffu) - FIRST_INTERRUPT);
+}
+
+/* A fault: the motor must not stay on. A debugger finds the cause. */
+static void on_fault(void)
+{
+    sp_hand_force(0.0f);
+    for (;;) {
+    }
+}
+
+/* Before main: nothing here may use the FPU, memcpy or a static variable. */
+void sp_arm_reset(void)
+{
+    CPACR |= FULL_ACCESS_FPU;
+    __asm__ volatile("dsb\n isb" ::: "memory");
+    const uint32_t *from = sp_data_load;
+    for (volatile uint32_t *to = sp_data; to < sp_data_end; to++) {
+        *to = *from++;
+    }
+    for (volatile uint32_t *to = sp_bss; to < sp_bss_end; to++) {
+        *to = 0;
+    }
+    (void)main();
+    on_fault();
+}
+
+typedef struct {
+    const uint32_t *stack_top;
+    void (*reset)(void);
+    void (*exceptions[13])(void);
+    void (*systick)(void);
+    void (*interrupts[SP_ARM_INTERRUPTS])(void);
+} vectors;
+
+#define FOUR(f) f, f, f, f
+#define SIXTEEN(f) FOUR(f), FOUR(f), FOUR(f), FOUR(f)
+extern const vectors sp_arm_vectors;
+__attribute__((section(".vectors"), used)) const vectors sp_arm_vectors = {
+    .stack_top = sp_stack_top,
+    .reset = sp_arm_reset,
+    .exceptions = {FOUR(on_fault), FOUR(on_fault), FOUR(on_fault), on_fault},
+    .systick = on_systick,
+    .interrupts = {SIXTEEN(on_interrupt), SIXTEEN(on_interrupt), SIXTEEN(on_interrupt),
+                   SIXTEEN(on_interrupt)},
+};

@@ -1,0 +1,29 @@
+/* What the processor itself gives: interrupts held back, sleep until the next one. */
+#ifndef SP_CPU_H
+#define SP_CPU_H
+
+static inline void sp_cpu_hold_interrupts(void)
+{
+#if defined(__arm__)
+    __asm__ volatile("cpsid i" ::: "memory");
+#else
+    __asm__ volatile("csrc mstatus, 8" ::: "memory");
+#endif
+}
+
+static inline void sp_cpu_let_interrupts(void)
+{
+#if defined(__arm__)
+    __asm__ volatile("cpsie i" ::: "memory");
+#else
+    __asm__ volatile("csrs mstatus, 8" ::: "memory");
+#endif
+}
+
+/* Returns when an interrupt waits, also one that is held back. */
+static inline void sp_cpu_sleep(void)
+{
+    __asm__ volatile("wfi" ::: "memory");
+}
+
+#endif

@@ -1,0 +1,131 @@
+/* Firmware: a scene rendered by a board that speaks springpot serial (sp_wire_messages.h).
+ *
+ * A call a period: sp_step where the sensor or the host gave a new motion, else sp_idle, whose
+ * watchdog takes the force to zero and latches. Sleeps between interrupts. */
+#include "sp_facts.h"
+#include "sp_port.h"
+#include "sp_scene.h"
+#include "sp_wire.h"
+
+int main(void);
+
+static struct {
+    sp_state scene;
+    sp_wire_receiver receiver;
+    uint32_t sequence;
+    sp_wire_feed motion; /* the newest */
+    int moved;           /* since the last call */
+    int running;
+    int was_reset;
+    int sound; /* the self-test passed: else nothing is rendered */
+} board;
+
+static void hello(void)
+{
+    static const sp_wire_hash model = SP_FACTS_HASH;
+    const sp_wire_hello message = {.layout = sp_wire_layout(),
+                                   .role = SP_WIRE_RENDERS,
+                                   .rate_hz = 1.0f / SP_FACTS_DT_S,
+                                   .greatest_n = SP_FACTS_GREATEST_N,
+                                   .model = model};
+    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    sp_port_write(bytes, sp_wire_send_hello(&board.sequence, &message, bytes));
+}
+
+static uint8_t refusal(const sp_wire_command *command)
+{
+    const float ticks = command->rate_hz * SP_FACTS_DT_S;
+    if (command->action == SP_WIRE_STOP) {
+        return 0;
+    }
+    if (command->action > SP_WIRE_PRESS || !board.sound) {
+        return SP_WIRE_REFUSED_ACTION;
+    }
+    if (!(ticks > 0.999f && ticks < 1.001f)) { /* the scene has one rate */
+        return SP_WIRE_REFUSED_RATE;
+    }
+    /* The scene's watchdog is the one there is: a host that wants a quicker one must know. */
+    return command->watchdog_s < 0.99f * SP_FACTS_WATCHDOG_S ? SP_WIRE_REFUSED_WATCHDOG : 0;
+}
+
+static void obey(uint32_t sequence, const sp_wire_command *command)
+{
+    const sp_wire_ack ack = {.command = sequence, .refused = refusal(command)};
+    if (ack.refused == 0 && command->action == SP_WIRE_STOP) {
+        board.running = 0;
+        sp_hand_force(0.0f);
+    } else if (ack.refused == 0) {
+        sp_reset(&board.scene);
+        board.was_reset = 1;
+        board.moved = 0;
+        board.running = board.running || command->action != SP_WIRE_RESET;
+    }
+    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    sp_port_write(bytes, sp_wire_send_ack(&board.sequence, &ack, bytes));
+}
+
+static void take(const sp_wire_frame *frame, int is_new)
+{
+    sp_wire_ask ask;
+    sp_wire_command command;
+    if (sp_wire_get_ask(frame, &ask)) {
+        sp_wire_restart(&board.receiver);
+        hello();
+    } else if (sp_wire_get_command(frame, &command)) {
+        obey(frame->sequence, &command);
+    } else if (is_new && sp_wire_get_feed(frame, &board.motion)) {
+        board.moved = 1;
+    }
+}
+
+static void tick(void)
+{
+    sp_real force_n = (sp_real)0;
+    uint8_t call = board.was_reset ? SP_WIRE_WAS_RESET : 0;
+    int notes;
+    if (sp_hand_motion(&board.motion.position_m, &board.motion.velocity_mps)) {
+        board.moved = 1;
+    }
+    if (board.moved) {
+        notes = sp_step(&board.scene, (sp_real)board.motion.position_m,
+                        (sp_real)board.motion.velocity_mps, &force_n);
+    } else {
+        call |= SP_WIRE_IDLE;
+        notes = sp_idle(&board.scene, (sp_real)SP_FACTS_DT_S, &force_n);
+    }
+    sp_hand_force((float)force_n);
+    board.moved = 0;
+    board.was_reset = 0;
+    const sp_wire_rendered message = {.call = call,
+                                      .position_m = board.motion.position_m,
+                                      .velocity_mps = board.motion.velocity_mps,
+                                      .dt_s = SP_FACTS_DT_S,
+                                      .force_n = (float)force_n,
+                                      .notes = (uint8_t)notes};
+    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    sp_port_write(bytes, sp_wire_send_rendered(&board.sequence, &message, bytes));
+}
+
+int main(void)
+{
+    board.sound = sp_selftest() == 0;
+    sp_init(&board.scene);
+    sp_port_start(SP_FACTS_DT_S);
+    hello();
+    for (;;) {
+        uint8_t byte;
+        while (sp_port_read(&byte)) {
+            sp_wire_frame frame;
+            const int what = sp_wire_receive(&board.receiver, byte, &frame);
+            if (what != SP_WIRE_NONE) {
+                take(&frame, what == SP_WIRE_NEW);
+            }
+        }
+        for (uint32_t passed = sp_port_periods(); passed > 0; passed--) {
+            if (board.running) {
+                tick();
+            }
+        }
+        sp_port_sleep();
+    }
+}

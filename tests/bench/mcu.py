@@ -1,0 +1,77 @@
+"""Flash, RAM, stack and instructions of a tick of models on emulated boards, and their parity.
+
+    python tests/bench/mcu.py MODEL.spm ... --recording REC ... [--board mps2-an386] [--ticks 10000]
+
+A model in the scene's defaults for the board's target; counts are the greatest over the ticks of
+the recordings (restarts apart) beside the bound from the tables.
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from springpot.codegen.golden import backward_velocity
+from springpot.codegen.instructions import instruction_bound
+from springpot.codegen.scene import Coupling, Runtime, Scene
+from springpot.host.boards import BOARDS
+from springpot.host.emission import emit
+from springpot.host.emulator import run_batch, steps
+from springpot.host.library import SceneLibrary
+from springpot.host.metrics import accuracy
+from springpot.host.replay import Replay
+from springpot.trainer.recording_file import read_recordings
+
+_RESYNC = 2
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("models", nargs="+", type=Path)
+    parser.add_argument("--recording", nargs="+", type=Path, required=True)
+    parser.add_argument("--board", nargs="+", default=list(BOARDS), choices=list(BOARDS))
+    parser.add_argument("--mode", nargs="+", default=["auto"])
+    parser.add_argument("--ticks", type=int, default=10_000)
+    options = parser.parse_args()
+    recordings = read_recordings(options.recording)
+    position = np.concatenate([item.position_m for item in recordings])[: options.ticks]
+    print(
+        "model mode board | flash RAM stack | most bound restart bound | ticks differing | RMSE N"
+    )
+    for model in options.models:
+        for mode in options.mode:
+            for name in options.board:
+                report(model, mode, name, position.astype(np.float32), recordings)
+
+
+def report(model: Path, mode: str, name: str, position, recordings) -> None:
+    board = BOARDS[name]
+    scene = Scene(
+        1, model.stem, model.name, runtime=Runtime(target=board.target), coupling=Coupling(mode)
+    )
+    with tempfile.TemporaryDirectory() as scratch:
+        emission = emit(scene, model, Path(scratch) / "c", accept_unsafe=True)
+        velocity = backward_velocity(position, emission.plan.dt_s)
+        replay = Replay(SceneLibrary(emission.folder))
+        force_n, notes = replay.run(position, velocity)
+        batch = run_batch(emission.folder, board, steps(position, velocity))
+        forces = [
+            replay.run(item.position_m, backward_velocity(item.position_m, item.dt_s))[0]
+            for item in recordings
+        ]
+    differ = int(np.sum((batch.force_n.view("u4") != force_n.view("u4")) | (batch.notes != notes)))
+    restarts = (batch.notes & _RESYNC) != 0
+    bound = instruction_bound(emission.plan)
+    assert emission.footprint is not None and bound is not None
+    print(
+        f"{model.stem} {mode} {name} | {emission.footprint.flash_bytes} {emission.ram_bytes} "
+        f"{emission.footprint.stack_bytes} | {batch.instructions[~restarts].max()} {bound.tick} "
+        f"{batch.instructions[restarts].max()} {bound.restart} | {differ} of {len(position)} | "
+        f"{accuracy([item.force_n for item in recordings], forces).rmse_n:.4f}",
+        flush=True,
+    )
+
+
+if __name__ == "__main__":
+    main()
