@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from springpot.host.bench_store import RESULT
+from springpot.host.bench_words import label, point_line
 from springpot.host.check_command import say_quality
 from springpot.host.options import SEED
 from springpot.host.output import json_option, print_result, say
@@ -86,18 +87,3 @@ def bench_rows(result: dict[str, Any], out: Path) -> dict[str, str]:
     )
     rows["written"] = f"{out / RESULT}; `springpot report {out}` makes the page"
     return rows
-
-
-def label(point: dict[str, Any]) -> str:
-    """Kind and options of a point."""
-    options = ", ".join(f"{name} {value}" for name, value in point["options"].items())
-    return f"{point['model']} ({options})" if options else point["model"]
-
-
-def point_line(point: dict[str, Any]) -> str:
-    """One point in a line."""
-    flash = point["flash_bytes"]
-    return (
-        f"{label(point)}: RMSE {point['rmse_n']:.3g} N, {point['tick_ns_hot']:.0f} ns, "
-        f"{flash if flash is not None else '?'} bytes of flash, {point['ram_bytes']} of RAM"
-    )
