@@ -45,8 +45,8 @@ def choose_within(folder: Path, budget: Budget) -> tuple[Facts, Budget]:
     if found is None:
         nearest = min(stable, key=lambda p: (p["flash_bytes"] or 0, p["tick_ns_hot"]))
         raise BudgetError(
-            f"{misfit(nearest, budget, result['rate_hz'])}: the smallest stable model of {folder} "
-            f"is {point_line(nearest)}: raise the budget"
+            f"no stable model of {folder} fits; the smallest, {misfit(nearest, budget, 1.0)}, is "
+            f"{point_line(nearest)}: raise the budget"
         )
     return found, budget
 

@@ -69,9 +69,13 @@ def curve_figure(curves: dict[str, list[Facts]], x: str, y: str) -> str:
             shape, color = marks[i]
             axes.plot([p["time"] for p in curve], [p["error"] for p in curve], marker=shape,
                       color=color, ls=_DASHES[i], ms=5, label=family)  # fmt: skip
+            right = i % 2 == 0
             for point in curve:
-                axes.annotate(point["name"], (point["time"], point["error"]), fontsize=6.5,
-                              xytext=(4, 4), textcoords="offset points", color=color)  # fmt: skip
+                axes.annotate(
+                    point["name"], (point["time"], point["error"]), fontsize=6.5, color=color,
+                    xytext=(5, 4) if right else (-5, -9), textcoords="offset points",
+                    ha="left" if right else "right",
+                )  # fmt: skip
         axes.margins(x=0.15)
         _log_axes(axes, x, y)
         axes.legend(frameon=False, fontsize=7)
@@ -128,7 +132,7 @@ def _name_picks(axes: Axes, result: Facts) -> None:
         point = by_key[key]
         axes.annotate(
             "pick for " + ", ".join(budgets), (point["tick_ns_hot"], point["rmse_n"]),
-            xytext=(28, -24 - 16 * i), textcoords="offset points", fontsize=9, fontweight="bold",
+            xytext=(24, 30 + 20 * i), textcoords="offset points", fontsize=9, fontweight="bold",
             arrowprops={"arrowstyle": "-", "lw": 0.9}, zorder=6,
             bbox={"fc": "white", "ec": "none", "pad": 1.0},
         )  # fmt: skip

@@ -3,6 +3,16 @@
 from typing import Any
 
 Facts = dict[str, Any]
+KINDS = {
+    "rf-fd": "the paper's: a forest on fractional derivatives",
+    "rbf-fd": "the paper's: radial basis functions on two fractional derivatives",
+    "rbf-pv": "the paper's baseline: radial basis functions on position and velocity",
+    "rf-history": "the negative control: a forest on past positions",
+    "boosted": "boosted trees on fractional derivatives",
+    "hammerstein": "springs, Maxwell branches and stops with non-negative weights",
+    "hybrid": "hammerstein, and a small forest on what it leaves over",
+    "springpot": "fractional Kelvin-Voigt: three numbers",
+}
 _WORDS = {
     "trees": "{} trees",
     "leaf": "{} in a leaf",
@@ -16,7 +26,7 @@ _FLAGS = {"round_features": "rounded features", "monotone": "monotone"}
 
 
 def label(point: Facts) -> str:
-    """Kind and options of a point; "as the paper's" for its three models."""
+    """Kind and options of a point."""
     told = [
         _FLAGS.get(name) or _WORDS.get(name, name + " {}").format(value)
         for name, value in point["options"].items()
