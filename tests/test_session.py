@@ -18,6 +18,9 @@ from springpot.host.validation import validate
 from springpot.runtime_c.errors import DataError, DeviceError, SpringpotError, UsageError
 from springpot.trainer.recording_file import read_recording, write_recording
 
+# Processes in real time: a busy machine may starve one of them.
+pytestmark = pytest.mark.flaky(reruns=3)
+
 KEYS = {"ticks", "expected_ticks", "late", "lateness_us", "tick_us", "steal_ms", "ring_dropped",
         "sequence_gaps", "stale_samples", "crc_errors", "watchdog_trips", "latched", "log",
         "scheduler"}  # fmt: skip
