@@ -54,12 +54,12 @@ class _Costs:
 
 
 _THUMB = _Costs(
-    tick=190, coupling=90, tap=4.5, tap_row=100, pole=16, slow_pole=500, direct=7, weight=4.6,
+    tick=210, coupling=110, tap=4.5, tap_row=100, pole=16, slow_pole=500, direct=7, weight=4.6,
     lane=10, lag=14, velocity_step=16, rank_step=14, rank=50, rounding=22, tree=72, tree_round=28,
     center=13, branch=22, stop=40, passive=60, filled=4.2,
 )  # fmt: skip
 _RISCV = _Costs(
-    tick=220, coupling=100, tap=4.6, tap_row=110, pole=18, slow_pole=700, direct=8, weight=5.5,
+    tick=250, coupling=150, tap=4.6, tap_row=110, pole=20, slow_pole=700, direct=8, weight=6.0,
     lane=12, lag=16, velocity_step=18, rank_step=15, rank=60, rounding=24, tree=90, tree_round=38,
     center=15, branch=26, stop=46, passive=70, filled=4.8,
 )  # fmt: skip

@@ -1,0 +1,155 @@
+"""Before flashing: the bound holds, and what does not fit is refused, or fitted."""
+
+import dataclasses
+import json
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcu_support import long_motion, need, target_scene
+from peer import CLI
+from support import model_file, press, recording, training
+
+from springpot.codegen.golden import backward_velocity
+from springpot.codegen.instructions import instruction_bound
+from springpot.codegen.ir import Model
+from springpot.codegen.plan import make_plan
+from springpot.codegen.scene import Guard
+from springpot.host.boards import BOARDS
+from springpot.host.emission import emit
+from springpot.host.emulator import run_batch, steps
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.recording_file import write_recording
+
+RESYNC = 2
+FOREST = {"trees": 5, "leaf": 20}
+VARIANTS = {
+    "rf-fd": ("rf-fd", FOREST),
+    "rf-fd deep": ("rf-fd", {"trees": 20, "leaf": 1}),
+    "rf-fd rounded": ("rf-fd", {"trees": 20, "leaf": 5, "round_features": True}),
+    "rf-fd fast": ("rf-fd", {**FOREST, "engine": "fir-fast", "round_features": True}),
+    "rf-fd few orders": ("rf-fd", {**FOREST, "engine": "fir-fast", "orders": (0.1, 0.2)}),
+    "rf-fd long": ("rf-fd", {**FOREST, "window_s": 2.0}),
+    "rbf-fd": ("rbf-fd", {}),
+    "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
+    "rbf-pv": ("rbf-pv", {}),
+    "rf-history": ("rf-history", FOREST),
+    "hammerstein": ("hammerstein", {}),
+    "hybrid": ("hybrid", FOREST),
+    "boosted": ("boosted", {}),
+    "springpot": ("springpot", {}),
+}
+SHAPES = {
+    "off": {},
+    "tool": {"mode": "tool", "smoothing_s": 1e-3},
+    "proxy": {"mode": "proxy"},
+}
+
+# A coupling costs the same with every model.
+CASES = [
+    *((variant, "off") for variant in VARIANTS),
+    *((variant, shape) for variant in ("rf-fd fast", "hammerstein") for shape in ("tool", "proxy")),
+]
+
+
+@cache
+def fitted(variant: str) -> Model:
+    kind, options = VARIANTS[variant]
+    return fit_model(kind, "x", training(), FitOptions(seed=1, **options)).model
+
+
+@pytest.mark.parametrize("board", ["mps2-an386", "mps2-an500", "virt"])
+@pytest.mark.parametrize(("variant", "shape"), CASES)
+def test_the_bound_is_above_what_is_counted(
+    tmp_path: Path, variant: str, shape: str, board: str
+) -> None:
+    need(board)
+    chosen = target_scene(BOARDS[board].target, **SHAPES[shape])
+    if shape == "proxy":
+        chosen = dataclasses.replace(chosen, guard=Guard(outside="zero"))
+    model = model_file(tmp_path, fitted(variant))
+    emission = emit(chosen, model, tmp_path / "c", accept_unsafe=True)
+    position = long_motion()[1500:7500].astype(np.float32)
+    calls = steps(position, backward_velocity(position, 1e-3))
+    batch = run_batch(tmp_path / "c", BOARDS[board], calls)
+    bound = instruction_bound(emission.plan)
+    assert bound is not None
+    restarts = (batch.notes & RESYNC) != 0
+    assert restarts.sum() > 1
+    assert batch.instructions[~restarts].max() <= bound.tick
+    assert batch.instructions[restarts].max() <= bound.restart
+    assert bound.tick < 2.2 * batch.instructions[~restarts].max()
+    assert emission.manifest["instructions"] == dataclasses.asdict(bound)
+
+
+def test_there_is_no_bound_where_none_is_known() -> None:
+    for target, options in (("host", {}), ("cortex-m4f", {"number": "float64"})):
+        assert (
+            instruction_bound(make_plan(fitted("rf-fd"), target_scene(target, **options))) is None
+        )
+
+
+@pytest.fixture
+def too_big(tmp_path: Path) -> Path:
+    """A scene over its budget, and a recording."""
+    need("mps2-an386")
+    model_file(tmp_path, fitted("rf-fd deep"))
+    write_recording(tmp_path / "val.h5", recording("val", press(1.5, 0.011, cycles=3)))
+    (tmp_path / "scene.toml").write_text(
+        'schema = 1\nname = "big"\nmodel = "model.spm"\n[runtime]\ntarget = "cortex-m4f"\n'
+        '[coupling]\nmode = "off"\n[budget]\nflash_bytes = 24000\ntick_instructions = 6000\n'
+    )
+    return tmp_path
+
+
+def emit_command(folder: Path, *options: object) -> subprocess.CompletedProcess[str]:
+    arguments = ["emit", "--scene", folder / "scene.toml", "--out", folder / "c", "--json"]
+    return subprocess.run([*CLI, *map(str, [*arguments, *options])], capture_output=True,
+                          text=True, check=False)  # fmt: skip
+
+
+def test_what_does_not_fit_is_refused_with_three_trims(too_big: Path) -> None:
+    found = emit_command(too_big, "--recording", too_big / "val.h5")
+    assert found.returncode == 4
+    assert "the scene's budget is 24000" in found.stderr
+    assert "the scene's budget is 6000" in found.stderr
+    trims = [line for line in found.stderr.splitlines() if line.startswith("would fit: ")]
+    assert len(trims) == 3
+    for trim in trims:
+        assert int(trim.split(" bytes of flash")[0].split()[-1]) <= 24000
+        assert int(trim.split(" instructions")[0].split()[-1]) <= 6000
+        assert float(trim.split("RMSE ")[1].split()[0]) > 0
+    assert not (too_big / "c").exists()
+
+
+def test_fit_makes_it_fit(too_big: Path) -> None:
+    found = emit_command(too_big, "--recording", too_big / "val.h5", "--fit")
+    assert found.returncode == 0, found.stderr
+    result = json.loads(found.stdout)
+    assert result["flash_bytes"] <= 24000
+    assert result["instructions"]["tick"] <= 6000
+    checked = subprocess.run(
+        [*CLI, "validate", str(too_big / "c"), "--recording", str(too_big / "val.h5"), "--json"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    told = next(line for line in found.stderr.splitlines() if line.startswith("fitted: "))
+    measured = json.loads(checked.stdout)
+    assert float(told.split("RMSE ")[1].split()[0]) == pytest.approx(measured["rmse_n"], rel=1e-3)
+    assert measured["mismatches"] == 0
+    assert json.loads((too_big / "c" / "manifest.json").read_text())["provenance"]["left_out"]
+
+
+def test_fit_needs_recordings_and_a_model_that_can_shrink(too_big: Path) -> None:
+    assert emit_command(too_big, "--fit").returncode == 2
+    plain = emit_command(too_big)
+    assert plain.returncode == 4
+    assert "give --recording REC" in plain.stderr
+    model_file(too_big, fitted("hammerstein"))
+    scene = too_big / "scene.toml"
+    scene.write_text(scene.read_text().replace("24000", "100"))
+    hopeless = emit_command(too_big, "--fit", "--recording", too_big / "val.h5")
+    assert hopeless.returncode == 4
+    assert "no trim of this model fits" in hopeless.stderr
