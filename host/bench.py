@@ -55,7 +55,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
     """Run what is missing, write folder/bench.json, and return it."""
     store = Store(folder)
     store.prepare()
-    begin, cpu = time.perf_counter(), _cpu_s()
+    begin, load = time.perf_counter(), os.getloadavg()[0]
     base = sweep_base(bench.training, bench.validation, bench.target)
     found, computed = _sweep(bench, store, base)
     points = [facts for facts in found if "error" not in facts]
@@ -98,7 +98,8 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
         "computed": computed,
         "computed_alone": alone.computed,
         "wall_s": time.perf_counter() - begin,
-        "cpu_s": sum(p["point_cpu_s"] for p in points) + _cpu_s() - cpu,
+        "cpu_s": sum(p["point_cpu_s"] for p in points) + alone.cpu_s,
+        "load": load,
     }
     store.write_result(result)
     return result
@@ -144,16 +145,21 @@ class _Alone:
         self._longest = max(bench.validation, key=lambda item: len(item.position_m))
         self.matrices: dict[str, list[Facts]] = {}
         self.computed = 0
+        self.cpu_s = 0.0
 
     def complete(self, point: Facts) -> Facts:
         key = point["key"]
         facts = self._store.read("alone", key)
         if facts is None:
+            begin_s = time.process_time()
             facts = measure_alone(
                 self._store.model_file(key), point["number"], self._longest, self._bench.target
             )
+            facts["alone_cpu_s"] = time.process_time() - begin_s
             self._store.write("alone", key, facts)
             self.computed += 1
+        if key not in self.matrices:
+            self.cpu_s += facts["alone_cpu_s"]
         self.matrices[key] = facts["closed_loop"]
         point.update({name: facts.get(name) for name in _ALONE})
         return point
@@ -180,8 +186,3 @@ def _named(recording: Recording) -> Facts:
         "source": recording.source,
         "duration_s": recording.duration_s,
     }
-
-
-def _cpu_s() -> float:
-    times = os.times()
-    return times.user + times.system

@@ -11,15 +11,16 @@ from springpot.host.bench_picks import Budget, misfit, pick
 from springpot.host.bench_store import Store, read_result
 from springpot.host.bench_words import point_line
 from springpot.host.output import say
-from springpot.runtime_c.errors import BudgetError, DataError, UsageError
+from springpot.runtime_c.errors import BudgetError, DataError, UnsafeError, UsageError
 
 Facts = dict[str, Any]
 
 
-def choose_pick(folder: Path, name: str) -> tuple[Facts, Budget]:
+def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[Facts, Budget]:
     """The point of a pick, and its budget.
 
-    Raises UsageError for an unknown name, BudgetError where no model fits it.
+    Raises UsageError for an unknown name, BudgetError where no model fits it, UnsafeError where
+    the pick is not bounded in the closed loop, unless that is accepted.
     """
     result = read_result(folder)
     found = result["picks"].get(name)
@@ -29,7 +30,12 @@ def choose_pick(folder: Path, name: str) -> tuple[Facts, Budget]:
     budget = Budget(**found["budget"])
     if found["point"] is None:
         raise BudgetError(f"--pick {name}: {found['why']}: give --flash, --ram or --budget-us")
-    return next(p for p in result["points"] if p["key"] == found["point"]), budget
+    point: Facts = next(p for p in result["points"] if p["key"] == found["point"])
+    if not point["bounded"] and not accept_unsafe:
+        raise UnsafeError(
+            f"--pick {name}: {found['why']}; or emit with --accept-unsafe, for replay"
+        )
+    return point, budget
 
 
 def choose_within(folder: Path, budget: Budget) -> tuple[Facts, Budget]:

@@ -14,6 +14,7 @@ from springpot.host.bench_words import hover
 from springpot.host.figures import STYLE, svg_text
 
 Facts = dict[str, Any]
+Curves = dict[str, list[Facts]]  # points of each family: name, time, error
 # A shape and a lightness for each kind: they differ in black and white too.
 _MARKS = {
     "rf-fd": ("o", "#1b6ca8"), "rbf-fd": ("s", "#c1121f"), "rbf-pv": ("^", "#e09f3e"),
@@ -60,26 +61,31 @@ def family_figure(points: Sequence[Facts]) -> str:
         return svg_text(figure)
 
 
-def curve_figure(curves: dict[str, list[Facts]], x: str, y: str) -> str:
+def curve_figure(curves: Curves, x: str, y: str) -> str:
     """One line a family, each point named."""
     with mpl.rc_context(STYLE):
         figure, axes = _small()
-        marks = list(_MARKS.values())
-        for i, (family, curve) in enumerate(curves.items()):
-            shape, color = marks[i]
-            axes.plot([p["time"] for p in curve], [p["error"] for p in curve], marker=shape,
-                      color=color, ls=_DASHES[i], ms=5, label=family)  # fmt: skip
-            right = i % 2 == 0
-            for point in curve:
-                axes.annotate(
-                    point["name"], (point["time"], point["error"]), fontsize=6.5, color=color,
-                    xytext=(5, 4) if right else (-5, -9), textcoords="offset points",
-                    ha="left" if right else "right",
-                )  # fmt: skip
-        axes.margins(x=0.15)
-        _log_axes(axes, x, y)
-        axes.legend(frameon=False, fontsize=7)
+        draw_curves(axes, curves, x, y)
         return svg_text(figure)
+
+
+def draw_curves(axes: Axes, curves: Curves, x: str, y: str) -> None:
+    """The same into axes of a larger figure."""
+    marks = list(_MARKS.values())
+    for i, (family, curve) in enumerate(curves.items()):
+        shape, color = marks[i]
+        axes.plot([p["time"] for p in curve], [p["error"] for p in curve], marker=shape,
+                  color=color, ls=_DASHES[i], ms=5, label=family)  # fmt: skip
+        right = i % 2 == 0
+        for point in curve:
+            axes.annotate(
+                point["name"], (point["time"], point["error"]), fontsize=6.5, color=color,
+                xytext=(5, 4) if right else (-5, -9), textcoords="offset points",
+                ha="left" if right else "right",
+            )  # fmt: skip
+    axes.margins(x=0.15)
+    _log_axes(axes, x, y)
+    axes.legend(frameon=False, fontsize=7)
 
 
 def _small() -> tuple[Figure, Axes]:

@@ -70,7 +70,11 @@ def emit_(
     if picked is not None or stated:
         if (picked is not None and stated) or model_file is not None:
             raise UsageError("--pick, a budget, --model: each names a model: give one of them")
-        found = choose_pick(bench_folder, picked) if picked else choose_within(bench_folder, budget)
+        found = (
+            choose_pick(bench_folder, picked, accept_unsafe)
+            if picked
+            else choose_within(bench_folder, budget)
+        )
         scene, model_file = scene_of(bench_folder, *found, scene)
     elif scene is None or scene_file is None:
         raise UsageError("nothing to emit: give --scene FILE, or --pick NAME --bench DIR")

@@ -17,7 +17,7 @@ from support import training
 from springpot.codegen.model_file import model_hash, read_model
 from springpot.host.bench import run_bench
 from springpot.host.bench_choice import choose_within
-from springpot.host.bench_picks import Budget, budgets, misfit, pareto, pick
+from springpot.host.bench_picks import Budget, budgets, misfit, pareto, pick, why
 from springpot.host.bench_store import Store, read_result
 from springpot.runtime_c.errors import BudgetError, DataError, UsageError
 from springpot.trainer.fit import FitOptions
@@ -113,7 +113,12 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
     found = pick(points, budget, 1000.0, bounded)
     assert found is not None
     assert found["key"] == "good"
-    assert pick(points[:3], budget, 1000.0, bounded) is None
+    only_wild = pick(points[:3], budget, 1000.0, bounded)
+    assert only_wild is not None
+    assert only_wild["key"] == "wild"  # and it says so
+    told = why(only_wild | {"bounded": False}, points, budget, 1000.0)
+    assert "simulation only" in told
+    assert pick(points[:2], budget, 1000.0, bounded) is None
 
 
 def test_what_does_not_fit_and_why() -> None:
