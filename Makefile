@@ -45,7 +45,7 @@ firmware: $(STAMP)
 soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
-	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/test_hostile.py tests/test_stability.py
+	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/test_hostile.py tests/test_stability.py tests/test_engines.py
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/test_faults.py
 	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/test_mcu_board.py

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.forest_compact import work_at_most
 from springpot.codegen.glue import public_header, scene_header, scene_source
 from springpot.codegen.golden import golden_positions, golden_velocities, probe_inputs
 from springpot.codegen.instructions import instruction_bound
@@ -20,7 +21,7 @@ from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.fir import FirStage
 from springpot.codegen.stages.forest import CompactForestStage, IfsStage, WideForestStage
 from springpot.codegen.stages.stage import RegressorStage, Stage
-from springpot.codegen.units import planned_headers, stages, state_bytes
+from springpot.codegen.units import measured_tables, planned_headers, stages, state_bytes
 from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
 
 _HASH = "@manifest-hash@"
@@ -35,7 +36,7 @@ def emit_files(plan: Plan) -> dict[str, str]:
     files = {
         f"{prefix}.h": public_header(plan),
         f"{prefix}_scene.h": scene_header(plan),
-        f"{prefix}_tables.h": _tables(plan, "tables", _once(plan)),
+        f"{prefix}_tables.h": _tables(plan, "tables", _once(plan), measured_tables(plan)),
         f"{prefix}_scene.c": scene_source(plan, json.dumps(_short_manifest(plan))),
         f"{prefix}_golden.h": _golden(plan),
         f"{prefix}_selftest.c": selftest_source(plan),
@@ -107,6 +108,7 @@ def _model_facts(plan: Plan) -> dict[str, Any]:
         facts["leaf_error_n"] = regressor.table.leaf_error_n
     if isinstance(regressor, CompactForestStage):
         facts["leaf_error_n"] = regressor.forest.leaf_error_n
+        facts["work_at_most"] = work_at_most(regressor.forest)
     return facts
 
 
@@ -134,10 +136,12 @@ def _stamp(name: str) -> str:
     return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"
 
 
-def _tables(plan: Plan, name: str, parts: Sequence[Stage | RegressorStage]) -> str:
+def _tables(
+    plan: Plan, name: str, parts: Sequence[Stage | RegressorStage], more: Sequence[str] = ()
+) -> str:
     prefix = plan.scene.runtime.prefix
     guard = f"{prefix}_{name}_H".upper()
-    lines = [line for part in parts for line in ("", *part.tables())]
+    lines = [*(line for part in parts for line in ("", *part.tables())), *more]
     head = f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n\n"
     return "\n".join([f'{head}#include "{prefix}_scene.h"', *lines, "\n#endif\n"])
 

@@ -85,6 +85,16 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
     )
 
 
+def work_at_most(forest: CompactForest) -> dict[str, int]:
+    """Greatest number of table entries that a tick reads: a static bound on its work.
+
+    thresholds: two ends of the neighbourhood, then a search among all, for each feature.
+    nodes: the longest way down each tree.
+    """
+    searches = [2 + len(below).bit_length() for below in forest.thresholds]
+    return {"thresholds": sum(searches), "nodes": forest.n_trees * (forest.longest_walk + 1)}
+
+
 def _ranks(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
     """Sorted thresholds of each used feature, and each split's place among them.
 

@@ -47,7 +47,6 @@ class _Costs:
     tree: float
     tree_round: float
     center: float
-    basis: float
     branch: float
     stop: float
     passive: float
@@ -56,13 +55,13 @@ class _Costs:
 
 _THUMB = _Costs(
     tick=210, coupling=110, tap=4.5, tap_row=100, pole=16, slow_pole=500, direct=7, weight=4.6,
-    lane=10, lag=14, velocity_step=16, rank_step=14, rank=20, rounding=22, tree=72, tree_round=28,
-    center=13, basis=14, branch=22, stop=40, passive=60, filled=4.2,
+    lane=10, lag=14, velocity_step=16, rank_step=14, rank=50, rounding=22, tree=72, tree_round=28,
+    center=13, branch=22, stop=40, passive=60, filled=4.2,
 )  # fmt: skip
 _RISCV = _Costs(
     tick=250, coupling=150, tap=4.6, tap_row=110, pole=20, slow_pole=700, direct=8, weight=6.0,
-    lane=12, lag=16, velocity_step=18, rank_step=15, rank=24, rounding=24, tree=90, tree_round=38,
-    center=15, basis=16, branch=26, stop=46, passive=70, filled=4.8,
+    lane=12, lag=16, velocity_step=18, rank_step=15, rank=60, rounding=24, tree=90, tree_round=38,
+    center=15, branch=26, stop=46, passive=70, filled=4.8,
 )  # fmt: skip
 _OF_TARGET = {"cortex-m4f": _THUMB, "cortex-m7": _THUMB, "rv32imafc": _RISCV}
 
@@ -154,12 +153,11 @@ def longest_walks(forest: Forest) -> Any:
 
 
 def _passive(costs: _Costs, stage: HammersteinStage) -> float:
-    config = stage.config
-    return (
+    config, curve = stage.config, (stage.config.degree + 1) * costs.weight
+    return float(
         costs.passive
-        + config.n_basis * (costs.basis + config.n_lanes * costs.weight)
-        + config.n_lanes * (costs.branch + costs.lane)
-        + config.n_stops * (costs.stop + config.n_basis * (costs.basis + costs.weight))
+        + config.n_branches * (curve + costs.branch + costs.lane)
+        + (config.n_stops + 1) * (curve + costs.stop)
     )
 
 

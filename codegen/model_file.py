@@ -43,16 +43,20 @@ def model_hash(model: Model) -> str:
 
 def write_model(path: Path, model: Model) -> str:
     """Write the model aside, rename it into place, and return its hash."""
+    aside = path.with_name(path.name + ".part")
+    aside.write_bytes(model_bytes(model))
+    aside.replace(path)
+    return model_hash(model)
+
+
+def model_bytes(model: Model) -> bytes:
+    """Content of the model's file."""
     header, arrays = _to_parts(model)
     payload = io.BytesIO()
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
     np.savez_compressed(payload, allow_pickle=False, header=text, **arrays)
     body = payload.getvalue()
-    first_line = b"%s %d %s\n" % (MAGIC, SCHEMA, hashlib.sha256(body).hexdigest().encode())
-    aside = path.with_name(path.name + ".part")
-    aside.write_bytes(first_line + body)
-    aside.replace(path)
-    return model_hash(model)
+    return b"%s %d %s\n" % (MAGIC, SCHEMA, hashlib.sha256(body).hexdigest().encode()) + body
 
 
 def read_model(path: Path) -> Model:

@@ -14,7 +14,7 @@ from springpot.codegen.configs import (
     Real,
 )
 from springpot.codegen.coupling import couple_config, refuse_unit_error
-from springpot.codegen.ir import Model, PositionVelocity
+from springpot.codegen.ir import Model, PositionVelocity, RecursiveBank
 from springpot.codegen.plan_model import LeftOut, model_stages
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
@@ -101,6 +101,17 @@ class Plan:
         return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
 
     @property
+    def any_rate(self) -> bool:
+        """Whether there is sp_step_dt: every stage is exact over a measured time step."""
+        runtime = self.scene.runtime
+        wanted = runtime.measured_step
+        if not (runtime.target == "host" if wanted is None else wanted):
+            return False
+        stages = [self.features, self.passive, *(self.excess or ()), self.velocity]
+        steps = [stage.measured for stage in stages if stage is not None]
+        return self.couple is None and None not in steps
+
+    @property
     def contact(self) -> bool:
         """Whether positions at or below 0 are free air."""
         return self.per_onset is not None
@@ -115,7 +126,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     dt_s = _time_step(model, scene)
     watchdog_s = _watchdog_s(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
-    stages = model_stages(model, scene, dtype)
+    stages = model_stages(model, scene, dt_s, dtype)
     outside = _outside_note(model, scene)
     if scene.guard.outside == "fallback" and model.hammerstein is None:
         tangent = tangent_fallback(stages, model, dtype)
@@ -175,6 +186,10 @@ def _time_step(model: Model, scene: Scene) -> float:
             f"{RATES_HZ[1]:g} Hz: import the recordings with --resample-hz"
         )
     rate_hz = scene.runtime.rate_hz
+    if rate_hz is not None and (
+        model.features is None or isinstance(model.features, RecursiveBank)
+    ):
+        return 1.0 / rate_hz  # poles are exact at any rate
     if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-3:
         raise UsageError(
             f"runtime.rate_hz = {rate_hz:g}: the model's features were fitted at {trained_hz:g} Hz "

@@ -64,23 +64,23 @@ class ModelStages:
     left_out: tuple[LeftOut, ...]
 
 
-def model_stages(model: Model, scene: Scene, dtype: type[Any]) -> ModelStages:
+def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> ModelStages:
     """Resolve the model's part; outside the trained depth as the scene says."""
     falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
     passive, excess = None, None
     if model.hammerstein is not None and model.hammerstein_adds:
         follows = "deep" if falls_back else "depth"
-        passive = hammerstein_stage(model.hammerstein, model.dt_s, dtype, follows)
+        passive = hammerstein_stage(model.hammerstein, dt_s, dtype, follows)
     elif model.hammerstein is not None and falls_back:
         deep, trained = (
-            hammerstein_stage(model.hammerstein, model.dt_s, dtype, follows)
+            hammerstein_stage(model.hammerstein, dt_s, dtype, follows)
             for follows in ("deep", "depth")
         )
         excess = (deep, trained)
     if model.features is None or model.regressor is None:
         return ModelStages(None, None, passive, excess, ())
     kept = used_columns(model)
-    features = _feature_stage(model.features, kept, model.dt_s, dtype)
+    features = _feature_stage(model.features, kept, dt_s, dtype)
     regressor = _regressor_stage(model, scene, kept, dtype)
     left_out = _dropped(model.features, kept, dtype)
     return ModelStages(features, regressor, passive, excess, tuple(left_out))

@@ -5,7 +5,7 @@ from importlib.resources import files
 
 from springpot.codegen.plan import Plan
 
-_PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|selftest|state"
+_PUBLIC = "abi_version|state_size|manifest|init|reset|step|step_dt|run|idle|selftest|state"
 
 
 def prefixed(text: str, prefix: str) -> str:

@@ -13,7 +13,11 @@ _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 @dataclass(frozen=True)
 class Runtime:
-    """Rate (default: the model's own), number type, target, prefix of the C names."""
+    """Rate (default: the model's own), number type, target, prefix of the C names.
+
+    measured_step: whether there is sp_step_dt, where the model is exact at any rate; by default on
+    a host, where loops are late and flash is plenty.
+    """
 
     __pydantic_config__ = _CLOSED
     rate_hz: Annotated[float, Interval(ge=10, le=8000)] | None = None
@@ -21,6 +25,7 @@ class Runtime:
     target: Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"] = "host"
     prefix: str = "sp"
     forest: Literal["table", "m2cgen"] = "table"
+    measured_step: bool | None = None
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ _COMMANDS = {
     "stability": ("stability_command", "stability_"),
     "validate": ("validate_command", "validate_"),
     "run": ("run_command", "run"),
+    "bench": ("bench_command", "bench"),
     "report": ("report_command", "report"),
     "reproduce": ("reproduce_command", "reproduce"),
     "material": ("material_command", "material"),

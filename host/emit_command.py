@@ -5,16 +5,20 @@ from typing import Any
 
 import click
 
+from springpot.host.bench_choice import choose_pick, choose_within, scene_of
+from springpot.host.bench_picks import Budget
 from springpot.host.emission import Emission
 from springpot.host.fitting import emit_fitting
 from springpot.host.library import build_scene
+from springpot.host.options import POSITIVE
 from springpot.host.output import json_option, print_result, say
 from springpot.host.scene_file import model_path, read_scene
+from springpot.runtime_c.errors import UsageError
 from springpot.trainer.recording_file import read_recordings
 
 
 @click.command(name="emit")
-@click.option("--scene", "scene_file", type=click.Path(path_type=Path), required=True)
+@click.option("--scene", "scene_file", type=click.Path(path_type=Path), help="Scene file.")
 @click.option(
     "--model",
     "model_file",
@@ -36,21 +40,48 @@ from springpot.trainer.recording_file import read_recordings
     help="What smaller versions are measured on, where the scene does not fit its budget.",
 )
 @click.option("--fit", is_flag=True, help="Leave out what costs least until the budget is met.")
+@click.option(
+    "--bench", "bench_folder", type=click.Path(path_type=Path), default=Path("bench"),
+    show_default=True, help="Benchmark that --pick and the budgets choose from.",
+)  # fmt: skip
+@click.option("--pick", "picked", metavar="NAME", help="Emit a pick of the benchmark: pc-1khz.")
+@click.option("--budget-us", type=POSITIVE, help="Emit its best stable model within this tick.")
+@click.option("--flash", type=click.IntRange(1), help="... within these bytes of flash.")
+@click.option("--ram", type=click.IntRange(1), help="... within these bytes of RAM.")
 @json_option
 def emit_(
-    scene_file: Path,
+    scene_file: Path | None,
     model_file: Path | None,
     out: Path,
     accept_unsafe: bool,
     recordings: tuple[str, ...],
     fit: bool,
+    bench_folder: Path,
+    picked: str | None,
+    budget_us: float | None,
+    flash: int | None,
+    ram: int | None,
     as_json: bool,
 ) -> None:
-    """Emit the C source of a scene."""
-    scene = read_scene(scene_file)
-    found = read_recordings(map(Path, recordings)) if recordings else []
-    model = model_file or model_path(scene, scene_file)
-    emission = emit_fitting(scene, model, out, accept_unsafe, found, fit)
+    """Emit the C source of a scene, or of a benchmark's choice (a scene's keys then rule it)."""
+    scene = None if scene_file is None else read_scene(scene_file)
+    budget = Budget("chosen", "chosen", tick_us=budget_us, flash_bytes=flash, ram_bytes=ram)
+    stated = budget_us is not None or flash is not None or ram is not None
+    if picked is not None or stated:
+        if (picked is not None and stated) or model_file is not None:
+            raise UsageError("--pick, a budget, --model: each names a model: give one of them")
+        found = (
+            choose_pick(bench_folder, picked, accept_unsafe)
+            if picked
+            else choose_within(bench_folder, budget)
+        )
+        scene, model_file = scene_of(bench_folder, *found, scene)
+    elif scene is None or scene_file is None:
+        raise UsageError("nothing to emit: give --scene FILE, or --pick NAME --bench DIR")
+    else:
+        model_file = model_file or model_path(scene, scene_file)
+    measured = read_recordings(map(Path, recordings)) if recordings else []
+    emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit)
     for notice in emission.notices:
         say(notice)
     print_result(emission_result(emission), as_json, emission_rows(emission))

@@ -100,6 +100,16 @@ class SceneState:
         notes = self._library.function("step")(self._state, position_m, velocity_mps, self._force)
         return self._force[0], notes
 
+    def step_dt(
+        self, dt_s: float, position_m: float, velocity_mps: float = 0.0
+    ) -> tuple[float, int]:
+        """One tick over a measured dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
+        step = self._library.function("step_dt")
+        notes = step(self._state, dt_s, position_m, velocity_mps, self._force)
+        if notes < 0:
+            raise UsageError(f"dt_s = {dt_s}: give a time step above 0 and up to 1 s")
+        return self._force[0], notes
+
     def idle(self, dt_s: float) -> tuple[float, int]:
         """No sample came for dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
         notes = self._library.function("idle")(self._state, dt_s, self._force)

@@ -82,7 +82,7 @@ class Replay:
         self, position_m: Reals, velocity_mps: Reals, dt_s: float, paced_s: float
     ) -> TickTimes:
         """Time ticks hot over all samples, and paced at the scene's rate for `paced_s`."""
-        hot = self._hot_ns(position_m, velocity_mps)
+        hot = self.hot_ns(position_m, velocity_mps)
         paced = self._paced_ns(position_m, velocity_mps, dt_s, paced_s)
         p50, p99, p999 = np.percentile(paced, [50, 99, 99.9])
         return TickTimes(
@@ -94,7 +94,8 @@ class Replay:
             paced_ns=paced,
         )
 
-    def _hot_ns(self, position_m: Reals, velocity_mps: Reals) -> float:
+    def hot_ns(self, position_m: Reals, velocity_mps: Reals) -> float:
+        """Median time of a tick in a tight loop over all samples, ns."""
         state = self._library.new_state()
         state.run(position_m, velocity_mps)
         state.reset()

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import click
 
+from springpot.host.bench_report import write_bench_report
+from springpot.host.bench_store import RESULT
 from springpot.host.output import json_option, print_result
 from springpot.host.report import write_report
 
@@ -12,6 +14,6 @@ from springpot.host.report import write_report
 @click.argument("folder", type=click.Path(path_type=Path))
 @json_option
 def report(folder: Path, as_json: bool) -> None:
-    """Write one self-contained HTML page on an emitted and validated FOLDER."""
-    path = write_report(folder)
+    """Write one self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
+    path = write_bench_report(folder) if (folder / RESULT).exists() else write_report(folder)
     print_result({"report": str(path)}, as_json, {"report": str(path)})

@@ -17,6 +17,8 @@ PAPER_DEPTHS_MM = {
     "dragon-skin-fx": 7.5,
     "dragon-skin-10": 7.1,
 }
+PAPER_MODELLING_S = {"rf-fd": 11.9, "rbf-fd": 126.7, "rbf-pv": 126.7}  # figure 10
+PAPER_RATES_HZ = {"rf-fd": 788.3, "rbf-fd": 990.3, "rbf-pv": 1982.6}  # table 3, means
 DEPTH_TOLERANCE = 0.05
 LEAST_BELOW_JND = 0.99
 ALIKE = 1.25  # greatest ratio of two errors that are "very similar"

@@ -20,7 +20,7 @@ from springpot.host.reproduce import (
     reproduce_object,
     simulated,
 )
-from springpot.host.reproduce_claims import PAPER_DEPTHS_MM, Claim, judge
+from springpot.host.reproduce_claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, Claim, judge
 from springpot.host.simulated_bench import OBJECTS, VARIANTS, parse_url
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.recording_file import read_recordings
@@ -34,7 +34,6 @@ _PAPER_PAIRS = {
     "dragon-skin-fx": [0.1, 0.15],
     "dragon-skin-10": [0.1, 0.15],
 }
-_PAPER_RATES_HZ = {"rf-fd": 788.3, "rbf-fd": 990.3, "rbf-pv": 1982.6}
 
 
 @click.command()
@@ -147,7 +146,7 @@ def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
         "table3": {
             r.data.name: {
                 kind: {
-                    "paper_mean_hz": _PAPER_RATES_HZ.get(kind),
+                    "paper_mean_hz": PAPER_RATES_HZ.get(kind),
                     "here_hz": 1e9 / model.validation.ticks.hot_median,
                     "here_paced_cold_hz": 1e9 / model.validation.ticks.p50,
                 }

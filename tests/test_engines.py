@@ -1,16 +1,22 @@
 """Engines of the fractional filters: what each imitates, how closely, and for how long."""
 
 import dataclasses
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
-from support import DT_S, press
+from support import DT_S, model_file, press, scene, training
 
 from springpot.codegen.ir import FastFirBank, FirBank
 from springpot.codegen.stages.fast_fir import fast_fir_stage
 from springpot.codegen.stages.fir import fir_stage
+from springpot.host.emission import emit
+from springpot.host.library import SceneLibrary
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.fast_fir import equivalent_taps, fast_fir_bank, imitation_error
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.kinds import fit_model
 from springpot.trainer.rf_fd import PAPER_ORDERS, PAPER_TAPS, fractional_features
 
 COLUMNS = np.arange(len(PAPER_ORDERS))
@@ -58,6 +64,23 @@ def test_the_fast_window_is_within_its_error_in_the_number_of_the_scene(dtype: t
     wanted = fir_stage(bank, COLUMNS, np.float64).reference(depth.astype(np.float64), starts)
     worst = max(relative_rms(found[:, i], wanted[:, i]) for i in COLUMNS)
     assert worst < (2e-4 if dtype is np.float32 else 1e-5)
+
+
+@pytest.mark.skipif("SPRINGPOT_SOAK" not in os.environ, reason="1e7 ticks: make soak")
+def test_the_fast_window_does_not_drift(tmp_path: Path) -> None:
+    """The same features after 1e7 ticks of motion as after none, to the bits' own noise."""
+    options = FitOptions(engine="fir-fast", n_centers=20)
+    model = fit_model("rbf-fd", "x", training(), options).model
+    emit(scene(), model_file(tmp_path, model), tmp_path / "c")
+    library = SceneLibrary(tmp_path / "c")
+    old, motion = library.new_state(), hand_motion(10.0)
+    for _ in range(1000):
+        old.run(motion)
+    fresh = library.new_state()
+    fresh.run(motion)
+    again_n, fresh_n = old.run(motion)[0], fresh.run(motion)[0]
+    assert np.ptp(fresh_n) > 1.0
+    assert np.abs(again_n - fresh_n).max() < 2e-4 * np.ptp(fresh_n)
 
 
 def test_a_long_window_of_taps_is_refused_with_what_to_use() -> None:

@@ -243,3 +243,31 @@ def test_too_many_features_are_refused() -> None:
     assert compact_forest(forest_ir(model), np.float32) is None
     with pytest.raises(UsageError, match="16 features"):
         forest_table.forest_table(forest_ir(model), np.float32)
+
+
+def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None:
+    model = fitted(trees=20, leaf=2, rows=3000)
+    compact = compact_forest(forest_ir(model), np.float32)
+    assert compact is not None
+    rng = np.random.default_rng(13)
+    slow = np.cumsum(rng.normal(scale=1e-3, size=(3000, N_FEATURES)), axis=0)
+    jumps = rng.normal(size=(3000, N_FEATURES)) * (rng.random((3000, 1)) < 0.1)
+    features = np.ascontiguousarray((slow + jumps).astype(np.float32))
+    expected = compact_sums(compact, feature_ranks(compact.thresholds, features))
+    for simd in variants():
+        np.testing.assert_array_equal(c_sums(compact, features, simd), expected)
+
+
+def test_the_stated_work_bounds_the_search_and_the_walk() -> None:
+    compact = compact_forest(forest_ir(fitted(trees=7, leaf=3, rows=900)), np.float32)
+    assert compact is not None
+    bound = forest_compact.work_at_most(compact)
+    rounds = 0
+    for below in compact.thresholds:
+        left = len(below)
+        rounds += 2
+        while left > 0:  # sp_ranks_search
+            left -= left - left // 2
+            rounds += 1
+    assert bound["thresholds"] == rounds
+    assert bound["nodes"] == 7 * (compact.longest_walk + 1)

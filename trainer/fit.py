@@ -6,6 +6,7 @@ from importlib.metadata import version
 from typing import Any, Literal
 
 from springpot.codegen.ir import Features, Hammerstein, Model, Regressor
+from springpot.trainer.hammerstein import POLES
 from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.training_set import TrainingSet
 
@@ -25,6 +26,7 @@ class FitOptions:
     engine: of the fractional filters; by default taps, and exponentials where the window is long.
     round_features: trees are fitted on features in whole steps of 16 bits.
     orders: fractional orders; the paper's ten by default.
+    poles: time constants that hammerstein, and every kind's passive part, may use.
     within: the smallest forest whose error is at most this share above that of the one asked for.
     """
 
@@ -42,6 +44,7 @@ class FitOptions:
     round_features: bool = False
     orders: tuple[float, ...] | None = None
     within: float | None = None
+    poles: int = POLES
 
 
 @dataclass(frozen=True, eq=False)

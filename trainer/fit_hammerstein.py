@@ -59,7 +59,7 @@ def fit_passive(
     folds = recording_folds(data, rows, options.seed)
     best: tuple[float, Terms, Normal] | None = None
     for kind, bias in among:
-        terms = standard_terms(data, kind, bias)
+        terms = standard_terms(data, kind, bias, options.poles)
         parts = _fold_equations(term_columns(terms, data, rows), force_n, folds)
         error = _cross_validated(parts, folds)
         if best is None or error < best[0]:

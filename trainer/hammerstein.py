@@ -42,11 +42,13 @@ class Terms:
         return self.n_basis * blocks + 2 * self.bias
 
 
-def standard_terms(data: TrainingSet, kind: Basis, bias: bool) -> Terms:
-    """Twelve poles from two samples to the longest recording, four radii."""
+def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = POLES) -> Terms:
+    """Twelve poles, or as many as asked for, from two samples to the longest recording,
+    and four radii.
+    """
     trained = data.trained
     span_m = trained.greatest_m - trained.least_m
-    tau_s = np.geomspace(2.0 * data.dt_s, max(data.longest_s, 4.0 * data.dt_s), POLES)
+    tau_s = np.geomspace(2.0 * data.dt_s, max(data.longest_s, 4.0 * data.dt_s), poles)
     return Terms(
         basis=kind,
         origin_m=trained.least_m,

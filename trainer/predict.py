@@ -7,18 +7,18 @@ from springpot.codegen.forest_table import forest_table
 from springpot.codegen.forest_walk import forest_force, table_sums
 from springpot.codegen.ir import Forest, Model, Rbf
 from springpot.codegen.rounding import rounded
-from springpot.trainer.feature_values import Samples, feature_values
+from springpot.trainer.feature_values import Rows, Samples, feature_values
 from springpot.trainer.hammerstein import hammerstein_force
 from springpot.trainer.rbf import rbf_force
 from springpot.trainer.recording import Recording
 from springpot.trainer.training_set import depth_m
 
 
-def predict_n(model: Model, recording: Recording) -> Samples:
-    """Force of the model along a recording's positions, shape (n,), N."""
+def predict_n(model: Model, recording: Recording, rows: Rows | None = None) -> Samples:
+    """Force of the model along a recording's positions, N; at all samples, or at `rows` of it."""
     depth = depth_m(recording, model.contact)
-    rows = np.arange(len(depth))
-    force_n = np.zeros(len(depth))
+    rows = np.arange(len(depth)) if rows is None else rows
+    force_n = np.zeros(len(rows))
     if model.features is not None and model.regressor is not None:
         values = feature_values(model.features, depth, model.dt_s, rows)
         force_n += regressor_force(model.regressor, values)

@@ -19,7 +19,6 @@ PAPER_ORDERS = tuple(round(0.05 * i, 2) for i in range(1, 11))
 PAPER_TAPS = 171
 HISTORY_LAGS = 10
 MOST_TAPS = 1024  # longer windows are cheaper as exponentials
-BOOSTED_TREES = 100
 LEAST_WINDOW = 10  # samples
 MOST_WINDOW_S = 1e5
 RECURSIVE_S = 1000.0
@@ -106,7 +105,7 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features:
     forest: Forest
     importance: list[float] = []
     if kind == "boosted":
-        forest = fit_boosted(values, force_n, scale, BOOSTED_TREES, options.seed, options.monotone)
+        forest = fit_boosted(values, force_n, scale, options.trees, options.seed, options.monotone)
     else:
         forest, shares = fit_forest(
             values, force_n, scale, options.trees, options.leaf, options.seed

@@ -9,6 +9,7 @@ from springpot.codegen.ir import FastFirBank
 from springpot.codegen.literals import array_text
 from springpot.codegen.stages.stage import (
     REAL,
+    SMALLEST,
     U32,
     Member,
     Probe,
@@ -19,8 +20,6 @@ from springpot.codegen.stages.stage import (
     segments,
     weighed,
 )
-
-_SMALLEST = 1e-30  # SP_FAST_WINDOW_SMALLEST
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +71,8 @@ class FastFirStage:
             f"/* Rises, poles, oldest sample: a row each, a lane each for the orders {names}. */",
             array_text("weights", "sp_real", self.weights),
         ]
+
+    measured = None
 
     def restart(self) -> list[str]:
         """Fill the window; no pole has seen a rise."""
@@ -130,7 +131,7 @@ class FastFirStage:
         poles = np.empty((n, len(h)), dtype=samples.dtype)
         for i in range(n):
             h = self.keep * h + (entering[i] - self.leave * leaving[i])
-            h[np.abs(h) < samples.dtype.type(_SMALLEST)] = 0
+            h[np.abs(h) < samples.dtype.type(SMALLEST)] = 0
             poles[i] = h
         return np.column_stack([*direct, poles, samples[1 : n + 1]])
 

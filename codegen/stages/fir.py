@@ -60,6 +60,8 @@ class FirStage:
             array_text("taps", "sp_real", self.taps),
         ]
 
+    measured = None
+
     def restart(self) -> list[str]:
         """Fill the window."""
         return ["sp_window_fill(state->history, &state->newest, N_TAPS, depth);"]

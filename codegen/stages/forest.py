@@ -36,8 +36,11 @@ class CompactForestStage:
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """Which vector unit there is."""
-        return (Member("uint32_t simd", (U32,)),) if self.vectors else ()
+        """Which vector unit there is; where each feature's rank was."""
+        simd = (Member("uint32_t simd", (U32,)),) if self.vectors else ()
+        searched = len(self.forest.thresholds)
+        ranks = (Member(f"uint32_t ranks[{searched}]", (U32,) * searched),) if searched else ()
+        return simd + ranks
 
     def init(self) -> list[str]:
         """Look for a vector unit, once."""
@@ -86,7 +89,12 @@ class CompactForestStage:
         if self.rounding is None:
             if not self.forest.thresholds:  # trees without a split
                 return ["(void)features;"]
-            return ["sp_ranks(thresholds, threshold_starts, N_FEATURES, features, ranks + 1);"]
+            return [
+                "sp_ranks(thresholds, threshold_starts, N_FEATURES, features, state->ranks);",
+                "for (uint32_t i = 0; i < N_FEATURES; i++) {",
+                "    ranks[i + 1] = state->ranks[i];",
+                "}",
+            ]
         return [
             "for (uint32_t i = 0; i < N_FEATURES; i++) {",
             "    ranks[i + 1] = sp_round(features[i], round_least[i], round_per_step[i]);",

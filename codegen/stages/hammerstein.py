@@ -3,12 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.ir import Basis, Hammerstein
 from springpot.codegen.literals import array_text, struct_text
-from springpot.codegen.stages.recursive import SMALLEST, loss_and_gain
+from springpot.codegen.stages.recursive import loss_and_gain
 from springpot.codegen.stages.stage import (
+    LANES,
     REAL,
+    SMALLEST,
+    Measured,
     Member,
     Real,
     Reals,
@@ -27,9 +31,9 @@ class HammersteinConfig:
     origin_m: Real
     per_span: Real
     bias_n: Real
-    n_basis: int
+    n_pieces: int
+    degree: int
     n_branches: int
-    n_lanes: int
     n_stops: int
 
 
@@ -37,27 +41,29 @@ class HammersteinConfig:
 class HammersteinStage:
     """Arrays of sp_hammerstein_tables, and the variable of the tick that it follows.
 
-    weights: (basis, lanes), lane 0 the spring. loss: (lanes,). stop_weights: (stops, basis).
+    Curves: shape (pieces, degree + 1, curves), highest power first. spring: one, branches: one
+    each, stops: (stops, pieces, degree + 1), radius: (stops,). loss, per_tau (1/s), per_gain
+    (inverse of what is folded into the branches): (branches,).
     follows: "depth" (clipped to the trained range) or "deep" (not clipped). Its force is the C
     variable `{follows}_passive_n`.
     """
 
     config: HammersteinConfig
-    basis: Basis
-    weights: Reals
+    spring: Reals
+    branches: Reals
+    per_tau: Reals
+    per_gain: Reals
     loss: Reals
-    stop_weights: Reals
+    stops: Reals
     radius: Reals
     follows: str
 
-    headers = (
-        "sp_number.h", "sp_basis.h", "sp_poles.h", "sp_stops.h", "sp_weigh.h", "sp_hammerstein.h",
-    )  # fmt: skip
+    headers = ("sp_number.h", "sp_curve.h", "sp_poles.h", "sp_stops.h", "sp_hammerstein.h")
 
     @property
     def members(self) -> tuple[Member, ...]:
         """Input and state of each branch, play of each stop."""
-        lanes, stops = self.config.n_lanes, self.config.n_stops
+        lanes, stops = self.config.n_branches, self.config.n_stops
         name = self.follows
         play = (Member(f"sp_real {name}_play[{stops}]", (REAL,) * stops),) if stops else ()
         return (
@@ -67,31 +73,51 @@ class HammersteinStage:
         )
 
     def tables(self) -> list[str]:
-        """Weights, losses, radii."""
+        """Curves, losses, radii."""
         stops = bool(self.config.n_stops)
         parts = [
-            "/* Spring and branches: a row a basis function, a lane each. */",
-            array_text("branch_weights", "sp_real", self.weights),
+            "/* Curves: piece by piece, highest power first, a column a branch (sp_curve.h). */",
+            array_text("spring", "sp_real", self.spring.ravel()),
+            array_text("branches", "sp_real", self.branches.reshape(-1, self.config.n_branches)),
             array_text("branch_loss", "sp_real", self.loss),
         ]
         if stops:
             parts += [
-                array_text("stop_weights", "sp_real", self.stop_weights),
+                array_text("stops", "sp_real", self.stops.reshape(self.config.n_stops, -1)),
                 array_text("stop_radius", "sp_real", self.radius),
             ]
         return [
             *parts,
             struct_text("passive", "sp_hammerstein_config", self.config),
             "static const sp_hammerstein_tables passive_tables = {",
-            "    .weights = branch_weights,",
+            "    .spring = spring,",
+            "    .branches = branches,",
             "    .loss = branch_loss,",
-            *(["    .stop_weights = stop_weights,", "    .radius = stop_radius,"] if stops else []),
+            *(["    .stops = stops,", "    .radius = stop_radius,"] if stops else []),
             "};",
         ]
 
     @property
     def _play(self) -> str:
         return f"state->{self.follows}_play" if self.config.n_stops else "NULL"
+
+    @property
+    def measured(self) -> Measured:
+        """Losses and gains from the time step."""
+        return Measured(
+            headers=("sp_measured.h", "sp_hammerstein_dt.h"),
+            tables=(
+                array_text("branch_per_tau", "sp_real", self.per_tau),
+                array_text("branch_per_gain", "sp_real", self.per_gain),
+            ),
+            advance=(
+                f"sp_real {self.follows}_branch[{self.config.n_branches}];",
+                f"const sp_real {self.follows}_passive_n = sp_hammerstein_step_dt(",
+                "    &passive, &passive_tables, branch_per_tau, branch_per_gain, dt_s,",
+                f"    {self.follows}, state->{self.follows}_before, state->{self.follows}_held,",
+                f"    {self._play}, {self.follows}_branch);",
+            ),
+        )
 
     def restart(self) -> list[str]:
         """Relaxed branches."""
@@ -104,7 +130,7 @@ class HammersteinStage:
     def advance(self) -> list[str]:
         """Its force."""
         return [
-            f"sp_real {self.follows}_branch[{self.config.n_lanes}];",
+            f"sp_real {self.follows}_branch[{self.config.n_branches}];",
             f"const sp_real {self.follows}_passive_n = sp_hammerstein_step(",
             f"    &passive, &passive_tables, {self.follows}, state->{self.follows}_before,",
             f"    state->{self.follows}_held, {self._play}, {self.follows}_branch);",
@@ -115,17 +141,15 @@ class HammersteinStage:
         config = self.config
         real = depth.dtype.type
         u = (depth - config.origin_m) * config.per_span
-        b = basis(self.basis, u)
-        g = np.zeros((len(depth), config.n_lanes), dtype=depth.dtype)
-        for j in range(config.n_basis):
-            g += self.weights[j] * b[:, j : j + 1]
-        force_n = config.bias_n + g[:, 0]
+        place = self._place(u)
+        g = _curves(self.branches, *place)
+        still_n = _curves(self.spring[:, :, None], *place)[:, 0] + config.bias_n
         smallest = real(SMALLEST)
         held = np.empty_like(g)
         play = np.empty((len(depth), config.n_stops), dtype=depth.dtype)
         for begin, end, rests in segments(len(depth), starts):
-            h = np.zeros(config.n_lanes, dtype=depth.dtype)
-            first = g[begin] if rests else np.zeros(config.n_lanes, dtype=depth.dtype)
+            h = np.zeros(config.n_branches, dtype=depth.dtype)
+            first = g[begin] if rests else np.zeros(config.n_branches, dtype=depth.dtype)
             p = np.full(config.n_stops, u[begin] if rests else real(0), dtype=depth.dtype)
             rises = np.diff(g[begin:end], prepend=first[None, :], axis=0)
             low = u[begin:end, None] - self.radius
@@ -138,19 +162,34 @@ class HammersteinStage:
                     p = np.where(p > low[i], p, low[i])
                     p = np.where(p < high[i], p, high[i])
                     play[begin + i] = p
-        for i in range(1, config.n_branches + 1):
-            force_n = force_n + held[:, i]
         for k in range(config.n_stops):
-            bp = basis(self.basis, play[:, k])
-            total = np.zeros_like(force_n)
-            for j in range(config.n_basis):
-                total = total + self.stop_weights[k, j] * (b[:, j] - bp[:, j])
-            force_n = force_n + total
+            at_play = self._place(play[:, k])
+            still_n = still_n - _curves(self.stops[k][:, :, None], *at_play)[:, 0]
+        s = np.zeros((LANES, len(depth)), dtype=depth.dtype)
+        for i in range(config.n_branches):
+            s[i % LANES] += held[:, i]
+        force_n: Reals = still_n + ((s[0] + s[2]) + (s[1] + s[3]))
         return force_n
+
+    def _place(self, u: Reals) -> tuple[NDArray[np.intp], Reals]:
+        """sp_curve_at: piece and way in it."""
+        real, n = u.dtype.type, self.config.n_pieces
+        v = np.where(u > 0, u, real(0))
+        found = np.where(v * real(n) < real(n - 1), v * real(n), real(n - 1))
+        piece = found.astype(np.intp)
+        return piece, v - piece.astype(u.dtype) / real(n)
+
+
+def _curves(terms: Reals, piece: NDArray[np.intp], way: Reals) -> Reals:
+    """sp_curve: values (n, curves)."""
+    values: Reals = terms[piece, 0]
+    for power in range(1, terms.shape[1]):
+        values = values * way[:, None] + terms[piece, power]
+    return values
 
 
 def basis(kind: Basis, u: Reals) -> Reals:
-    """sp_basis.h: shape (n, J)."""
+    """Values of the basis, shape (n, J); curve_terms has the same functions piece by piece."""
     real = u.dtype.type
     if kind == "powers":
         v = np.where(u > 0, u, real(0))
@@ -167,30 +206,46 @@ def basis(kind: Basis, u: Reals) -> Reals:
 def hammerstein_stage(
     model: Hammerstein, dt_s: float, dtype: type, follows: str
 ) -> HammersteinStage:
-    """Fold the poles' gains into the weights; lane 0 is the spring."""
-    n_basis = BASIS_SIZE[model.basis]
+    """Fold the poles' gains into the branches; the stops' first halves belong to the spring."""
     n_branches, n_stops = len(model.tau_s), len(model.radius_m)
-    lanes = padded(n_branches + 1)
+    room = padded(max(n_branches, 1))
     pole_loss, gain = loss_and_gain(model.tau_s, dt_s)
-    weights: Reals = np.zeros((n_basis, lanes), dtype=dtype)
-    weights[:, 0] = model.elastic_n
-    weights[:, 1 : n_branches + 1] = (gain[:, None] * model.branch_n).T
-    loss: Reals = np.ones(lanes, dtype=dtype)
-    loss[1 : n_branches + 1] = pole_loss
+    stop_n = model.stop_n.reshape(n_stops, BASIS_SIZE[model.basis])
+    branches = np.zeros((room, BASIS_SIZE[model.basis]))
+    branches[:n_branches] = gain[:, None] * model.branch_n
+    loss: Reals = np.ones(room, dtype=dtype)
+    per_tau, per_gain = loss.copy(), loss.copy()
+    loss[:n_branches] = pole_loss
+    per_tau[:n_branches], per_gain[:n_branches] = 1.0 / model.tau_s, 1.0 / gain
+    curves = curve_terms(model.basis, branches)
     return HammersteinStage(
         config=HammersteinConfig(
             origin_m=dtype(model.origin_m),
             per_span=dtype(1.0 / model.span_m),
             bias_n=dtype(model.bias_n),
-            n_basis=n_basis,
-            n_branches=n_branches,
-            n_lanes=lanes,
+            n_pieces=len(curves),
+            degree=curves.shape[1] - 1,
+            n_branches=room,
             n_stops=n_stops,
         ),
-        basis=model.basis,
-        weights=weights,
+        spring=curve_terms(model.basis, (model.elastic_n + stop_n.sum(axis=0))[None])[
+            :, :, 0
+        ].astype(dtype),
+        branches=curves.astype(dtype),
+        per_tau=per_tau,
+        per_gain=per_gain,
         loss=loss,
-        stop_weights=model.stop_n.reshape(n_stops, n_basis).astype(dtype),
+        stops=np.moveaxis(curve_terms(model.basis, stop_n), 2, 0).astype(dtype),
         radius=(model.radius_m / model.span_m).astype(dtype),
         follows=follows,
     )
+
+
+def curve_terms(kind: Basis, weights: Reals) -> NDArray[np.float64]:
+    """Weights (curves, J) on a basis as polynomials: (pieces, degree + 1, curves)."""
+    if kind == "powers":
+        constant = np.zeros((1, len(weights)))
+        return np.concatenate([weights.T[::-1], constant])[None]
+    n_pieces = BASIS_SIZE[kind]
+    starts = np.concatenate([np.zeros((1, len(weights))), np.cumsum(weights.T, axis=0)[:-1]])
+    return np.stack([weights.T, starts / n_pieces], axis=1)

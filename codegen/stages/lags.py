@@ -48,6 +48,8 @@ class LagsStage:
             array_text("lags", "uint32_t", self.lags),
         ]
 
+    measured = None
+
     def restart(self) -> list[str]:
         """Fill the ring."""
         return ["sp_lags_fill(state->past, &state->newest, N_PAST, depth);"]

@@ -37,6 +37,8 @@ class VelocityStage:
             f"static const sp_real {self.source}_band_m = {literal(self.band_m)};",
         ]
 
+    measured = None
+
     def restart(self) -> list[str]:
         """Fill the window."""
         s = self.source
@@ -84,6 +86,8 @@ class PositionVelocityStage:
     def tables(self) -> list[str]:
         """Those of the velocity."""
         return self.velocity.tables()
+
+    measured = None
 
     def restart(self) -> list[str]:
         """That of the velocity."""

@@ -10,6 +10,8 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
+    SMALLEST,
+    Measured,
     Member,
     Probe,
     Reals,
@@ -20,7 +22,6 @@ from springpot.codegen.stages.stage import (
 )
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
-SMALLEST = 1e-30  # SP_POLES_SMALLEST
 
 
 def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:
@@ -44,9 +45,14 @@ def pole_states(loss: Reals, rises: Reals, n_poles: int) -> Reals:
 
 @dataclass(frozen=True, eq=False)
 class RecursiveStage:
-    """Poles fast first; weights: shape (poles, lanes), gains folded in."""
+    """Poles fast first; weights: shape (poles, lanes), gains folded in.
+
+    per_tau, per_gain: (poles,), 1/s and the inverse of those gains.
+    """
 
     orders: tuple[float, ...]
+    per_tau: Reals
+    per_gain: Reals
     loss: Reals
     slow_loss: NDArray[np.float64]
     weights: Reals
@@ -93,6 +99,28 @@ class RecursiveStage:
             f"/* Poles to orders: a row a pole, a lane each for the orders {names}. */",
             array_text("weights", "sp_real", self.weights),
         ]
+
+    @property
+    def measured(self) -> Measured:
+        """Losses and gains from the time step."""
+        fast = "sp_measured_shared(per_tau, per_gain, N_FAST, dt_s, rise, state->poles);"
+        slow = (
+            "sp_measured_slow(per_tau + N_FAST, per_gain + N_FAST, N_POLES - N_FAST, dt_s, rise,",
+            "                 state->slow, state->poles + N_FAST);",
+        )
+        return Measured(
+            headers=("sp_measured.h",),
+            tables=(
+                array_text("per_tau", "sp_real", self.per_tau),
+                array_text("per_gain", "sp_real", self.per_gain),
+            ),
+            advance=(
+                "const sp_real rise = depth - state->last_depth;",
+                "state->last_depth = depth;",
+                *((fast,) if len(self.loss) else ()),
+                *(slow if len(self.slow_loss) else ()),
+            ),
+        )
 
     def restart(self) -> list[str]:
         """Relaxed poles."""
@@ -167,6 +195,8 @@ def recursive_stage(
     weights[:, : len(kept)] = gain[:, None] * bank.weights[order][:, kept]
     return RecursiveStage(
         orders=tuple(bank.orders[i] for i in kept),
+        per_tau=(1.0 / bank.tau_s[order]).astype(dtype),
+        per_gain=(1.0 / gain).astype(dtype),
         loss=loss[~slow].astype(dtype),
         slow_loss=loss[slow],
         weights=weights,

@@ -38,6 +38,15 @@ class Probe:
     sums: Callable[[Reals], Reals]
 
 
+@dataclass(frozen=True)
+class Measured:
+    """A stage over a measured time step, `dt_s` of the C: headers, tables, lines of every tick."""
+
+    headers: tuple[str, ...]
+    tables: tuple[str, ...]
+    advance: tuple[str, ...]
+
+
 class Stage(Protocol):
     """A part of the tick with a state. Lines of C see `state`, `depth` and what they declare."""
 
@@ -61,6 +70,11 @@ class Stage(Protocol):
 
     def advance(self) -> list[str]:
         """Lines of every tick."""
+        ...
+
+    @property
+    def measured(self) -> Measured | None:
+        """The same over a measured time step; None where the stage is exact at one rate only."""
         ...
 
 

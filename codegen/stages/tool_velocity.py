@@ -27,6 +27,8 @@ class ToolVelocityStage:
             f"static const sp_real velocity_weight = {literal(self.weight)};",
         ]
 
+    measured = None
+
     def restart(self) -> list[str]:
         """At rest."""
         return ["sp_tool_velocity_rest(&state->tool_velocity, position);"]

@@ -50,6 +50,12 @@ void sp_reset(sp_state *state);
  * force (N) out. */
 int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n);
 
+/* springpot any rate begin */
+/* The same over a measured time step dt_s (s), up to 1 s: for loops whose ticks come late. */
+int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,
+               sp_real *force_n);
+
+/* springpot any rate end */
 /* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);

@@ -1,56 +1,51 @@
-/* Hammerstein: a spring, Maxwell branches and stop operators on a monotone basis of the depth.
+/* Hammerstein: a spring, Maxwell branches and stop operators, each of a curve of its own that never
+ * falls with the depth:
  *
- *     force = bias + g_0(u) + sum over branches of highpass(g_i(u)) + sum over stops
+ *     force = bias + spring(u) + sum over branches of highpass(g_i(u)) + sum over stops
  *
  * Every weight is non-negative and every pole real, so that the force is passive: over any closed
- * press it takes at least the energy that it gives back. */
+ * press it takes at least the energy that it gives back. A stop is P(u) - P(play): the first half
+ * is part of the spring's curve. */
 #ifndef SP_HAMMERSTEIN_H
 #define SP_HAMMERSTEIN_H
 
 #include <stdint.h>
 
-#include "sp_basis.h"
+#include "sp_curve.h"
 #include "sp_poles.h"
 #include "sp_stops.h"
-#include "sp_weigh.h"
+
+enum { SP_HAMMERSTEIN_LANES = 4 /* branches are padded to a multiple of this, with curves of 0 */ };
 
 typedef struct {
     sp_real origin_m;
     sp_real per_span; /* 1/m */
     sp_real bias_n;
-    uint32_t n_basis;    /* SP_BASIS_POWERS or SP_BASIS_RAMPS */
-    uint32_t n_branches; /* lane 0 is the spring, lanes 1 .. n_branches have a pole */
-    uint32_t n_lanes;
+    uint32_t n_pieces;
+    uint32_t degree;
+    uint32_t n_branches;
     uint32_t n_stops;
 } sp_hammerstein_config;
 
-/* The caller's arrays: constants, and the state's members. */
+/* The caller's arrays: constants. Curves as in sp_curve.h, N. */
 typedef struct {
-    const sp_real *weights;      /* [n_basis][n_lanes], N */
-    const sp_real *loss;         /* [n_lanes] */
-    const sp_real *stop_weights; /* [n_stops][n_basis], N */
-    const sp_real *radius;       /* [n_stops], of u */
+    const sp_real *spring;   /* one curve */
+    const sp_real *branches; /* n_branches curves */
+    const sp_real *loss;     /* [n_branches] */
+    const sp_real *stops;    /* n_stops times one curve */
+    const sp_real *radius;   /* [n_stops], of u */
 } sp_hammerstein_tables;
 
-static inline void sp_hammerstein_basis(uint32_t n_basis, sp_real u, sp_real *b)
-{
-    if (n_basis == SP_BASIS_POWERS) {
-        sp_basis_powers(u, b);
-    } else {
-        sp_basis_ramps(u, b);
-    }
-}
-
-/* x has been here for ever: every branch has relaxed. before, held: [n_lanes]; play: [n_stops]. */
+/* x has been here for ever: every branch has relaxed. before, held: [n_branches]; play: [n_stops].
+ */
 static inline void sp_hammerstein_rest(const sp_hammerstein_config *config,
                                        const sp_hammerstein_tables *tables, sp_real x,
                                        sp_real *before, sp_real *held, sp_real *play)
 {
     const sp_real u = (x - config->origin_m) * config->per_span;
-    sp_real b[SP_BASIS_RAMPS];
-    sp_hammerstein_basis(config->n_basis, u, b);
-    sp_weigh(tables->weights, b, config->n_basis, config->n_lanes, before);
-    for (uint32_t i = 0; i < config->n_lanes; i++) {
+    sp_curve(tables->branches, config->degree, config->n_branches, sp_curve_at(u, config->n_pieces),
+             before);
+    for (uint32_t i = 0; i < config->n_branches; i++) {
         held[i] = (sp_real)0;
     }
     for (uint32_t k = 0; k < config->n_stops; k++) {
@@ -58,28 +53,48 @@ static inline void sp_hammerstein_rest(const sp_hammerstein_config *config,
     }
 }
 
-/* One tick at depth x, m; g: room for [n_lanes]. Returns N. */
+/* What the spring, the stops and the bias give at u; moves the plays. */
+static inline sp_real sp_hammerstein_still(const sp_hammerstein_config *config,
+                                           const sp_hammerstein_tables *tables, sp_real u,
+                                           sp_curve_place place, sp_real *play)
+{
+    sp_real still_n;
+    sp_curve(tables->spring, config->degree, 1, place, &still_n);
+    still_n += config->bias_n;
+    for (uint32_t k = 0; k < config->n_stops; k++) {
+        const sp_real *stop = tables->stops + k * config->n_pieces * (config->degree + 1);
+        sp_real stop_n;
+        play[k] = sp_stops_play(play[k], u, tables->radius[k]);
+        sp_curve(stop, config->degree, 1, sp_curve_at(play[k], config->n_pieces), &stop_n);
+        still_n -= stop_n;
+    }
+    return still_n;
+}
+
+/* Four partial sums in one fixed order. */
+static inline sp_real sp_hammerstein_held(const sp_real *held, uint32_t n_branches)
+{
+    sp_real sum[SP_HAMMERSTEIN_LANES] = {0};
+    for (uint32_t i = 0; i < n_branches; i += SP_HAMMERSTEIN_LANES) {
+#pragma GCC unroll 4
+        for (uint32_t lane = 0; lane < SP_HAMMERSTEIN_LANES; lane++) {
+            sum[lane] += held[i + lane];
+        }
+    }
+    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+}
+
+/* One tick at depth x, m; g: room for [n_branches]. Returns N. */
 static inline sp_real sp_hammerstein_step(const sp_hammerstein_config *config,
                                           const sp_hammerstein_tables *tables, sp_real x,
                                           sp_real *before, sp_real *held, sp_real *play, sp_real *g)
 {
     const sp_real u = (x - config->origin_m) * config->per_span;
-    sp_real b[SP_BASIS_RAMPS];
-    sp_hammerstein_basis(config->n_basis, u, b);
-    sp_weigh(tables->weights, b, config->n_basis, config->n_lanes, g);
-    sp_poles_apart(tables->loss, config->n_lanes, g, before, held);
-    sp_real force_n = config->bias_n + g[0];
-    for (uint32_t i = 1; i <= config->n_branches; i++) {
-        force_n += held[i];
-    }
-    for (uint32_t k = 0; k < config->n_stops; k++) {
-        sp_real p[SP_BASIS_RAMPS];
-        play[k] = sp_stops_play(play[k], u, tables->radius[k]);
-        sp_hammerstein_basis(config->n_basis, play[k], p);
-        force_n +=
-            sp_stops_force(tables->stop_weights + k * config->n_basis, b, p, config->n_basis);
-    }
-    return force_n;
+    const sp_curve_place place = sp_curve_at(u, config->n_pieces);
+    sp_curve(tables->branches, config->degree, config->n_branches, place, g);
+    sp_poles_apart(tables->loss, config->n_branches, g, before, held);
+    const sp_real still_n = sp_hammerstein_still(config, tables, u, place, play);
+    return still_n + sp_hammerstein_held(held, config->n_branches);
 }
 
 #endif

@@ -28,11 +28,13 @@ void compact_sums(const void *tables[5], const uint32_t sizes[3], uint32_t simd,
                   const float *features, uint32_t *sums)
 {
     const sp_forest forest = {tables[0], tables[1], tables[2], sizes[0], sizes[1]};
+    uint32_t last[SP_FOREST_SLOTS] = {0};
     for (uint32_t i = 0; i < n; i++) {
         uint32_t ranks[SP_FOREST_SLOTS] = {0};
         const float *feature = features + i * sizes[2];
         if (tables[3]) {
-            sp_ranks(tables[3], tables[4], sizes[2], feature, ranks + 1);
+            sp_ranks(tables[3], tables[4], sizes[2], feature, last);
+            memcpy(ranks + 1, last, sizes[2] * sizeof *last);
         } else {
             for (uint32_t k = 0; k < sizes[2]; k++) {
                 ranks[k + 1] = (uint32_t)feature[k];

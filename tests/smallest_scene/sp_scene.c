@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f915e22dcc0fdff549436775c5d979aa3cb6d85c59c5b55d7526beedcc371996 */
+/* springpot 0.1.0 835d66065a925a5672696165645bce91d3044c15be0fdb20883667ed5de79ee4 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -57,7 +57,10 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
         sp_real features[1];
         sp_taps(taps, window, N_TAPS, N_ORDERS, features);
         uint32_t ranks[SP_FOREST_SLOTS] = {0};
-        sp_ranks(thresholds, threshold_starts, N_FEATURES, features, ranks + 1);
+        sp_ranks(thresholds, threshold_starts, N_FEATURES, features, state->ranks);
+        for (uint32_t i = 0; i < N_FEATURES; i++) {
+            ranks[i + 1] = state->ranks[i];
+        }
         const uint32_t quanta = sp_forest_fastest(&forest, ranks, state->simd);
         const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;
         force = model_n;
@@ -121,5 +124,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f915e22dcc0fdff549436775c5d979aa3cb6d85c59c5b55d7526beedcc371996\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"835d66065a925a5672696165645bce91d3044c15be0fdb20883667ed5de79ee4\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f915e22dcc0fdff549436775c5d979aa3cb6d85c59c5b55d7526beedcc371996 */
+/* springpot 0.1.0 835d66065a925a5672696165645bce91d3044c15be0fdb20883667ed5de79ee4 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -24,10 +24,11 @@ struct sp_state {
     sp_real history[2 * 16];
     uint32_t newest;
     uint32_t simd;
+    uint32_t ranks[1];
     sp_output_state output;
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 168 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 172 ? 1 : -1];
 
 #endif

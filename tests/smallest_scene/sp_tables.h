@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f915e22dcc0fdff549436775c5d979aa3cb6d85c59c5b55d7526beedcc371996 */
+/* springpot 0.1.0 835d66065a925a5672696165645bce91d3044c15be0fdb20883667ed5de79ee4 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

@@ -1,0 +1,188 @@
+"""The benchmark: sweep, front, picks; everything that is known already is read, not repeated."""
+
+import os
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from springpot.host.bench_alone import measure_alone
+from springpot.host.bench_picks import Budget, budgets, pareto, pick, why
+from springpot.host.bench_point import Job, measure_point
+from springpot.host.bench_store import Store, point_key, sweep_base
+from springpot.host.check_command import as_result
+from springpot.host.machine import machine_facts
+from springpot.host.output import progress_console
+from springpot.host.work_precision import work_precision
+from springpot.runtime_c.errors import DataError
+from springpot.trainer.quality.report import check_recordings
+from springpot.trainer.recording import Recording
+
+if TYPE_CHECKING:
+    from springpot.trainer.sweep import Candidate
+
+Facts = dict[str, Any]
+# Null for points that are off the front and no pick.
+_ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "instructions", "bounded",
+          "spectral_radius", "coupling", "worst_fidelity_percent", "verdict")  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What to run: recordings, target, seed, the kinds (all where empty), a Dask scheduler."""
+
+    training: tuple[Recording, ...]
+    validation: tuple[Recording, ...]
+    target: str
+    seed: int = 0
+    kinds: tuple[str, ...] = ()
+    dask: str | None = None
+
+
+def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
+    """Run what is missing, write folder/bench.json, and return it."""
+    store = Store(folder)
+    store.prepare()
+    begin, load = time.perf_counter(), os.getloadavg()[0]
+    base = sweep_base(bench.training, bench.validation, bench.target)
+    found, computed = _sweep(bench, store, base)
+    points = [facts for facts in found if "error" not in facts]
+    if not points:
+        raise DataError(f"no model can be made of these recordings: {found[0]['error']}")
+    front = pareto(points)
+    recorded_hz = bench.training[0].rate_hz
+    alone = _Alone(bench, store)
+    for point in points:
+        point["pareto"] = point["key"] in front
+        point.update(dict.fromkeys(_ALONE))
+    with progress_console.status("the front and the picks, alone on the machine") as status:
+        for i, point in enumerate(point for point in points if point["pareto"]):
+            status.update(f"alone on the machine: {i + 1} of {len(front)} on the front")
+            alone.complete(point)
+        picks = [_picked(points, budget, recorded_hz, alone) for budget in budgets(bench.target)]
+        status.update("work-precision curves")
+        curves = store.read("alone", "work-precision") or work_precision()
+        store.write("alone", "work-precision", curves)
+    facts = machine_facts()
+    result = {
+        "points": points,
+        "refused": [point for point in found if "error" in point],
+        "picks": {item["budget"]["name"]: item for item in picks},
+        "machine": f"{facts['processor']}, {facts['system']}",
+        "compiler": facts["compiler"],
+        "flags": facts["flags"],
+        "versions": {"scikit-learn": version("scikit-learn"), **facts},
+        "target": bench.target,
+        "rate_hz": recorded_hz,
+        "seed": bench.seed,
+        "command": command,
+        "recordings": {
+            "training": [_named(recording) for recording in bench.training],
+            "validation": [_named(recording) for recording in bench.validation],
+        },
+        "quality": as_result(check_recordings(bench.training)),
+        "work_precision": curves,
+        "closed_loop": alone.matrices,
+        "computed": computed,
+        "computed_alone": alone.computed,
+        "wall_s": time.perf_counter() - begin,
+        "cpu_s": sum(p["point_cpu_s"] for p in points) + alone.cpu_s,
+        "load": load,
+    }
+    store.write_result(result)
+    return result
+
+
+def _sweep(bench: Bench, store: Store, base: Facts) -> tuple[list[Facts], int]:
+    """Facts of every candidate, in the sweep's order, and how many were computed now."""
+    from springpot.trainer.fit import FitOptions
+    from springpot.trainer.parallel import in_parallel
+    from springpot.trainer.sweep import default_sweep
+
+    dt_s = bench.training[0].dt_s
+    candidates = default_sweep(dt_s, FitOptions(seed=bench.seed), bench.kinds)
+    keyed = {point_key(base, candidate): candidate for candidate in candidates}
+    known = {key: store.read("points", key) for key in keyed}
+    jobs = [_job(bench, key, keyed[key]) for key, facts in known.items() if facts is None]
+    with _progress() as progress:
+        task = progress.add_task("models", total=len(keyed), completed=len(keyed) - len(jobs))
+        for point in in_parallel(measure_point, jobs, bench.dask):
+            store.keep(point)
+            known[point.key] = point.facts
+            progress.advance(task)
+    return [facts for facts in known.values() if facts is not None], len(jobs)
+
+
+def _job(bench: Bench, key: str, candidate: "Candidate") -> Job:
+    return Job(key, candidate, bench.training, bench.validation, bench.target)
+
+
+def _progress() -> Progress:
+    return Progress(
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
+        TimeElapsedColumn(), TextColumn("rest"), TimeRemainingColumn(elapsed_when_finished=False),
+        console=progress_console, disable=not sys.stderr.isatty(),
+    )  # fmt: skip
+
+
+class _Alone:
+    """Completes points with what is measured alone; known ones are read."""
+
+    def __init__(self, bench: Bench, store: Store) -> None:
+        self._bench, self._store = bench, store
+        self._longest = max(bench.validation, key=lambda item: len(item.position_m))
+        self.matrices: dict[str, list[Facts]] = {}
+        self.computed = 0
+        self.cpu_s = 0.0
+
+    def complete(self, point: Facts) -> Facts:
+        key = point["key"]
+        facts = self._store.read("alone", key)
+        if facts is None:
+            begin_s = time.process_time()
+            facts = measure_alone(
+                self._store.model_file(key), point["number"], self._longest, self._bench.target
+            )
+            facts["alone_cpu_s"] = time.process_time() - begin_s
+            self._store.write("alone", key, facts)
+            self.computed += 1
+        if key not in self.matrices:
+            self.cpu_s += facts["alone_cpu_s"]
+        self.matrices[key] = facts["closed_loop"]
+        point.update({name: facts.get(name) for name in _ALONE})
+        return point
+
+    def is_bounded(self, point: Facts) -> bool:
+        return bool(self.complete(point)["bounded"])
+
+
+def _picked(points: Sequence[Facts], budget: Budget, recorded_hz: float, alone: _Alone) -> Facts:
+    chosen = pick(points, budget, recorded_hz, alone.is_bounded)
+    return {
+        "budget": budget.as_dict(),
+        "point": chosen and chosen["key"],
+        "why": why(chosen, points, budget, recorded_hz)
+        if chosen
+        else "no model fits this budget, gives no energy back and stays bounded",
+    }
+
+
+def _named(recording: Recording) -> Facts:
+    return {
+        "name": recording.name,
+        "hash": recording.content_hash,
+        "source": recording.source,
+        "duration_s": recording.duration_s,
+    }

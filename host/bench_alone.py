@@ -1,0 +1,77 @@
+"""What is measured of the front and the picks after the sweep, alone on the machine."""
+
+from pathlib import Path
+from typing import Any
+
+from springpot.codegen.golden import backward_velocity
+from springpot.codegen.ir import Model
+from springpot.codegen.model_file import read_model
+from springpot.codegen.plan import make_plan
+from springpot.codegen.scene import Runtime, Scene
+from springpot.host.bench_point import NAME, bench_scene
+from springpot.host.replay import Replay
+from springpot.host.stability import stability
+from springpot.host.trial_build import built
+from springpot.runtime_c.errors import UnsafeError
+from springpot.trainer.recording import Recording
+
+PACED_S = 2.0
+
+
+def measure_alone(
+    model_file: Path, number: str, recording: Recording, target: str
+) -> dict[str, Any]:
+    """Paced ticks, instructions on the target, and the closed loop of the scene to be emitted."""
+    model = read_model(model_file)
+    return {
+        **paced_ticks(model, number, recording),
+        "instructions": count_instructions(model, number, target),
+        **closed_loop(model, number),
+    }
+
+
+def paced_ticks(model: Model, number: str, recording: Recording) -> dict[str, float]:
+    """Times of ticks at the recordings' rate with cold caches, ns."""
+    plan = make_plan(model, bench_scene(model, number), accept_unsafe=True)
+    position = recording.position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    with built(plan) as library:
+        ticks = Replay(library).tick_times(position, velocity, plan.dt_s, PACED_S)
+    return {
+        "tick_ns_p50": ticks.p50,
+        "tick_ns_p99": ticks.p99,
+        "tick_ns_p999": ticks.p999,
+        "tick_ns_max": ticks.max,
+    }
+
+
+def count_instructions(model: Model, number: str, target: str) -> int | None:
+    """Instructions of a tick on an emulated target; None where no emulator port is found.
+
+    There is none in this version: a port for `target` is called from here.
+    """
+    return None
+
+
+def rendered_scene(name: str, number: str, target: str = "host") -> Scene:
+    """The scene that `emit --pick` emits: a coupling only where a hand needs one."""
+    runtime = Runtime(number=number, target=target)  # type: ignore[arg-type]
+    return Scene(schema=1, name=name, model="model.spm", runtime=runtime)
+
+
+def closed_loop(model: Model, number: str) -> dict[str, Any]:
+    """All cases with all hands; `bounded` only if every one is and `emit` would take the scene."""
+    try:
+        found = stability(make_plan(model, rendered_scene(NAME, number)))
+    except UnsafeError as error:
+        return {"bounded": False, "verdict": str(error), "closed_loop": []}
+    outcomes = [outcome.as_dict() for outcome in found.outcomes]
+    judged = [outcome for outcome in found.outcomes if outcome.case != "stiff"]
+    return {
+        "bounded": found.check.stable and all(outcome.bounded for outcome in found.outcomes),
+        "spectral_radius": found.check.spectral_radius,
+        "coupling": found.check.plan.coupling.why,
+        "worst_fidelity_percent": max(outcome.fidelity_percent for outcome in judged),
+        "verdict": found.as_dict()["recommendation"],
+        "closed_loop": outcomes,
+    }

@@ -1,0 +1,167 @@
+"""The Pareto front of a benchmark, and the point to pick for each budget."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+Facts = dict[str, Any]
+NEARLY = 1.005  # of the least error: of two within it, the faster is taken,
+FASTER = 0.9  # where its time is below this share of the other's: timing has noise
+MOST_TRIED = 4  # closed loops that are not bounded: then it is the object, not the model
+SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")
+PERIOD_SHARE = 0.1  # of the period that a tick may take on a PC, that does other work too
+_AXES = ("cv_rmse_n", "tick_ns_hot", "flash_bytes")
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What a device has to spare; None is no limit.
+
+    tick_us: on this machine, 99 of 100 ticks. target: None is this machine. instructions: of a
+    tick on the target, judged where they are counted.
+    rate_hz: of the loop; None: any, the recordings' own.
+    """
+
+    name: str
+    title: str
+    rate_hz: float | None = None
+    tick_us: float | None = None
+    flash_bytes: int | None = None
+    ram_bytes: int | None = None
+    instructions: int | None = None
+    target: str | None = None
+
+    def as_dict(self) -> Facts:
+        """JSON values."""
+        return asdict(self)
+
+
+def pc_budget(rate_hz: float) -> Budget:
+    """A tenth of a period."""
+    khz = f"{rate_hz / 1e3:g}"
+    return Budget(
+        f"pc-{khz}khz", f"PC at {khz} kHz", rate_hz=rate_hz, tick_us=1e6 * PERIOD_SHARE / rate_hz
+    )
+
+
+def board_budget(target: str) -> Budget:
+    """A microcontroller of 256 kB of flash whose loop spares 8 000 instructions a tick."""
+    return Budget(
+        target,
+        f"board with a {target}",
+        flash_bytes=256 * 1024,
+        ram_bytes=64 * 1024,
+        instructions=8000,
+        target=target,
+    )
+
+
+def budgets(target: str) -> tuple[Budget, ...]:
+    """A PC at 1 and at 4 kHz, and the board."""
+    boards = () if target == "host" else (board_budget(target),)
+    return (pc_budget(1000.0), pc_budget(4000.0), *boards)
+
+
+def pareto(points: Sequence[Facts]) -> set[str]:
+    """Keys of the points that no other beats in error, time and flash alike.
+
+    The error is the cross-validated one: the validation recordings only report.
+    """
+    rows = {p["key"]: tuple(p[axis] or 0 for axis in _AXES) for p in points}
+    return {key for key, row in rows.items() if not any(_beats(o, row) for o in rows.values())}
+
+
+def _beats(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
+    return one != other and all(a <= b for a, b in zip(one, other, strict=True))
+
+
+def misfit(point: Facts, budget: Budget, recorded_hz: float) -> str | None:
+    """Why a point does not fit a budget; None where it does."""
+    rate_hz = budget.rate_hz
+    if rate_hz is not None and rate_hz > 1.001 * recorded_hz and not point["any_rate"]:
+        return f"whose features hold at {recorded_hz:g} Hz only"
+    if budget.target in SOFT_DOUBLES and point["number"] == "float64":
+        return f"whose doubles would run in software on a {budget.target}"
+    tick_ns = point.get("tick_ns_p99") or point["tick_ns_hot"]
+    for what, has, may in (
+        ("us a tick", 1e-3 * tick_ns, budget.tick_us),
+        ("bytes of flash", point["flash_bytes"], budget.flash_bytes),
+        ("bytes of RAM", point["ram_bytes"], budget.ram_bytes),
+        ("instructions a tick", point.get("instructions"), budget.instructions),
+    ):
+        if may is not None and has is not None and has > may:
+            return f"above {may:g} {what}"
+        if may is not None and has is None and what == "bytes of flash":
+            return "of unknown flash: no compiler for the target"
+    return None
+
+
+def pick(
+    points: Sequence[Facts],
+    budget: Budget,
+    recorded_hz: float,
+    is_bounded: Callable[[Facts], bool],
+) -> Facts | None:
+    """The point of least cross-validated error that fits, is passive and bounded; None: none is.
+
+    Passive: no cell of its small-signal map is active. `is_bounded` runs the closed loop, and
+    completes the point with what is measured alone on the machine. Of points within half a per
+    cent of that error, the fastest that is bounded too. Where none is bounded, the point of least
+    error, which says so: some objects are too hard for a hand at their recordings' rate.
+    """
+    best: Facts | None = None
+    listed = list(_candidates(points, budget, recorded_hz))
+    tried = 0
+    for point in listed:
+        if best is not None and point["cv_rmse_n"] > NEARLY * best["cv_rmse_n"]:
+            break
+        if best is not None and point["tick_ns_hot"] >= FASTER * best["tick_ns_hot"]:
+            continue
+        if not is_bounded(point):
+            tried += 1
+            if best is None and tried == MOST_TRIED:
+                return listed[0]
+        elif misfit(point, budget, recorded_hz) is None:
+            best = point
+    return best or next(iter(listed), None)
+
+
+def _candidates(points: Sequence[Facts], budget: Budget, recorded_hz: float) -> Iterator[Facts]:
+    fitting = [p for p in points if misfit(p, budget, recorded_hz) is None]
+    yield from sorted((p for p in fitting if not p["active_cells"]), key=lambda p: p["cv_rmse_n"])
+
+
+def why(point: Facts, points: Sequence[Facts], budget: Budget, recorded_hz: float) -> str:
+    """What was chosen, what it gains on the paper's forest, and why nothing more accurate was."""
+    text = "least error on held-out training recordings of all that fit this budget"
+    if not point["bounded"]:
+        return (
+            f"{text} and give no energy back, for simulation only: no model that was tried is "
+            f"bounded in every hand at {recorded_hz:g} Hz; record and render faster, or a softer "
+            "object"
+        )
+    text += ", give no energy back and stay bounded with every hand"
+    paper = next((p for p in points if p["model"] == "rf-fd" and not p["options"]), None)
+    if paper is not None and paper is not point:
+        error, time = (point[name] / paper[name] for name in ("rmse_n", "tick_ns_hot"))
+        text += f"; {error:.0%} of the error of the paper's forest in {time:.0%} of its time"
+    reasons = Counter(
+        _rejected(other, budget, recorded_hz)
+        for other in points
+        if other["cv_rmse_n"] < point["cv_rmse_n"]
+    )
+    if reasons:
+        listed = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
+        text += f". Of less error, but not taken: {listed}"
+    return text
+
+
+def _rejected(other: Facts, budget: Budget, recorded_hz: float) -> str:
+    if (reason := misfit(other, budget, recorded_hz)) is not None:
+        return reason
+    if other["active_cells"]:
+        return "that would give energy back"
+    if other.get("bounded") is False:
+        return "not bounded in the closed loop"
+    return "better by half a per cent at most, and slower or no faster"

@@ -1,0 +1,68 @@
+"""Points of the benchmark in words: labels for the command line, the figure and the page."""
+
+from typing import Any
+
+Facts = dict[str, Any]
+KINDS = {
+    "rf-fd": "the paper's: a forest on fractional derivatives",
+    "rbf-fd": "the paper's: radial basis functions on two fractional derivatives",
+    "rbf-pv": "the paper's baseline: radial basis functions on position and velocity",
+    "rf-history": "the negative control: a forest on past positions",
+    "boosted": "boosted trees on fractional derivatives",
+    "hammerstein": "springs, Maxwell branches and stops with non-negative weights",
+    "hybrid": "hammerstein, and a small forest on what it leaves over",
+    "springpot": "fractional Kelvin-Voigt: three numbers",
+}
+_WORDS = {
+    "trees": "{} trees",
+    "leaf": "{} in a leaf",
+    "n_centers": "{} centres",
+    "poles": "{} time constants",
+    "engine": "{}",
+    "window_s": "window {:.3g} s",
+    "number": "{}",
+}
+_FLAGS = {"round_features": "rounded features", "monotone": "monotone"}
+
+
+def label(point: Facts) -> str:
+    """Kind and options of a point."""
+    told = [
+        _FLAGS.get(name) or _WORDS.get(name, name + " {}").format(value)
+        for name, value in point["options"].items()
+    ]
+    return f"{point['model']}, {', '.join(told)}" if told else point["model"]
+
+
+def point_line(point: Facts) -> str:
+    """One point in a line."""
+    return (
+        f"{label(point)}: RMSE {point['rmse_n']:.3g} N ({point['rmse_percent_of_peak']:.2g} % of "
+        f"peak), {1e-3 * point['tick_ns_hot']:.2g} µs a tick, {kilobytes(point['flash_bytes'])} of "
+        f"flash, {point['ram_bytes']} bytes of RAM"
+    )
+
+
+def kilobytes(count: int | None) -> str:
+    """A size for people."""
+    if count is None:
+        return "unknown size"
+    return f"{count} bytes" if count < 10_000 else f"{count / 1024:.0f} kB"
+
+
+def hover(point: Facts) -> str:
+    """Label of a point in the figure."""
+    active = point["active_cells"]
+    lines = [
+        label(point),
+        f"RMSE {point['rmse_n']:.3g} N, {point['rmse_percent_of_peak']:.2g} % of peak "
+        f"(cross-validated {point['cv_rmse_n']:.3g} N)",
+        f"{1e-3 * point['tick_ns_hot']:.3g} µs a tick, {kilobytes(point['flash_bytes'])} of flash, "
+        f"{point['ram_bytes']} bytes of RAM, fitted in {point['fit_s']:.2g} s",
+        f"gives energy back in {active} of {point['cells']} cells"
+        if active
+        else f"no active cell of {point['cells']}",
+    ]
+    if point["bounded"] is not None:
+        lines.append("bounded with every hand" if point["bounded"] else "NOT bounded with a hand")
+    return "\n".join(lines)

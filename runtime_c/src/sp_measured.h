@@ -1,0 +1,76 @@
+/* Poles over a measured time step: the same recurrence as sp_poles.h, exact whatever dt is.
+ *
+ *     u = dt/tau,  phi(u) = (1 - exp(-u))/u:   loss = u phi(u),  gain = phi(u)
+ *
+ * What is read off a pole has the gain of the planned step folded in: per_gain takes it out again.
+ * phi comes from its series and from halving u, so that no libm is needed and the bits are the same
+ * everywhere: phi(2 u) = phi(u) (1 - u phi(u)/2). */
+#ifndef SP_MEASURED_H
+#define SP_MEASURED_H
+
+#include <stdint.h>
+
+#include "sp_number.h"
+
+enum { SP_MEASURED_HALVINGS = 16 /* to a quarter, from time steps of 16 000 time constants */ };
+
+/* (1 - exp(-u))/u for u >= 0, within 1e-7 of it. */
+static inline sp_real sp_measured_phi(sp_real u)
+{
+    const sp_real quarter = (sp_real)0.25;
+    const sp_real greatest = quarter * (sp_real)(1u << SP_MEASURED_HALVINGS);
+    uint32_t halvings = 0;
+    u = u < greatest ? u : greatest;
+    while (u > quarter) {
+        u *= (sp_real)0.5;
+        halvings++;
+    }
+    sp_real phi = (sp_real)1;
+    for (uint32_t k = 7; k >= 2; k--) {
+        phi = (sp_real)1 - u / (sp_real)k * phi;
+    }
+    for (; halvings > 0; halvings--) {
+        phi *= (sp_real)1 - (sp_real)0.5 * u * phi;
+        u *= (sp_real)2;
+    }
+    return phi;
+}
+
+/* All poles see the same input, which rose by `rise` in dt_s. */
+static inline void sp_measured_shared(const sp_real *per_tau, const sp_real *per_gain,
+                                      uint32_t n_poles, sp_real dt_s, sp_real rise, sp_real *h)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        const sp_real u = dt_s * per_tau[i];
+        const sp_real phi = sp_measured_phi(u);
+        h[i] = sp_flushed(h[i] + (rise * (phi * per_gain[i]) - u * phi * h[i]));
+    }
+}
+
+/* Each pole has an input of its own: g now, `before` at the last tick. */
+static inline void sp_measured_apart(const sp_real *per_tau, const sp_real *per_gain,
+                                     uint32_t n_poles, sp_real dt_s, const sp_real *g,
+                                     sp_real *before, sp_real *h)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        sp_measured_shared(per_tau + i, per_gain + i, 1, dt_s, g[i] - before[i], h + i);
+        before[i] = g[i];
+    }
+}
+
+/* Poles kept in double, as in sp_slow_poles.h; out: in the scene's type. */
+static inline void sp_measured_slow(const sp_real *per_tau, const sp_real *per_gain,
+                                    uint32_t n_poles, sp_real dt_s, sp_real rise, double *h,
+                                    sp_real *out)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        const sp_real u = dt_s * per_tau[i];
+        const sp_real phi = sp_measured_phi(u);
+        const double next =
+            h[i] + ((double)(rise * (phi * per_gain[i])) - (double)(u * phi) * h[i]);
+        h[i] = (next < 0.0 ? -next : next) < 1e-30 ? 0.0 : next;
+        out[i] = (sp_real)h[i];
+    }
+}
+
+#endif

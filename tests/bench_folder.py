@@ -1,0 +1,60 @@
+"""A small benchmark for the tests: seven models of the small recordings, made once a process."""
+
+import atexit
+import shutil
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from unittest import mock
+
+from support import press, recording, training
+
+from springpot.host import bench_alone
+from springpot.host.bench import Bench, run_bench
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.recording_file import write_recording
+from springpot.trainer.sweep import Candidate
+
+PLAIN = FitOptions()
+CANDIDATES = (
+    Candidate("rf-fd", PLAIN),
+    Candidate("rf-fd", FitOptions(trees=5, leaf=20, engine="fir-fast", round_features=True)),
+    Candidate("rbf-fd", PLAIN),
+    Candidate("rbf-pv", PLAIN),
+    Candidate("hammerstein", FitOptions(poles=4)),
+    Candidate("hammerstein", PLAIN, "float64"),
+    Candidate("rbf-fd", FitOptions(window_s=1e-3)),  # refused: under ten samples
+)
+
+
+def asked(kinds: tuple[str, ...] = ()) -> Bench:
+    validation = (
+        recording("mixed", press(0.8) + 0.2 * press(0.8)[::-1]),
+        recording("other", press(2.0, 0.009)),
+    )
+    return Bench(training(), validation, "cortex-m4f", kinds=kinds)
+
+
+def small_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -> list[Candidate]:
+    return [item for item in CANDIDATES if not kinds or item.kind in kinds]
+
+
+@cache
+def bench_folder() -> Path:
+    above = tempfile.mkdtemp(prefix="springpot-bench-")
+    atexit.register(shutil.rmtree, above)
+    folder = Path(above) / "bench"
+    with (
+        mock.patch("springpot.trainer.sweep.default_sweep", small_sweep),
+        mock.patch.object(bench_alone, "PACED_S", 0.2),
+    ):
+        run_bench(asked(), folder, "springpot bench --recording small")
+    return folder
+
+
+def write_training(folder: Path) -> Path:
+    folder.mkdir()
+    for item in training():
+        write_recording(folder / f"{item.name}.h5", item)
+    return folder

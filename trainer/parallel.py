@@ -1,0 +1,45 @@
+"""Jobs on all cores by joblib, or on a Dask cluster by joblib's own back end."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from joblib import Parallel, delayed, parallel_config
+
+from springpot.runtime_c.errors import UsageError
+
+_CONNECT_S = 10
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def in_parallel(
+    work: Callable[[Item], Result], items: Sequence[Item], dask: str | None
+) -> Iterator[Result]:
+    """Results as they come, in any order. dask: address of a scheduler.
+
+    Raises UsageError where no scheduler answers there.
+    """
+    with _backend(dask):
+        yield from Parallel(n_jobs=-1, return_as="generator_unordered", batch_size=1)(
+            delayed(work)(item) for item in items
+        )
+
+
+@contextmanager
+def _backend(dask: str | None) -> Iterator[None]:
+    if dask is None:
+        with parallel_config(backend="loky"):
+            yield
+        return
+    from distributed import Client
+
+    try:
+        client: Any = Client(dask, timeout=_CONNECT_S)
+    except (OSError, ValueError) as error:
+        raise UsageError(
+            f"--dask {dask}: no scheduler answers ({error}): start one with `dask scheduler`, and "
+            "`dask worker ADDRESS` on each machine that has springpot"
+        ) from None
+    with client, parallel_config(backend="dask"):
+        yield
