@@ -10,7 +10,7 @@ from springpot.codegen.plan import make_plan
 from springpot.codegen.scene import Runtime, Scene
 from springpot.host.bench_point import NAME, bench_scene
 from springpot.host.replay import Replay
-from springpot.host.stability import stability
+from springpot.host.stability import refuse_unstable, stability
 from springpot.host.trial_build import built
 from springpot.runtime_c.errors import UnsafeError
 from springpot.trainer.recording import Recording
@@ -60,9 +60,11 @@ def rendered_scene(name: str, number: str, target: str = "host") -> Scene:
 
 
 def closed_loop(model: Model, number: str) -> dict[str, Any]:
-    """All cases with all hands; `bounded` only if every one is and `emit` would take the scene."""
+    """All cases with all hands; `bounded` if every one is. None is run where `emit` refuses."""
     try:
-        found = stability(make_plan(model, rendered_scene(NAME, number)))
+        plan = make_plan(model, rendered_scene(NAME, number))
+        refuse_unstable(plan)
+        found = stability(plan)
     except UnsafeError as error:
         return {"bounded": False, "verdict": str(error), "closed_loop": []}
     outcomes = [outcome.as_dict() for outcome in found.outcomes]

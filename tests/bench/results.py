@@ -1,0 +1,186 @@
+"""Write docs/results.md, its pictures and the README's figures from benchmarks.
+
+    springpot record --device sim://ecoflex-00-30 --protocol paper --out training
+    springpot record --device sim://ecoflex-00-30 --protocol validation --seed 1 --out validation
+    springpot bench --recording training --validate validation --out bench
+    python tests/bench/results.py bench/bench.json [OTHER/bench.json ...]
+
+Without arguments it writes them again from docs/results.json, which keeps what they need. No figure
+in either page is typed by hand: tests/test_results.py compares.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from springpot.host.bench_figures import front_figure
+from springpot.host.bench_report import paper_rows, plain
+from springpot.host.bench_words import kilobytes, label
+
+Facts = dict[str, Any]
+ROOT = Path(__file__).parents[2]
+STORED = ROOT / "docs" / "results.json"
+BEGIN, END = "<!-- results: written by tests/bench/results.py -->", "<!-- results end -->"
+_KEPT = ("picks", "machine", "compiler", "flags", "target", "rate_hz", "seed", "command",
+         "wall_s", "cpu_s", "computed", "load")  # fmt: skip
+_POINT = ("key", "model", "options", "rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n",
+          "mean_recording_rmse_interval_n", "ape_below_jnd", "cv_rmse_n", "tick_ns_hot",
+          "tick_ns_p99", "tick_ns_p999", "instructions", "flash_bytes", "ram_bytes", "feature_s",
+          "fit_s", "active_cells", "cells", "bounded", "worst_fidelity_percent",
+          "pareto")  # fmt: skip
+
+
+def condensed(result: Facts) -> Facts:
+    """What the pages need of one benchmark."""
+    training, validation = (result["recordings"][name] for name in ("training", "validation"))
+    kept = {name: result[name] for name in _KEPT}
+    return kept | {
+        "name": source(training[0]["source"]),
+        "training": len(training),
+        "validation": len(validation),
+        "quality": {"noise_floor_n": result["quality"]["noise_floor_n"]},
+        "points": [{name: point[name] for name in _POINT} for point in result["points"]],
+    }
+
+
+def source(text: str) -> str:
+    """Where recordings came from, without the path."""
+    if text.startswith("sim://"):
+        return "simulated " + text.removeprefix("sim://").split("?")[0]
+    return Path(text.split(",", maxsplit=1)[0].split(" ", maxsplit=1)[0]).name
+
+
+def pages(results: list[Facts]) -> dict[Path, str]:
+    """Every file that is written, with its content."""
+    written = {
+        ROOT / "docs" / f"pareto-{i + 1}.svg": front_figure(result) + "\n"
+        for i, result in enumerate(results)
+    }
+    written[ROOT / "docs" / "results.md"] = results_page(results)
+    written[ROOT / "README.md"] = readme(results[0])
+    return written
+
+
+def results_page(results: list[Facts]) -> str:
+    """docs/results.md."""
+    parts = [
+        "# Error against run time, measured\n",
+        "Written by `python tests/bench/results.py` from the JSON of `springpot bench`, kept in "
+        "[results.json](results.json); no figure is typed by hand.\n",
+    ]
+    for i, result in enumerate(results):
+        parts += section(result, f"pareto-{i + 1}.svg")
+    return "\n".join(parts)
+
+
+def section(result: Facts, picture: str) -> list[str]:
+    """One data set."""
+    front = sorted((p for p in result["points"] if p["pareto"]), key=lambda p: p["tick_ns_hot"])
+    parts = [
+        f"## {result['name'][:1].upper()}{result['name'][1:]}\n",
+        f"`{result['command']}`: {len(result['points'])} points of "
+        f"{len({p['model'] for p in result['points']})} kinds, {result['training']} training and "
+        f"{result['validation']} validation recordings at {plain(result['rate_hz'], 6)} Hz; "
+        f"{result['cpu_s']:.0f} s of processor time{elapsed(result)}. {result['machine']}; "
+        f"{result['compiler']}, `{result['flags']}`; load average {result['load']:.1f} before it "
+        "began, and times are upper bounds where that is not 0.\n",
+        f"![Error against the time of a tick; the front is marked]({picture})\n",
+        "| budget | pick | why |\n| --- | --- | --- |",
+        *(pick_row(result, found) for found in result["picks"].values()),
+        "\nThe front:\n",
+        table(front, result["target"]),
+    ]
+    if rows := paper_rows(result["points"]):
+        parts += ["\nThe paper's models beside the paper:\n", paper_table(rows), NOT_COMPARABLE]
+    return parts
+
+
+NOT_COMPARABLE = (
+    "\nNot comparable: the paper's figure 9 prints bars of five real silicones, its figure 10 is "
+    "MATLAB with RBF software that it does not name, and its table 3 counts a whole haptic thread "
+    "with device; here a rate is one tick's computing in a tight loop.\n"
+)
+
+
+def elapsed(result: Facts) -> str:
+    """Time on the clock, of a benchmark that was not resumed."""
+    whole = result["computed"] == len(result["points"])
+    return f" in {result['wall_s']:.0f} s on the clock" if whole else ""
+
+
+def pick_row(result: Facts, found: Facts) -> str:
+    """A row of the picks."""
+    chosen = next((p for p in result["points"] if p["key"] == found["point"]), None)
+    name = label(chosen) if chosen else "none"
+    return f"| {found['budget']['title']} | {name} | {found['why']} |"
+
+
+def table(points: list[Facts], target: str) -> str:
+    """Points, one a row."""
+    head = (
+        f"| model | RMSE, N | % of peak | tick, µs | flash, {target} | RAM, bytes | fit, s | "
+        "active cells |\n| --- | --- | --- | --- | --- | --- | --- | --- |"
+    )
+    rows = [
+        f"| {label(p)} | {plain(p['rmse_n'])} | {plain(p['rmse_percent_of_peak'], 2)} | "
+        f"{plain(1e-3 * p['tick_ns_hot'], 2)} | {kilobytes(p['flash_bytes'])} | {p['ram_bytes']} | "
+        f"{plain(p['fit_s'], 2)} | {p['active_cells']} of {p['cells']} |"
+        for p in points
+    ]
+    return "\n".join([head, *rows])
+
+
+def paper_table(rows: list[dict[str, str]]) -> str:
+    """The claims of figures 9, 10 and table 3."""
+    head = (
+        "| model | RMSE | of rbf-pv's | modelling, paper | here | | rate, paper | here | |\n"
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    )
+    lines = [
+        f"| {r['kind']} | {r['rmse']} | {r['rmse_ratio']} | {r['fit_paper']} | {r['fit']} | "
+        f"{r['fit_ratio']} | {r['rate_paper']} | {r['rate']} | {r['rate_ratio']} |"
+        for r in rows
+    ]
+    return "\n".join([head, *lines])
+
+
+def readme(result: Facts) -> str:
+    """The README with its results between the two marks."""
+    text = (ROOT / "README.md").read_text()
+    before, rest = text.split(BEGIN)
+    after = rest.split(END)[1]
+    return f"{before}{BEGIN}\n{readme_results(result)}\n{END}{after}"
+
+
+def readme_results(result: Facts) -> str:
+    """The picks, and the paper's three models."""
+    picked = dict.fromkeys(found["point"] for found in result["picks"].values())
+    points = [p for key in picked for p in result["points"] if p["key"] == key]
+    points += [p for p in result["points"] if not p["options"] and p["model"].startswith("r")]
+    names = [
+        f"{', '.join(n for n, f in result['picks'].items() if f['point'] == key)}: "
+        f"{label(next(p for p in result['points'] if p['key'] == key))}"
+        for key in picked
+        if key
+    ]
+    return (
+        "![Error against the time of a tick of every model](docs/pareto-1.svg)\n\n"
+        f"`springpot bench` on the recordings of the {result['name']}: "
+        f"{len(result['points'])} models in {result['cpu_s']:.0f} s of processor time. Picks: "
+        f"{'; '.join(names)}. The other rows are the paper's models and the negative control.\n\n"
+        f"{table(points, result['target'])}\n\n"
+        "More, and how it was measured: [docs/results.md](docs/results.md)."
+    )
+
+
+def main(benches: list[Path]) -> None:
+    if benches:
+        results = [condensed(json.loads(path.read_text())) for path in benches]
+        STORED.write_text(json.dumps(results, indent=1) + "\n")
+    for path, text in pages(json.loads(STORED.read_text())).items():
+        path.write_text(text)
+
+
+if __name__ == "__main__":
+    main([Path(argument) for argument in sys.argv[1:]])
