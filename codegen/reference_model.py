@@ -16,13 +16,20 @@ class Stages(Protocol):
     """A plan, or its model's stages."""
 
     @property
-    def features(self) -> FeatureStage | None: ...  # noqa: D102
+    def features(self) -> FeatureStage | None:
+        """Of the regressor."""
+
     @property
-    def regressor(self) -> RegressorStage | None: ...  # noqa: D102
+    def regressor(self) -> RegressorStage | None:
+        """Features to force."""
+
     @property
-    def passive(self) -> HammersteinStage | None: ...  # noqa: D102
+    def passive(self) -> HammersteinStage | None:
+        """The passive part that the model adds."""
+
     @property
-    def excess(self) -> tuple[HammersteinStage, HammersteinStage] | None: ...  # noqa: D102
+    def excess(self) -> tuple[HammersteinStage, HammersteinStage] | None:
+        """The passive fallback, at the depth as it is and at the trained one."""
 
 
 def model_force(

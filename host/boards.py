@@ -49,8 +49,6 @@ BOARDS = {
         ),
     )
 }
-# The board that stands for a target where only instructions count.
-OF_TARGET = {"cortex-m4f": "mps2-an386", "cortex-m7": "mps2-an500", "rv32imafc": "virt"}
 _EMULATOR_PACKAGES = {
     "qemu-system-arm": "qemu-system-arm",
     "qemu-system-riscv32": "qemu-system-misc",

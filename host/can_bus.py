@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import select
 import socket
 import struct
 import time
@@ -17,6 +18,7 @@ BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000,
 STUFFED_BITS = 135  # of a frame of 8 bytes with a short identifier, at worst
 _FRAME = struct.Struct("=IB3x8s")  # struct can_frame
 _REMOTE, _STANDARD = 0x40000000, 0x7FF
+_ROOM_S = 0.05  # a full queue of frames is sent in a few ms
 _ANSWER_S = 0.5
 
 
@@ -130,10 +132,13 @@ class SocketBus:
     def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
         """Send one frame."""
         flag = _REMOTE if remote else 0
+        if not select.select([], [self.fd], [], _ROOM_S)[1]:
+            raise DeviceError(
+                f"{self._url}: its queue stays full, nobody on the bus answers: check the wiring, "
+                "the drive's power and ?bitrate="
+            )
         try:
             os.write(self.fd, _FRAME.pack(identifier | flag, len(data), data.ljust(8, b"\0")))
-        except BlockingIOError:
-            pass
         except OSError as error:
             raise DeviceError(f"{self._url}: {error.strerror}: bring the interface up") from None
 

@@ -120,10 +120,10 @@ class PythonLoop:
         self._force = ffi.new("sp_real *")
         self._real = np.float32 if ffi.sizeof("sp_real") == 4 else np.float64
         self._state = LoopState()
-        self._links: list[Any] = []
+        self._links: list[PythonLink] = []
         self._kept: list[Any] = []
         self._next: Any = None
-        self._link: Any = None
+        self._link: PythonLink | None = None
         self._want_stop = self._want_pause = self._want_reset = self._reset_next = False
         self._rows: deque[list[float]] = deque()
         self._flight: deque[list[float]] = deque(maxlen=_FLIGHT_ROWS)
@@ -177,13 +177,14 @@ class PythonLoop:
         if self._thread is not None:
             self._thread.join()
 
-    def _adopt(self, device: Device) -> Any:
+    def _adopt(self, device: Device) -> PythonLink:
         link = device.link(self._engine.library)
         if not hasattr(link, "listen"):
             link = _CLink(link, self._engine.library.ffi)
         self._links.append(link)
         self._kept.append(device)
-        return link
+        found: PythonLink = link
+        return found
 
     def _tell(self, **changes: Any) -> None:
         self._state = replace(self._state, **changes)
@@ -200,8 +201,8 @@ class PythonLoop:
     def _tick_on(self) -> None:
         period_s = self._settings.period_s
         begin_s = deadline_s = time.monotonic()
-        if not self._link.ready:
-            self._make_ready()
+        if self._link is not None and not self._link.ready:
+            self._make_ready(self._link)
         if fresh := self._listen(deadline_s + _FIRST_SAMPLE_S):
             begin_s = deadline_s = time.monotonic()
         while not self._state.reason:
@@ -234,9 +235,9 @@ class PythonLoop:
             self._tell(reason=_ENDED)
         return bool(count > 0)
 
-    def _make_ready(self) -> None:
-        self._link.reset()
-        self._arming_s = 0.0 if self._link.ready else time.monotonic()
+    def _make_ready(self, link: PythonLink) -> None:
+        link.reset()
+        self._arming_s = 0.0 if link.ready else time.monotonic()
 
     def _at_work(self) -> bool:
         """Whether the scene may be called: no force reaches a device that is not ready."""
@@ -264,12 +265,12 @@ class PythonLoop:
             self._tell(connected=1, tripped=int(self._state.tripped and self._state.kept_trip))
             self._arming_s = 0.0
             if not self._link.ready:
-                self._make_ready()
+                self._make_ready(self._link)
         if self._want_reset:
             self._want_reset, self._reset_next = False, True
             self._tell(tripped=0)
             if self._link is not None:
-                self._make_ready()
+                self._make_ready(self._link)
         if self._state.paused and not self._want_pause:
             self._reset_next = True
         if self._state.paused != self._want_pause:
@@ -312,13 +313,11 @@ class PythonLoop:
             call |= RESET
         self._force[0] = row[COLUMN["returned_n"]]
         begin_s = time.perf_counter()
-        if fresh:
-            x, v = (
-                float(self._real(self._link.position_m)),
-                float(self._real(self._link.velocity_mps)),
-            )
+        link = self._link
+        if fresh and link is not None:
+            x, v = float(self._real(link.position_m)), float(self._real(link.velocity_mps))
             if self._measured is not None:
-                self._measured[0] = self._link.measured_n
+                self._measured[0] = link.measured_n
             notes = self._step(self._scene, x, v, self._force)
             row[COLUMN["position_m"]], row[COLUMN["velocity_mps"]] = x, v
         else:

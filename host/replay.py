@@ -43,7 +43,7 @@ class Replay:
     def __init__(self, library: SceneLibrary) -> None:
         self._library = library
         self._real = "float" if library.dtype is np.float32 else "double"
-        self._ffi, self._port = _load(self._real)
+        self._ffi, self._port = load_port(self._real)
         self._step = self._ffi.cast("void *", library.address("step"))
 
     def run(self, position_m: Reals, velocity_mps: Reals) -> tuple[Reals, Reals]:
@@ -135,7 +135,8 @@ class Replay:
 
 
 @cache
-def _load(real: str) -> tuple[cffi.FFI, Any]:
+def load_port(real: str) -> tuple[cffi.FFI, Any]:
+    """sp_replay.h for scenes of `real` ("float" or "double"), built and loaded once."""
     header = (PORT_HOST / "sp_replay.h").read_text()
     ffi = cffi.FFI()
     text = header[header.index(_BEGIN) : header.index(_END)]

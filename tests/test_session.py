@@ -214,8 +214,7 @@ def test_python_stands_still_for_300_ms(tmp_path, folder):
                 assert session.running.state.ticks > before + 290
             finish(session)
         stopped_s = device.named("stop")[0]["at_s"]
-        trips = [e for e in device.named("tripped") if e["at_s"] < stopped_s]
-        assert len(trips) < 2  # both pauses; a busy machine may starve the device itself once
+        assert not [e for e in device.named("tripped") if e["at_s"] < stopped_s]
     result = session.result()
     assert result["ring_dropped"] == 0
     assert len(assert_faithful(folder, log).position_m) == result["ticks"] >= 1498

@@ -113,11 +113,7 @@ class FastFirStage:
         pasts = held_before(depth, starts, self.length)
         for (begin, end, _), (_, samples) in zip(stretches, pasts, strict=True):
             terms = self._terms(samples, end - begin)
-            for i in range(self.n_features):
-                total = np.zeros(end - begin, dtype=depth.dtype)
-                for k in range(len(self.weights)):
-                    total += self.weights[k, i] * terms[:, k]
-                result[begin:end, i] = total
+            result[begin:end] = weighed(self.weights[:, : self.n_features], terms)
         return result
 
     def _terms(self, samples: Reals, n: int) -> Reals:

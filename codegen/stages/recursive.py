@@ -175,11 +175,7 @@ class RecursiveStage:
             fast = pole_states(self.loss, rises, len(self.loss))
             slow = pole_states(self.slow_loss, rises.astype(np.float64), len(self.slow_loss))
             states = np.concatenate([fast, slow.astype(depth.dtype)], axis=1)
-            for i in range(self.n_features):
-                total = np.zeros(end - begin, dtype=depth.dtype)
-                for k in range(len(self.weights)):
-                    total += self.weights[k, i] * states[:, k]
-                result[begin:end, i] = total
+            result[begin:end] = weighed(self.weights[:, : self.n_features], states)
         return result
 
 

@@ -162,8 +162,8 @@ def held_before(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, 
 
 
 def weighed(weights: Reals, inputs: Reals) -> Reals:
-    """sp_weigh.h: sums of inputs (inputs,) by weights (inputs, lanes), each lane's in order."""
-    total: Reals = np.zeros(weights.shape[1], dtype=weights.dtype)
-    for row, value in zip(weights, inputs, strict=True):
-        total += row * value
+    """sp_weigh.h: inputs (..., inputs) by weights (inputs, lanes), each lane's sum in order."""
+    total: Reals = np.zeros((*inputs.shape[:-1], weights.shape[1]), dtype=weights.dtype)
+    for k, row in enumerate(weights):
+        total += inputs[..., k, None] * row
     return total

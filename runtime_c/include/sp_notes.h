@@ -15,7 +15,7 @@ enum {
 
 enum {
     SP_ERROR_NULL = -1,     /* a pointer that is needed is null */
-    SP_ERROR_TIME_STEP = -2 /* a time step that is not finite or not positive */
+    SP_ERROR_TIME_STEP = -2 /* a time step that is not finite, not positive, or too long */
 };
 /* springpot declarations end */
 

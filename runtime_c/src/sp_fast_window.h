@@ -16,8 +16,6 @@
 
 #include "sp_number.h"
 
-#define SP_FAST_WINDOW_SMALLEST ((sp_real)1e-30)
-
 /* window: [n_window], newest first, one more than the taps; terms: [n_direct + n_poles + 1]: rises,
  * poles, oldest sample: what the weights are for. */
 static inline void sp_fast_window(const sp_real *keep, const sp_real *leave, uint32_t n_direct,
@@ -30,8 +28,7 @@ static inline void sp_fast_window(const sp_real *keep, const sp_real *leave, uin
         terms[k] = window[k] - window[k + 1];
     }
     for (uint32_t i = 0; i < n_poles; i++) {
-        const sp_real next = keep[i] * poles[i] + (in - leave[i] * out);
-        poles[i] = sp_abs(next) < SP_FAST_WINDOW_SMALLEST ? (sp_real)0 : next;
+        poles[i] = sp_flushed(keep[i] * poles[i] + (in - leave[i] * out));
         terms[n_direct + i] = poles[i];
     }
     terms[n_direct + n_poles] = window[n_window - 2];

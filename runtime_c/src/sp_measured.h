@@ -66,9 +66,8 @@ static inline void sp_measured_slow(const sp_real *per_tau, const sp_real *per_g
     for (uint32_t i = 0; i < n_poles; i++) {
         const sp_real u = dt_s * per_tau[i];
         const sp_real phi = sp_measured_phi(u);
-        const double next =
-            h[i] + ((double)(rise * (phi * per_gain[i])) - (double)(u * phi) * h[i]);
-        h[i] = (next < 0.0 ? -next : next) < 1e-30 ? 0.0 : next;
+        const double rises = (double)(rise * (phi * per_gain[i]));
+        h[i] = sp_flushed_double(h[i] + (rises - (double)(u * phi) * h[i]));
         out[i] = (sp_real)h[i];
     }
 }

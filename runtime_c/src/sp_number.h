@@ -15,7 +15,8 @@ static inline int sp_is_finite(sp_real x)
 }
 
 /* Values below this are 0: a denormal costs a hundred times a number's time on some processors. */
-#define SP_SMALLEST ((sp_real)1e-30)
+#define SP_SMALLEST_DOUBLE 1e-30
+#define SP_SMALLEST ((sp_real)SP_SMALLEST_DOUBLE)
 
 static inline sp_real sp_abs(sp_real x)
 {
@@ -25,6 +26,12 @@ static inline sp_real sp_abs(sp_real x)
 static inline sp_real sp_flushed(sp_real x)
 {
     return sp_abs(x) < SP_SMALLEST ? (sp_real)0 : x;
+}
+
+/* The same for states that are kept in double whatever the scene's number type. */
+static inline double sp_flushed_double(double x)
+{
+    return (x < 0.0 ? -x : x) < SP_SMALLEST_DOUBLE ? 0.0 : x;
 }
 
 #endif

@@ -11,13 +11,9 @@
 
 #include "sp_number.h"
 
-/* Below this a state is 0: a denormal costs a hundred times a number's time on some processors. */
-#define SP_POLES_SMALLEST ((sp_real)1e-30)
-
 static inline sp_real sp_poles_next(sp_real h, sp_real loss, sp_real rise)
 {
-    const sp_real next = h + (rise - loss * h);
-    return sp_abs(next) < SP_POLES_SMALLEST ? (sp_real)0 : next;
+    return sp_flushed(h + (rise - loss * h));
 }
 
 /* All poles see the same input, which rose by `rise` since the last tick. */

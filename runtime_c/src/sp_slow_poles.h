@@ -5,17 +5,14 @@
 
 #include <stdint.h>
 
-#include "sp_real.h"
-
-#define SP_SLOW_POLES_SMALLEST 1e-30
+#include "sp_number.h"
 
 /* h: states; out: the same in the scene's type. */
 static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real rise, double *h,
                                  sp_real *out)
 {
     for (uint32_t i = 0; i < n_poles; i++) {
-        const double next = h[i] + ((double)rise - loss[i] * h[i]);
-        h[i] = (next < 0.0 ? -next : next) < SP_SLOW_POLES_SMALLEST ? 0.0 : next;
+        h[i] = sp_flushed_double(h[i] + ((double)rise - loss[i] * h[i]));
         out[i] = (sp_real)h[i];
     }
 }

@@ -16,6 +16,7 @@ from springpot.codegen.model_file import write_model
 from springpot.codegen.scene import Coupling, Guard, Scene, Smoothing
 from springpot.host.compiler import find_compiler
 from springpot.host.emission import emit
+from springpot.host.replay import load_port
 from springpot.runtime_c.paths import flags
 
 HERE = Path(__file__).parent
@@ -118,10 +119,8 @@ class Stepper:
     """Calls a row's step function through the replay port, hot or paced."""
 
     def __init__(self, row: Row, positions: np.ndarray, velocities: np.ndarray) -> None:
-        from springpot.host.replay import _load
-
         self.row = row
-        self._ffi, self._port = _load("float")
+        self._ffi, self._port = load_port("float")
         symbols = cffi.FFI()
         symbols.cdef(f"void {row.step}(void);" + (f"void {row.init}(void *);" if row.init else ""))
         self._library = symbols.dlopen(str(row.library))
@@ -131,7 +130,6 @@ class Stepper:
         if row.init:
             getattr(self._library, row.init)(self._memory)
         self._state = self._ffi.cast("void *", int(symbols.cast("uintptr_t", self._memory)))
-        self._symbols = symbols
         self._positions = np.ascontiguousarray(positions, dtype=np.float32)
         self._velocities = np.ascontiguousarray(velocities, dtype=np.float32)
         self.force_n = np.empty_like(self._positions)

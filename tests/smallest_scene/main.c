@@ -1,4 +1,4 @@
-/* springpot 0.1.0 835d66065a925a5672696165645bce91d3044c15be0fdb20883667ed5de79ee4 */
+/* springpot 0.1.0 7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 835d66065a925a5672696165645bce91d3044c15be0fdb20883667ed5de79ee4 */
+/* springpot 0.1.0 7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 
