@@ -13,7 +13,7 @@ from springpot.codegen.ir import (
     PositionVelocity,
     RecursiveBank,
 )
-from springpot.codegen.stages.position_velocity import foaw
+from springpot.codegen.stages.position_velocity import foaw_of
 from springpot.codegen.stages.recursive import loss_and_gain
 from springpot.trainer.fast_fir import equivalent_taps
 
@@ -75,5 +75,7 @@ def _position_velocity(
     features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Rows
 ) -> Samples:
     per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
-    velocity = foaw(per_step, np.float64(features.band_m), depth_m, held=True)
-    return np.stack([depth_m[rows], velocity[rows]], axis=1)
+    held = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
+    windows = sliding_window_view(held, features.length + 1)[rows]
+    velocity = foaw_of(per_step, np.float64(features.band_m), windows)
+    return np.stack([depth_m[rows], velocity], axis=1)

@@ -13,6 +13,7 @@ from springpot.trainer.training_set import TrainingSet
 
 POLES = 12
 RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
+_CHUNK = 1 << 16  # samples that stand as Python's numbers at once
 
 
 @dataclass(frozen=True)
@@ -60,29 +61,34 @@ def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = POLE
 
 
 def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
-    """Values of all terms along one recording, at rows: shape (rows, terms)."""
+    """Values of all terms along one recording, at rows: shape (rows, terms).
+
+    One function of the basis at a time: a day's recording has 1e8 samples.
+    """
     u = (depth_m - terms.origin_m) / terms.span_m
-    b = basis(terms.basis, u)
-    blocks = [b[rows]]
-    for tau_s in terms.tau_s:
-        parts = [highpass(b[:, j], tau_s, dt_s)[rows] for j in range(terms.n_basis)]
-        blocks.append(np.stack(parts, axis=1))
-    for radius_m in terms.radius_m:
+    n, poles = terms.n_basis, len(terms.tau_s)
+    values = np.ones((len(rows), terms.count))
+    for j, along in enumerate(basis(terms.basis, u)):
+        values[:, j] = along[rows]
+        for k, tau_s in enumerate(terms.tau_s, 1):
+            values[:, n * k + j] = highpass(along, tau_s, dt_s)[rows]
+    for k, radius_m in enumerate(terms.radius_m, 1 + poles):
         played = basis(terms.basis, play(u, radius_m / terms.span_m)[rows])
-        blocks.append(b[rows] - played)
+        for j, behind in enumerate(played):
+            values[:, n * k + j] = values[:, j] - behind
     if terms.bias:
-        ones = np.ones((len(rows), 1))
-        blocks += [ones, -ones]
-    return np.concatenate(blocks, axis=1)
+        values[:, -1] = -1.0
+    return values
 
 
 def play(u: Samples, radius: float) -> Samples:
     """Play operator of one radius, from rest at the first sample."""
     out = np.empty_like(u)
     p = float(u[0])
-    for i, x in enumerate(u.tolist()):
-        p = min(max(p, x - radius), x + radius)
-        out[i] = p
+    for begin in range(0, len(u), _CHUNK):
+        for i, x in enumerate(u[begin : begin + _CHUNK].tolist(), begin):
+            p = min(max(p, x - radius), x + radius)
+            out[i] = p
     return out
 
 

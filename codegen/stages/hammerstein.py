@@ -1,5 +1,6 @@
 """The passive model: sp_hammerstein.h."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -188,19 +189,19 @@ def _curves(terms: Reals, piece: NDArray[np.intp], way: Reals) -> Reals:
     return values
 
 
-def basis(kind: Basis, u: Reals) -> Reals:
-    """Values of the basis, shape (n, J); curve_terms has the same functions piece by piece."""
+def basis(kind: Basis, u: Reals) -> Iterator[Reals]:
+    """The functions of a basis one after another; curve_terms has the same piece by piece."""
     real = u.dtype.type
     if kind == "powers":
-        v = np.where(u > 0, u, real(0))
-        return np.stack([v, v * v, v * v * v], axis=1)
+        v = np.maximum(u, real(0))
+        yield v
+        yield v * v
+        yield v * v * v
+        return
     width = real(1) / real(8)
-    ramps = []
     for j in range(8):
-        above = u - real(j) * width
-        risen = np.where(above > 0, above, real(0))
-        ramps.append(np.where(risen > width, width, risen) if j < 7 else risen)
-    return np.stack(ramps, axis=1)
+        risen = np.maximum(u - real(j) * width, real(0))
+        yield np.minimum(risen, width) if j < 7 else risen
 
 
 def hammerstein_stage(

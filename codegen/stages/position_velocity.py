@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from springpot.codegen.ir import PositionVelocity
 from springpot.codegen.literals import array_text, literal
@@ -123,13 +124,18 @@ def foaw(per_step: Reals, band_m: Real, x: Reals, held: bool) -> Reals:
     """sp_velocity.h over one stretch, shape (n,); before it x[0] was held, or zeros."""
     length = len(per_step)
     before = np.full(length, x[0] if held else x.dtype.type(0), dtype=x.dtype)
-    samples = np.concatenate([before, x])
-    slope = least = greatest = np.zeros_like(x)
-    longer = np.ones(len(x), dtype=bool)
-    for j in range(length):
-        rise = x - samples[length - j - 1 : length - j - 1 + len(x)]
-        candidate = rise * per_step[j]
-        low, high = (rise - band_m) * per_step[j], (rise + band_m) * per_step[j]
+    return foaw_of(per_step, band_m, sliding_window_view(np.concatenate([before, x]), length + 1))
+
+
+def foaw_of(per_step: Reals, band_m: Real, windows: Reals) -> Reals:
+    """The velocity at the end of each window, shape (n,), m/s; windows: (n, steps + 1), m."""
+    newest = windows[:, -1]
+    slope = least = greatest = np.zeros_like(newest)
+    longer = np.ones(len(newest), dtype=bool)
+    for j, per_s in enumerate(per_step):
+        rise = newest - windows[:, -2 - j]
+        candidate = rise * per_s
+        low, high = (rise - band_m) * per_s, (rise + band_m) * per_s
         if j == 0:
             slope, least, greatest = candidate, low, high
             continue
