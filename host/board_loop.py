@@ -17,14 +17,13 @@ from springpot.codegen.golden import backward_velocity
 from springpot.host.device import Device
 from springpot.host.engine import LATCHED
 from springpot.host.loop import LinkCounts, LoopSettings, LoopState
-from springpot.host.loop_library import COLUMN, COLUMNS, IDLE, RESET, Rows, empty_rows
+from springpot.host.loop_library import COLUMN, COLUMNS, IDLE, RESET, Rows, Stop, empty_rows
 from springpot.host.serial_device import SerialDevice
 from springpot.host.wire import Frame, constant
 from springpot.runtime_c.errors import DeviceError, UsageError
 from springpot.trainer.recording_file import read_recording
 
 _POLL_S, _AGAIN_S = 0.0005, 0.05
-_ASKED, _TIME, _ENDED = 1, 2, 5
 
 
 class BoardLoop:
@@ -130,11 +129,11 @@ class BoardLoop:
                 except DeviceError:
                     self._tell(connected=0, disconnects=self._state.disconnects + 1)
             if self._want_stop:
-                self._tell(reason=_ASKED)
+                self._tell(reason=Stop.ASKED)
             elif self._settings.seconds and now_s >= self._settings.seconds:
-                self._tell(reason=_TIME)
+                self._tell(reason=Stop.TIME)
             elif self._feed is not None and self._feed.over:
-                self._tell(reason=_ENDED)
+                self._tell(reason=Stop.ENDED)
             time.sleep(_POLL_S)
         with contextlib.suppress(DeviceError):
             self._listen(time.monotonic() - begin_s)

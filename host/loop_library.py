@@ -1,5 +1,6 @@
 """The C of runtime_c/port/posix, built for one number type and loaded."""
 
+from enum import IntEnum
 from functools import cache
 from typing import Any
 
@@ -30,6 +31,19 @@ COLUMN = {name: k for k, name in enumerate(COLUMNS)}
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
 GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8
 
+
+class Stop(IntEnum):
+    """Why a loop ended: SP_STOP_ of sp_loop.h."""
+
+    NONE = 0
+    ASKED = 1
+    TIME = 2
+    FORCE = 3
+    DEPTH = 4
+    ENDED = 5
+    MISUSE = 6
+
+
 Rows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 
@@ -47,6 +61,7 @@ class LoopLibrary:
         include = [INCLUDE / real, PORT_POSIX, PORT_WIRE, SIM]
         self.c = self.ffi.dlopen(str(shared_library(sources, include, ["-pthread"])))
         assert self.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
+        assert all(getattr(self.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
 
     def memory(self, size: int) -> Any:
         """`size` bytes of C memory, zero, aligned as for double; lives as long as the object."""

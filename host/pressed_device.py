@@ -16,7 +16,7 @@ from springpot.host.keys import reading_keys
 from springpot.host.loop import LoopSettings
 from springpot.host.loop_library import COLUMN, NONE, Rows, loop_library
 from springpot.host.protocols import RATE_HZ
-from springpot.host.session import Progress, Running
+from springpot.host.running import Progress, Running
 from springpot.runtime_c.errors import DeviceError, SpringpotError
 
 Samples = NDArray[np.float64]

@@ -4,12 +4,11 @@ It calls the same C for links and scene; what differs is who keeps the time. Oth
 delay it: `make bench-host` shows by how much.
 """
 
-import select
 import threading
 import time
 from collections import deque
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -25,83 +24,13 @@ from springpot.host.loop_library import (
     SILENT,
     UNSENT,
     Rows,
+    Stop,
     empty_rows,
 )
+from springpot.host.python_link import ENDED, GONE, TRIPPED, CLink, PythonLink
 
 _FIRST_SAMPLE_S, _ARMING_S = 0.2, 1.0
 _FLIGHT_ROWS = 1 << 15
-GONE, TRIPPED, ENDED = -1, -2, -3
-_ASKED, _TIME, _FORCE, _DEPTH, _ENDED, _MISUSE = 1, 2, 3, 4, 5, 6
-
-
-class PythonLink(Protocol):
-    """A link without C: see sp_link.h for what its methods return."""
-
-    position_m: float
-    velocity_mps: float
-    measured_n: float
-    arrived_s: float
-    samples: int
-    crc_errors: int
-    sequence_gaps: int
-    unsent: int
-    device_error: int
-    ready: int
-    made: bool  # a sample for every period, however late it is
-
-    def listen(self, until_s: float) -> int:
-        """Wait for the first sample until a time of time.monotonic; what read returns."""
-        ...
-
-    def write(self, force_n: float) -> int:
-        """Send a force."""
-        ...
-
-    def reset(self) -> None:
-        """Ask a device that tripped to take forces again."""
-        ...
-
-
-class _CLink:
-    """A C link with the methods of a Python one."""
-
-    def __init__(self, link: Any, ffi: Any) -> None:
-        self._link = link
-        self._motion = ffi.new("sp_motion *")
-
-    def __getattr__(self, name: str) -> Any:
-        of_link = name == "ready" or name in LinkCounts.__dataclass_fields__
-        return getattr(self._link if of_link else self._motion, name)
-
-    @property
-    def made(self) -> bool:
-        """Whether there is a sample for every period, however late it is."""
-        return bool(self._link.fd < 0)
-
-    @property
-    def arrived_s(self) -> float:
-        """When the newest sample came, s of time.monotonic."""
-        return float(self._motion.arrived_ns) * 1e-9
-
-    def listen(self, until_s: float) -> int:
-        """Wait for the first sample."""
-        link = self._link
-        while True:
-            if link.fd >= 0:
-                select.select([link.fd], [], [], max(0.0, until_s - time.monotonic()))
-            elif (left := until_s - time.monotonic()) > 0:
-                time.sleep(left)
-            count = int(link.read(link, time.monotonic_ns(), self._motion, 1))
-            if count or time.monotonic() >= until_s:
-                return count
-
-    def write(self, force_n: float) -> int:
-        """Send a force."""
-        return int(self._link.write(self._link, time.monotonic_ns(), force_n))
-
-    def reset(self) -> None:
-        """Ask a device that tripped to take forces again."""
-        self._link.reset(self._link, time.monotonic_ns())
 
 
 class PythonLoop:
@@ -180,7 +109,7 @@ class PythonLoop:
     def _adopt(self, device: Device) -> PythonLink:
         link = device.link(self._engine.library)
         if not hasattr(link, "listen"):
-            link = _CLink(link, self._engine.library.ffi)
+            link = CLink(link, self._engine.library.ffi)
         self._links.append(link)
         self._kept.append(device)
         found: PythonLink = link
@@ -221,7 +150,7 @@ class PythonLoop:
             deadline_s += period_s
             seconds = self._settings.seconds
             if not self._state.reason and seconds and deadline_s - begin_s >= seconds:
-                self._tell(reason=_TIME)
+                self._tell(reason=Stop.TIME)
 
     def _listen(self, until_s: float) -> bool:
         if self._link is None:
@@ -232,7 +161,7 @@ class PythonLoop:
         elif count == TRIPPED:
             self._trip()
         elif count == ENDED:
-            self._tell(reason=_ENDED)
+            self._tell(reason=Stop.ENDED)
         return bool(count > 0)
 
     def _make_ready(self, link: PythonLink) -> None:
@@ -276,7 +205,7 @@ class PythonLoop:
         if self._state.paused != self._want_pause:
             self._tell(paused=int(self._want_pause))
         if self._want_stop:
-            self._tell(reason=_ASKED)
+            self._tell(reason=Stop.ASKED)
 
     def _tick(self, begin_s: float, deadline_s: float, fresh: bool, behind: bool) -> None:
         row, now_s = self._row, time.monotonic()
@@ -331,7 +260,7 @@ class PythonLoop:
             trips = self._state.watchdog_trips + latched
             self._tell(latched=latched, watchdog_trips=trips)
         if notes < 0:
-            self._tell(reason=_MISUSE)
+            self._tell(reason=Stop.MISUSE)
         return call
 
     def _check_limits(self) -> None:
@@ -341,9 +270,9 @@ class PythonLoop:
         measured_n = row[COLUMN["measured_n"]]
         force_n = max(abs(row[COLUMN["returned_n"]]), abs(np.nan_to_num(measured_n)))
         if not force_n <= settings.max_force_n:
-            self._tell(reason=_FORCE)
+            self._tell(reason=Stop.FORCE)
         elif row[COLUMN["position_m"]] > settings.max_depth_m:
-            self._tell(reason=_DEPTH)
+            self._tell(reason=Stop.DEPTH)
 
     def _send(self, call: int, behind: bool) -> int:
         force_n = self._row[COLUMN["returned_n"]]

@@ -11,8 +11,9 @@ import click
 from springpot.host.emission import SCENE_COPY, emit
 from springpot.host.options import POSITIVE
 from springpot.host.output import json_option, print_result, progress_console, say
+from springpot.host.running import RECONNECT_S, LoopKind
 from springpot.host.scene_file import model_path, read_scene
-from springpot.host.session import RECONNECT_S, LoopKind, Session
+from springpot.host.session import Session
 from springpot.host.watching import stopping_on_sigterm, watch
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.recording import SUFFIX

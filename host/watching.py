@@ -11,7 +11,7 @@ from rich.text import Text
 
 from springpot.host.keys import reading_keys
 from springpot.host.output import progress_console
-from springpot.host.session import Progress, Running
+from springpot.host.running import Progress, Running
 
 _KEYS = "q stop, p pause, r reset"
 

@@ -216,7 +216,7 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
         wait_until(lambda: session.running.over, 20, "does not end")
         time.sleep(0.05)
     result = session.result()
-    assert session.running.loop_name == "C thread"
+    assert session.running.scheduler().startswith("C thread")
     assert abs(result["ticks"] - 1500) <= 2
     assert result["ring_dropped"] == result["crc_errors"] == 0
     assert result["samples"] > 1400
@@ -236,7 +236,7 @@ def test_a_drive_over_udp_multicast(tmp_path, folder):
     ):
         session.start()
         wait_until(lambda: session.running.over, 20, "does not end")
-    assert session.running.loop_name == "Python thread"
+    assert session.running.scheduler().startswith("Python thread")
     assert session.result()["samples"] > 800
     assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
 
