@@ -22,10 +22,10 @@ enum { /* why a loop ended */
        SP_STOP_NONE = 0,
        SP_STOP_ASKED = 1,
        SP_STOP_TIME = 2,
-       SP_STOP_FORCE = 3,  /* beyond max_force_n */
-       SP_STOP_DEPTH = 4,  /* beyond max_depth_m */
-       SP_STOP_ENDED = 5,  /* the replay has no more samples */
-       SP_STOP_MISUSE = 6  /* the scene refused its arguments */
+       SP_STOP_FORCE = 3, /* beyond max_force_n */
+       SP_STOP_DEPTH = 4, /* beyond max_depth_m */
+       SP_STOP_ENDED = 5, /* the replay has no more samples */
+       SP_STOP_MISUSE = 6 /* the scene refused its arguments */
 };
 
 enum {                     /* bits of sp_row.call */

@@ -1,0 +1,49 @@
+/* The loop's device: at work, tripped, gone, ready again. */
+#define _POSIX_C_SOURCE 200809L
+#include <time.h>
+
+#include "sp_loop_self.h"
+
+static const uint64_t most_arming_ns = 1000000000;
+
+uint64_t sp_loop_now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
+void sp_loop_lose_link(sp_loop *self)
+{
+    self->link = NULL;
+    self->kept_trip = self->latched || self->tripped;
+    self->connected = 0;
+    self->disconnects++;
+}
+
+void sp_loop_trip(sp_loop *self)
+{
+    if (!self->tripped) {
+        self->tripped = 1;
+        self->trips++;
+    }
+}
+
+void sp_loop_make_ready(sp_loop *self)
+{
+    self->link->reset(self->link, sp_loop_now());
+    self->arming_ns = self->link->ready ? 0 : sp_loop_now();
+}
+
+int sp_loop_at_work(sp_loop *self)
+{
+    if (self->arming_ns && self->link != NULL) {
+        if (self->link->ready) {
+            self->arming_ns = 0;
+        } else if (sp_loop_now() - self->arming_ns > most_arming_ns) {
+            self->arming_ns = 0;
+            sp_loop_trip(self);
+        }
+    }
+    return !self->paused && !self->tripped && !self->arming_ns;
+}
