@@ -1,10 +1,8 @@
 """The paper's protocol on one object after the other: record, fit, emit, build, validate."""
 
-import time
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -100,28 +98,47 @@ def simulated(name: str, variant: str, work: Work) -> Data:
     return Data(name, recordings[0], recordings[1], commands_n)
 
 
-def reproduce_object(
-    data: Data, folder: Path, work: Work, say: Callable[[str], None]
-) -> ObjectResult:
-    """Fit every kind, emit and build its C into `folder`, and validate that.
+@dataclass(frozen=True, eq=False)
+class Checking:
+    """An object whose models are fitted and built, while processes still validate them."""
+
+    data: Data
+    fits: Mapping[str, "Fit"]
+    folders: Sequence[Path]
+    validations: Sequence[Future[Validation]]
+
+    def result(self) -> ObjectResult:
+        """Wait for the validations."""
+        models = {
+            kind: Modelled(fit, folder, validation.result())
+            for (kind, fit), folder, validation in zip(
+                self.fits.items(), self.folders, self.validations, strict=True
+            )
+        }
+        return ObjectResult(self.data, models)
+
+
+def validators() -> ProcessPoolExecutor:
+    """Processes that validate: the reference is Python."""
+    return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
+
+
+def begin_object(data: Data, folder: Path, work: Work, pool: ProcessPoolExecutor) -> Checking:
+    """Fit every kind, emit and build its C into `folder`, and let `pool` validate that.
 
     Raises DataError where the recordings do not fit together.
     """
-    begin = time.perf_counter()
-    fits = {kind: _fit(kind, data, work) for kind in work.kinds}
-    fitted_s = time.perf_counter() - begin
+    fits = _fits(data, work)
     with ThreadPoolExecutor(_BESIDE) as compilers:
         folders = list(compilers.map(lambda kind: _emit(kind, fits[kind], data.name, folder), fits))
-    checked = _validated(folders, data.validation, work.paced_s)
-    models = {
-        kind: Modelled(fit, *built)
-        for (kind, fit), built in zip(fits.items(), zip(folders, checked, strict=True), strict=True)
-    }
-    result = ObjectResult(data, models)
-    errors = ", ".join(f"{kind} {result.rmse_n(kind):.3f}" for kind in models)
-    all_s = time.perf_counter() - begin
-    say(f"{data.name}: RMSE {errors} N ({all_s:.1f} s, fits {fitted_s:.1f} s)")
-    return result
+    checks = [pool.submit(validate, each, data.validation, work.paced_s) for each in folders]
+    return Checking(data, fits, folders, checks)
+
+
+def in_a_line(result: ObjectResult) -> str:
+    """Errors of all models."""
+    errors = ", ".join(f"{kind} {result.rmse_n(kind):.3f}" for kind in result.models)
+    return f"{result.data.name}: RMSE {errors} N"
 
 
 def plain_scene(name: str, mode: str = "off") -> Scene:
@@ -156,21 +173,23 @@ def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
     return sorted(results, key=lambda result: -result.depth_m)
 
 
-def _fit(kind: str, data: Data, work: Work) -> "Fit":
+def _fits(data: Data, work: Work) -> dict[str, "Fit"]:
+    """All kinds; the passive part, which each holds, is fitted once."""
     from springpot.trainer.fit import FitOptions  # scikit-learn, only where it fits
     from springpot.trainer.kinds import fit_model
 
-    validation = data.validation if kind == "rbf-fd" else ()
-    return fit_model(kind, data.name, data.training, FitOptions(trees=work.trees), validation)
-
-
-def _validated(
-    folders: Sequence[Path], recordings: Sequence[Recording], paced_s: float
-) -> list[Validation]:
-    """Validate folders, two at a time in processes of their own: the reference is Python."""
-    check = partial(validate, recordings=recordings, paced_s=paced_s)
-    with ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn")) as workers:
-        return list(workers.map(check, folders))
+    options = FitOptions(trees=work.trees)
+    passive = fit_model("hammerstein", data.name, data.training, options)
+    options = replace(options, passive=passive.model.hammerstein)
+    fits = {}
+    for kind in work.kinds:
+        validation = data.validation if kind == "rbf-fd" else ()
+        fits[kind] = (
+            passive
+            if kind == "hammerstein"
+            else fit_model(kind, data.name, data.training, options, validation)
+        )
+    return fits
 
 
 def _emit(kind: str, fit: "Fit", name: str, folder: Path) -> Path:

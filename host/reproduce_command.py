@@ -3,7 +3,7 @@
 import json
 import shutil
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +15,12 @@ from springpot.host.reproduce import (
     Data,
     ObjectResult,
     Work,
+    begin_object,
     by_softness,
+    in_a_line,
     model_facts,
-    reproduce_object,
     simulated,
+    validators,
 )
 from springpot.host.reproduce_claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, Claim, judge
 from springpot.host.simulated_bench import OBJECTS, VARIANTS, parse_url
@@ -66,12 +68,13 @@ def reproduce(
         raise UsageError("--recordings and --objects: give one of them")
     begin = time.perf_counter()
     work = Work()
+    data: Iterable[Data]
     if recordings:
         data = [recorded(*recordings)]
         origin = f"Data: recordings in {recordings[0].name} and {recordings[1].name}."
     else:
         names = object_names(objects)
-        data = [simulated(name, variant, work) for name in names]
+        data = (simulated(name, variant, work) for name in names)
         origin = f"Data: simulated objects, variant {variant}; no real silicone."
     result = run_reproduce(out, data, origin, work)
     say(f"all: {time.perf_counter() - begin:.1f} s, in {out}")
@@ -93,7 +96,7 @@ def recorded(training: Path, validation: Path) -> Data:
     )
 
 
-def run_reproduce(out: Path, data: Sequence[Data], origin: str, work: Work) -> dict[str, Any]:
+def run_reproduce(out: Path, data: Iterable[Data], origin: str, work: Work) -> dict[str, Any]:
     """Do everything into `out`, replacing an earlier result there; returns `reproduce.json`.
 
     Raises UsageError where `out` holds anything else.
@@ -107,7 +110,7 @@ def run_reproduce(out: Path, data: Sequence[Data], origin: str, work: Work) -> d
     out.mkdir(parents=True, exist_ok=True)
     (out / _MARK).touch()
     shutil.rmtree(out / "models", ignore_errors=True)
-    results = [reproduce_object(item, out / "models" / item.name, work, say) for item in data]
+    results = _results(data, out / "models", work)
     shown = shown_object(results)
     sampled = resampled(shown.models["rf-fd"], shown.data.validation[typical(shown)])
     say("figures ...")
@@ -126,6 +129,19 @@ def run_reproduce(out: Path, data: Sequence[Data], origin: str, work: Work) -> d
     }
     (out / RESULT).write_text(json.dumps(result, indent=2, allow_nan=False) + "\n")
     return result
+
+
+def _results(data: Iterable[Data], folder: Path, work: Work) -> list[ObjectResult]:
+    """Of every object; one is fitted while the one before is validated."""
+    with validators() as pool:
+        begun = []
+        for item in data:
+            begun.append(begin_object(item, folder / item.name, work, pool))
+            say(f"{item.name}: fitted and built")
+        results = [checking.result() for checking in begun]
+    for result in results:
+        say(in_a_line(result))
+    return results
 
 
 def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:

@@ -7,7 +7,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from springpot.host.reproduce import PAPER_KINDS, ObjectResult, Work, reproduce_object, simulated
+from springpot.host.reproduce import (
+    PAPER_KINDS,
+    ObjectResult,
+    Work,
+    begin_object,
+    simulated,
+    validators,
+)
 from springpot.host.reproduce_claims import Claim, judge
 from springpot.host.reproduce_command import object_names, recorded, reproduce, rows, run_reproduce
 from springpot.host.reproduce_sampling import relative_change, resampled
@@ -42,7 +49,8 @@ def test_keys_files_and_captions(tmp_path: Path) -> None:
 @cache
 def little_result(folder: Path) -> ObjectResult:
     work = Work(kinds=PAPER_KINDS, trees=5, presses=6, signals=1, paced_s=0.1)
-    return reproduce_object(simulated("dragon-skin-fx", "b", work), folder, work, lambda _: None)
+    with validators() as pool:
+        return begin_object(simulated("dragon-skin-fx", "b", work), folder, work, pool).result()
 
 
 def judged(result: ObjectResult) -> dict[str, Claim]:

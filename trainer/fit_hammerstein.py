@@ -69,6 +69,13 @@ def fit_passive(
     return to_model(terms, sparse_solve(normal, SPARSE_LOSS)), len(rows), error
 
 
+def passive_part(
+    data: TrainingSet, options: FitOptions, among: Sequence[Choice] = ()
+) -> Hammerstein:
+    """The passive part of a model of another kind: the one at hand, or fitted now."""
+    return options.passive or fit_passive(data, options, among)[0]
+
+
 def fit_hammerstein(
     name: str, data: TrainingSet, options: FitOptions, among: Sequence[Choice] = ()
 ) -> Fit:
@@ -101,7 +108,7 @@ def fit_hybrid(
 ) -> Fit:
     """Kind `hybrid`: a small forest on the residual of `hammerstein`."""
     begin = time.perf_counter()
-    passive, _, _ = fit_passive(data, options, among)
+    passive = passive_part(data, options, among)
     features = lag_features(data) if features is None else features
     rows = data.rows(options.fraction, options.seed)
     feature_begin = time.perf_counter()

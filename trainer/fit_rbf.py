@@ -33,7 +33,7 @@ def fit_rbf_fd(
     By cross-validation over recordings; with options.select "paper" by the error on the
     validation recordings, as the paper did. Raises UsageError where those are missing then.
     """
-    from springpot.trainer.fit_hammerstein import fit_passive
+    from springpot.trainer.fit_hammerstein import passive_part
 
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
@@ -57,7 +57,7 @@ def fit_rbf_fd(
     chosen = pairs[options.select]
     rbf, condition = fit_rbf(values[:, chosen], force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
-    passive, _, _ = fit_passive(data, options)
+    passive = passive_part(data, options)
     facts = {
         "n_centers": len(rbf.centers),
         "condition": condition,
@@ -70,7 +70,7 @@ def fit_rbf_fd(
 
 def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     """Radial basis functions on position and velocity ([13])."""
-    from springpot.trainer.fit_hammerstein import fit_passive
+    from springpot.trainer.fit_hammerstein import passive_part
 
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
@@ -80,7 +80,7 @@ def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     begin = time.perf_counter()
     rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
-    passive, _, _ = fit_passive(data, options)
+    passive = passive_part(data, options)
     facts = {"n_centers": len(rbf.centers), "condition": condition}
     parts = (features, rbf)
     model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, facts)
