@@ -3,13 +3,12 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.ensemble import HistGradientBoostingRegressor
 
-from springpot.codegen.ir import Features
 from springpot.trainer.feature_values import Samples
 from springpot.trainer.fit import PAPER_LEAF, Fit, FitOptions
 from springpot.trainer.fit_hammerstein import (
@@ -25,7 +24,7 @@ from springpot.trainer.fit_hammerstein import (
 from springpot.trainer.fit_rbf import fit_rbf_fd
 from springpot.trainer.folds import Folds, condition_folds, recording_folds
 from springpot.trainer.forests import depth_scale, random_forest
-from springpot.trainer.hammerstein import Terms, standard_terms
+from springpot.trainer.hammerstein import standard_terms
 from springpot.trainer.nonnegative import normal_equations
 from springpot.trainer.rf_fd import fit_boosted_fd, fit_rf_fd, fractional_features
 from springpot.trainer.training_set import TrainingSet
@@ -40,14 +39,14 @@ _FitWhole = Callable[[str, TrainingSet, FitOptions], Fit]
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """One way to fit: `values` of its rows, `learn` on some of them, `fit` the whole model.
+    """One way to fit: `values` of the search's rows, `learn` on some of them, `fit` on all data.
 
     cost: rank of its time in C, the lower the cheaper.
     """
 
     name: str
     cost: int
-    values: Callable[[TrainingSet, NDArray[np.intp]], Samples]
+    values: Callable[[], Samples]
     learn: Callable[[Samples, Samples], Predict]
     fit: _FitWhole
 
@@ -70,8 +69,9 @@ def fit_auto(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     folds = [recording_folds(data, rows, options.seed)]
     by_condition = condition_folds(data, rows, options.seed)
     folds += [by_condition] if by_condition is not None else []
-    known = candidates(data, options)
-    scores = [_score(candidate, data, rows, folds) for candidate in known]
+    known = candidates(data, rows, options)
+    force_n = data.force_n(rows)
+    scores = [_score(candidate, force_n, folds) for candidate in known]
     best = choose(scores)
     search_s = time.perf_counter() - begin
     fit = next(c for c in known if c.name == best.name).fit(name, data, options)
@@ -86,41 +86,45 @@ def choose(scores: list[Score]) -> Score:
     return min(near, key=lambda score: (score.cost, score.mean_n))
 
 
-def candidates(data: TrainingSet, options: FitOptions) -> list[Candidate]:
-    """Hammerstein with both bases, hybrids on both features, and the paper's models."""
-    short = fractional_features(data.dt_s, options.window_s)
-    long = derivative_features(data)
-    trees = partial(_learn_trees, scale=depth_scale(_span_m(data)), seed=options.seed)
-    boosted = partial(_learn_boosted, scale=depth_scale(_span_m(data)), seed=options.seed)
+def candidates(data: TrainingSet, rows: NDArray[np.intp], options: FitOptions) -> list[Candidate]:
+    """Hammerstein with both bases, hybrids on both features, and the paper's models.
+
+    rows: of the search; what several candidates see of them is computed once.
+    """
+    scale = depth_scale(_span_m(data))
+    short, long = fractional_features(data.dt_s, options.window_s), derivative_features(data)
+    lags = lag_features(data)
+    seen = {each: cache(partial(data.features, each, rows)) for each in (short, long, lags)}
     found = []
     for choice in choices(data):
         terms = standard_terms(data, *choice)
         label = f"{choice[0]}{' bias' if choice[1] else ''}"
-        values = partial(term_columns, terms)
+        passive = cache(partial(term_columns, terms, data, rows))
         fit: _FitWhole = partial(fit_hammerstein, among=[choice])
-        found.append(Candidate(f"hammerstein {label}", 1, values, _learn_passive, fit))
-        for how, features in (("lags", lag_features(data)), ("derivatives", long)):
-            values = partial(_hybrid_values, terms, features)
-            learn = partial(_learn_hybrid, terms.count, scale=depth_scale(_span_m(data)))
+        found.append(Candidate(f"hammerstein {label}", 1, passive, _learn_passive, fit))
+        for how, features in (("lags", lags), ("derivatives", long)):
+            values = partial(_side_by_side, passive, seen[features])
+            learn = partial(_learn_hybrid, terms.count, scale=scale)
             fit = partial(fit_hybrid, features=features, among=[choice])
             found.append(Candidate(f"hybrid {how}, {label}", 4, values, learn, fit))
-    for label, features, cost in (("rf-fd", short, 5), ("rf-fd long", long, 6)):
-        values = partial(_feature_values, features)
-        fit_forest = fit_rf_fd if cost == 5 else partial(fit_rf_fd, features=long)
-        found.append(Candidate(label, cost, values, trees, fit_forest))
-    found.append(Candidate("boosted", 3, partial(_feature_values, short), boosted, fit_boosted_fd))
-    found.append(Candidate("rbf-fd", 2, partial(_feature_values, short), _learn_rbf, fit_rbf_fd))
-    return found
+    trees = partial(_learn_trees, scale=scale, seed=options.seed)
+    boosted = partial(_learn_boosted, scale=scale, seed=options.seed)
+    fit_long = partial(fit_rf_fd, features=long)
+    return [
+        *found,
+        Candidate("rf-fd", 5, seen[short], trees, fit_rf_fd),
+        Candidate("rf-fd long", 6, seen[long], trees, fit_long),
+        Candidate("boosted", 3, seen[short], boosted, fit_boosted_fd),
+        Candidate("rbf-fd", 2, seen[short], _learn_rbf, fit_rbf_fd),
+    ]
 
 
 def _search_rows(data: TrainingSet, seed: int) -> NDArray[np.intp]:
     return data.rows(min(1.0, _ROWS / data.rows_total), seed)
 
 
-def _score(
-    candidate: Candidate, data: TrainingSet, rows: NDArray[np.intp], folds: list[Folds]
-) -> Score:
-    values, force_n = candidate.values(data, rows), data.force_n(rows)
+def _score(candidate: Candidate, force_n: Samples, folds: list[Folds]) -> Score:
+    values = candidate.values()
     means = []
     for fold in folds:
         errors = []
@@ -148,14 +152,8 @@ def _span_m(data: TrainingSet) -> float:
     return data.trained.greatest_m - min(data.trained.least_m, 0.0)
 
 
-def _feature_values(features: Features, data: TrainingSet, rows: NDArray[np.intp]) -> Samples:
-    return data.features(features, rows)
-
-
-def _hybrid_values(
-    terms: Terms, features: Features, data: TrainingSet, rows: NDArray[np.intp]
-) -> Samples:
-    return np.concatenate([term_columns(terms, data, rows), data.features(features, rows)], axis=1)
+def _side_by_side(one: Callable[[], Samples], other: Callable[[], Samples]) -> Samples:
+    return np.concatenate([one(), other()], axis=1)
 
 
 def _learn_passive(values: Samples, force_n: Samples) -> Predict:
