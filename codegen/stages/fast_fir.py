@@ -12,37 +12,24 @@ from springpot.codegen.stages.stage import (
     SMALLEST,
     U32,
     Member,
-    Probe,
     Reals,
     Starts,
     held_before,
-    padded,
     segments,
-    weighed,
 )
+from springpot.codegen.stages.weighed import WeighedStage, in_lanes
 
 
 @dataclass(frozen=True, eq=False)
-class FastFirStage:
+class FastFirStage(WeighedStage):
     """keep, leave: (poles,). weights: (direct + poles + 1, lanes). length: of the window."""
 
-    orders: tuple[float, ...]
     keep: Reals
     leave: Reals
-    weights: Reals
     length: int
 
+    terms, n_terms = "terms", "N_TERMS"
     headers = ("sp_window.h", "sp_number.h", "sp_fast_window.h", "sp_weigh.h")
-
-    @property
-    def n_features(self) -> int:
-        """Orders kept."""
-        return len(self.orders)
-
-    @property
-    def room(self) -> int:
-        """Lanes."""
-        return int(self.weights.shape[1])
 
     @property
     def n_direct(self) -> int:
@@ -61,14 +48,13 @@ class FastFirStage:
 
     def tables(self) -> list[str]:
         """Decay of the poles, weights and sizes."""
-        names = ", ".join(f"{order:g}" for order in self.orders)
         rows, lanes = self.weights.shape
         return [
             f"enum {{\n    N_WINDOW = {self.length + 1},\n    N_DIRECT = {self.n_direct},\n"
             f"    N_POLES = {len(self.keep)},\n    N_TERMS = {rows},\n    N_LANES = {lanes}\n}};",
             array_text("keep", "sp_real", self.keep),
             array_text("leave", "sp_real", self.leave),
-            f"/* Rises, poles, oldest sample: a row each, a lane each for the orders {names}. */",
+            f"/* Rises, poles, oldest sample: a row each; lanes: the orders {self.named}. */",
             array_text("weights", "sp_real", self.weights),
         ]
 
@@ -92,20 +78,6 @@ class FastFirStage:
             "               N_WINDOW, state->poles, terms);",
         ]
 
-    def read(self) -> list[str]:
-        """All orders from the terms."""
-        return ["sp_weigh(weights, terms, N_TERMS, N_LANES, features);"]
-
-    def probe(self) -> Probe:
-        """Weights on made-up terms."""
-        rows, lanes = self.weights.shape
-        return Probe(
-            inputs=rows,
-            outputs=lanes,
-            call="sp_weigh(weights, in, N_TERMS, N_LANES, sums);",
-            sums=lambda made_up: weighed(self.weights, made_up),
-        )
-
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The same terms and sums in the same order."""
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
@@ -113,7 +85,7 @@ class FastFirStage:
         pasts = held_before(depth, starts, self.length)
         for (begin, end, _), (_, samples) in zip(stretches, pasts, strict=True):
             terms = self._terms(samples, end - begin)
-            result[begin:end] = weighed(self.weights[:, : self.n_features], terms)
+            result[begin:end] = self.weigh(terms)[:, : self.n_features]
         return result
 
     def _terms(self, samples: Reals, n: int) -> Reals:
@@ -136,12 +108,10 @@ def fast_fir_stage(bank: FastFirBank, kept: NDArray[np.intp], dtype: type) -> Fa
     """Keep the columns `kept` of the bank."""
     n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
     own = bank.length - 1 - n_direct
-    weights: Reals = np.zeros((len(bank.weights), padded(max(len(kept), 1))), dtype=dtype)
-    weights[:, : len(kept)] = bank.weights[:, kept]
     return FastFirStage(
         orders=tuple(bank.orders[i] for i in kept),
         keep=np.exp(-1.0 / bank.tau_ticks).astype(dtype),
         leave=np.exp(-own / bank.tau_ticks).astype(dtype),
-        weights=weights,
+        weights=in_lanes(bank.weights, kept, dtype),
         length=bank.length,
     )

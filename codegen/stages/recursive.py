@@ -13,13 +13,11 @@ from springpot.codegen.stages.stage import (
     SMALLEST,
     Measured,
     Member,
-    Probe,
     Reals,
     Starts,
-    padded,
     segments,
-    weighed,
 )
+from springpot.codegen.stages.weighed import WeighedStage, in_lanes
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
 
@@ -44,34 +42,24 @@ def pole_states(loss: Reals, rises: Reals, n_poles: int) -> Reals:
 
 
 @dataclass(frozen=True, eq=False)
-class RecursiveStage:
+class RecursiveStage(WeighedStage):
     """Poles fast first; weights: shape (poles, lanes), gains folded in.
 
     per_tau, per_gain: (poles,), 1/s and the inverse of those gains.
     """
 
-    orders: tuple[float, ...]
     per_tau: Reals
     per_gain: Reals
     loss: Reals
     slow_loss: NDArray[np.float64]
-    weights: Reals
+
+    terms, n_terms = "state->poles", "N_POLES"
 
     @property
     def headers(self) -> tuple[str, ...]:
         """The slow poles' unit only where there is one."""
         slow = ("sp_slow_poles.h",) if len(self.slow_loss) else ()
         return ("sp_number.h", "sp_poles.h", *slow, "sp_weigh.h")
-
-    @property
-    def n_features(self) -> int:
-        """Orders kept."""
-        return len(self.orders)
-
-    @property
-    def room(self) -> int:
-        """Lanes."""
-        return int(self.weights.shape[1])
 
     @property
     def members(self) -> tuple[Member, ...]:
@@ -86,7 +74,6 @@ class RecursiveStage:
 
     def tables(self) -> list[str]:
         """Losses, weights and sizes."""
-        names = ", ".join(f"{order:g}" for order in self.orders)
         n_poles, lanes = self.weights.shape
         n_fast = len(self.loss)
         slow = [array_text("slow_loss", "double", self.slow_loss)] if len(self.slow_loss) else []
@@ -96,7 +83,7 @@ class RecursiveStage:
             f"    N_LANES = {lanes}\n}};",
             *fast,
             *slow,
-            f"/* Poles to orders: a row a pole, a lane each for the orders {names}. */",
+            f"/* Poles to orders: a row a pole, a lane each for the orders {self.named}. */",
             array_text("weights", "sp_real", self.weights),
         ]
 
@@ -152,20 +139,6 @@ class RecursiveStage:
             ]
         return lines
 
-    def read(self) -> list[str]:
-        """All orders from the poles."""
-        return ["sp_weigh(weights, state->poles, N_POLES, N_LANES, features);"]
-
-    def probe(self) -> Probe:
-        """Poles to orders on made-up states."""
-        n_poles, lanes = self.weights.shape
-        return Probe(
-            inputs=n_poles,
-            outputs=lanes,
-            call="sp_weigh(weights, in, N_POLES, N_LANES, sums);",
-            sums=lambda made_up: weighed(self.weights, made_up),
-        )
-
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The same recurrences and sums in the same order."""
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
@@ -175,7 +148,7 @@ class RecursiveStage:
             fast = pole_states(self.loss, rises, len(self.loss))
             slow = pole_states(self.slow_loss, rises.astype(np.float64), len(self.slow_loss))
             states = np.concatenate([fast, slow.astype(depth.dtype)], axis=1)
-            result[begin:end] = weighed(self.weights[:, : self.n_features], states)
+            result[begin:end] = self.weigh(states)[:, : self.n_features]
         return result
 
 
@@ -187,13 +160,11 @@ def recursive_stage(
     loss, gain = loss_and_gain(bank.tau_s[order], dt_s)
     slow = bank.tau_s[order] > SLOW_TICKS * dt_s
     slow &= dtype is np.float32
-    weights: Reals = np.zeros((len(order), padded(max(len(kept), 1))), dtype=dtype)
-    weights[:, : len(kept)] = gain[:, None] * bank.weights[order][:, kept]
     return RecursiveStage(
         orders=tuple(bank.orders[i] for i in kept),
         per_tau=(1.0 / bank.tau_s[order]).astype(dtype),
         per_gain=(1.0 / gain).astype(dtype),
         loss=loss[~slow].astype(dtype),
         slow_loss=loss[slow],
-        weights=weights,
+        weights=in_lanes(gain[:, None] * bank.weights[order], kept, dtype),
     )

@@ -159,11 +159,3 @@ def held_before(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, 
         ))
         for begin, end, held in segments(len(depth), starts)
     ]  # fmt: skip
-
-
-def weighed(weights: Reals, inputs: Reals) -> Reals:
-    """sp_weigh.h: inputs (..., inputs) by weights (inputs, lanes), each lane's sum in order."""
-    total: Reals = np.zeros((*inputs.shape[:-1], weights.shape[1]), dtype=weights.dtype)
-    for k, row in enumerate(weights):
-        total += inputs[..., k, None] * row
-    return total
