@@ -23,13 +23,14 @@ from springpot.trainer.fit_hammerstein import (
 )
 from springpot.trainer.fit_rbf import fit_rbf_fd
 from springpot.trainer.folds import Folds, condition_folds, recording_folds
-from springpot.trainer.forests import depth_scale, random_forest
+from springpot.trainer.forests import depth_scale, fitted_forest
 from springpot.trainer.hammerstein import standard_terms
 from springpot.trainer.nonnegative import normal_equations
 from springpot.trainer.rf_fd import fit_boosted_fd, fit_rf_fd, fractional_features
 from springpot.trainer.training_set import TrainingSet
 
 NEARLY = 1.005  # of the least error: the cheaper of two within it is taken
+ALIKE = 5e-4  # of the greatest force: what no sensor and no hand tells apart counts as within it
 _ROWS = 10_000  # of each fit under cross-validation
 _TREES = 40
 
@@ -72,17 +73,18 @@ def fit_auto(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     known = candidates(data, rows, options)
     force_n = data.force_n(rows)
     scores = [_score(candidate, force_n, folds) for candidate in known]
-    best = choose(scores)
+    best = choose(scores, max(abs(data.trained.greatest_n), abs(data.trained.least_n)))
     search_s = time.perf_counter() - begin
     fit = next(c for c in known if c.name == best.name).fit(name, data, options)
     facts = {**fit.facts, "chosen": best.name, "scores": [vars(score) for score in scores]}
     return Fit(fit.model, fit.rows, fit.feature_s, fit.fit_s, search_s, facts)
 
 
-def choose(scores: list[Score]) -> Score:
-    """The cheapest of those within half a per cent of the least error."""
+def choose(scores: list[Score], peak_n: float) -> Score:
+    """The cheapest of those within half a per cent of the least error, or of a felt nothing."""
     least = min(score.mean_n for score in scores)
-    near = [score for score in scores if score.mean_n <= NEARLY * least]
+    most = max(NEARLY * least, least + ALIKE * peak_n)
+    near = [score for score in scores if score.mean_n <= most]
     return min(near, key=lambda score: (score.cost, score.mean_n))
 
 
@@ -164,14 +166,12 @@ def _learn_passive(values: Samples, force_n: Samples) -> Predict:
 def _learn_hybrid(n_terms: int, values: Samples, force_n: Samples, scale: float) -> Predict:
     passive = _learn_passive(values[:, :n_terms], force_n)
     residual_n = force_n - passive(values[:, :n_terms])
-    forest = random_forest(HYBRID_TREES, HYBRID_LEAF, seed=0).fit(
-        scale * values[:, n_terms:], residual_n
-    )
+    forest = fitted_forest(HYBRID_TREES, HYBRID_LEAF, 0, scale * values[:, n_terms:], residual_n)
     return lambda held: passive(held[:, :n_terms]) + forest.predict(scale * held[:, n_terms:])
 
 
 def _learn_trees(values: Samples, force_n: Samples, scale: float, seed: int) -> Predict:
-    forest = random_forest(_TREES, PAPER_LEAF, seed).fit(scale * values, force_n)  # fmt: skip
+    forest = fitted_forest(_TREES, PAPER_LEAF, seed, scale * values, force_n)
     return lambda held: forest.predict(scale * held)
 
 

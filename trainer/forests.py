@@ -40,11 +40,16 @@ def random_forest(trees: int, leaf: int, seed: int) -> Any:
     )
 
 
+def fitted_forest(trees: int, leaf: int, seed: int, values: Samples, force_n: Samples) -> Any:
+    """The same, fitted; it predicts in one thread, which adds up trees in the same order always."""
+    return random_forest(trees, leaf, seed).fit(values, force_n).set_params(n_jobs=1)
+
+
 def fit_forest(
     features: Samples, force_n: Samples, scale: float, trees: int, leaf: int, seed: int
 ) -> tuple[Forest, NDArray[np.float64]]:
     """Random forest on scaled features; returns it unscaled, and each feature's importance."""
-    regressor = random_forest(trees, leaf, seed).fit((scale * features).astype(np.float32), force_n)
+    regressor = fitted_forest(trees, leaf, seed, (scale * features).astype(np.float32), force_n)
     return unscaled(forest_ir(regressor), scale), regressor.feature_importances_
 
 
