@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46 */
+/* springpot 0.1.0 b9869042b61a39c9902ddd1d5d6d521d6db4b04746cb7056f75f3723ffea5565 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46 */
+/* springpot 0.1.0 b9869042b61a39c9902ddd1d5d6d521d6db4b04746cb7056f75f3723ffea5565 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
