@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b9869042b61a39c9902ddd1d5d6d521d6db4b04746cb7056f75f3723ffea5565 */
+/* springpot 0.1.0 2c3ee5c63704faedf55e7007074eeccadfaafd627d96d8670b4f31efe1a27d0e */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>
