@@ -16,10 +16,12 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.instructions import instruction_bound
 from springpot.codegen.ir import FirBank, Forest, Model
 from springpot.codegen.model_file import read_model, write_model
-from springpot.codegen.plan import make_plan
+from springpot.codegen.plan import Plan, make_plan
 from springpot.codegen.plan_model import feature_count
 from springpot.codegen.prune import fewer_trees, larger_leaves, stepped
 from springpot.codegen.scene import Budget, Scene
+from springpot.codegen.stages.forest import CompactForestStage
+from springpot.codegen.units import state_bytes
 from springpot.host.emission import Emission, emit, over_budget
 from springpot.host.library import SceneLibrary
 from springpot.host.metrics import accuracy, rms
@@ -179,6 +181,8 @@ def _measured(
     """Build it for its target and replay it here; None where it does not fit either."""
     free = replace(scene, budget=Budget())
     plan = make_plan(model, scene, True)
+    if _surely_over(plan, scene.budget):
+        return None
     bound = instruction_bound(plan)
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
@@ -202,3 +206,17 @@ def _measured(
             instructions=None if bound is None else bound.tick,
             rmse_n=accuracy([item.force_n for item in recordings], forces).rmse_n,
         )
+
+
+def _surely_over(plan: Plan, budget: Budget) -> bool:
+    """Whether what is known without a compiler is too much already."""
+    bound, forest = instruction_bound(plan), plan.regressor
+    nodes_bytes = 0
+    if isinstance(forest, CompactForestStage):
+        nodes_bytes = forest.forest.top.nbytes + forest.forest.nodes.nbytes
+    known = (
+        (nodes_bytes, budget.flash_bytes),
+        (state_bytes(plan), budget.ram_bytes),
+        (bound.tick if bound else 0, budget.tick_instructions),
+    )
+    return any(may is not None and has > may for has, may in known)
