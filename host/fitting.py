@@ -23,6 +23,7 @@ from springpot.codegen.scene import Budget, Scene
 from springpot.codegen.stages.forest import CompactForestStage
 from springpot.codegen.units import state_bytes
 from springpot.host.emission import Emission, emit, over_budget
+from springpot.host.frames import refuse_other_frame
 from springpot.host.library import SceneLibrary
 from springpot.host.metrics import accuracy, rms
 from springpot.host.output import say
@@ -75,7 +76,7 @@ def emit_fitting(
     """Emit; where the scene does not fit its budget, tell the best trims, or apply the best.
 
     Raises BudgetError, exit status 4, where it does not fit and `fit` is not asked for, or where
-    no trim fits; UsageError for `fit` without recordings.
+    no trim fits; UsageError for `fit` without recordings; DataError for those of another rate.
     """
     if fit and not recordings:
         raise UsageError("--fit measures what it leaves out: give --recording REC")
@@ -84,7 +85,7 @@ def emit_fitting(
     except BudgetError as error:
         if not recordings:
             raise BudgetError(f"{error}; give --recording REC to see what would fit") from None
-        found = best_trims(scene, read_model(model_file), recordings)
+        found = best_trims(scene, read_model(model_file), recordings, accept_unsafe)
         if not found:
             raise BudgetError(f"{error}; no trim of this model fits: use another kind") from None
         if not fit:
@@ -98,8 +99,13 @@ def emit_fitting(
         return emit(scene, trimmed, folder, accept_unsafe)
 
 
-def best_trims(scene: Scene, model: Model, recordings: Sequence[Recording]) -> list[Trim]:
+def best_trims(
+    scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
+) -> list[Trim]:
     """At most three trims that fit, least error first; each size of leaf is there once."""
+    tick_s = make_plan(model, scene, accept_unsafe).dt_s
+    for recording in recordings:
+        refuse_other_frame(recording, model, tick_s)
     candidates = list(_candidates(model))
     if not candidates:
         return []
@@ -112,7 +118,8 @@ def best_trims(scene: Scene, model: Model, recordings: Sequence[Recording]) -> l
             break
         if leaves in leaves_found:
             continue
-        if (trim := _measured(scene, trimmed, what, recordings)) is not None:
+        trim = _measured(scene, trimmed, what, recordings, accept_unsafe)
+        if trim is not None:
             leaves_found.add(leaves)
             found.append(trim)
     return sorted(found, key=lambda trim: trim.rmse_n)
@@ -176,11 +183,11 @@ def _judges(model: Model, recordings: Sequence[Recording]) -> _Judges:
 
 
 def _measured(
-    scene: Scene, model: Model, what: str, recordings: Sequence[Recording]
+    scene: Scene, model: Model, what: str, recordings: Sequence[Recording], accept_unsafe: bool
 ) -> Trim | None:
     """Build it for its target and replay it here; None where it does not fit either."""
     free = replace(scene, budget=Budget())
-    plan = make_plan(model, scene, True)
+    plan = make_plan(model, scene, accept_unsafe=True)
     if _surely_over(plan, scene.budget):
         return None
     bound = instruction_bound(plan)
@@ -188,7 +195,7 @@ def _measured(
         file = Path(scratch) / "model.spm"
         write_model(file, model)
         try:
-            emission = emit(free, file, Path(scratch) / "c")
+            emission = emit(free, file, Path(scratch) / "c", accept_unsafe)
         except SpringpotError:
             return None
         if emission.footprint is None or over_budget(emission, scene.budget):

@@ -1,0 +1,46 @@
+"""`emit --fit`: what does not fit a budget is made smaller, measured on recordings."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+from support import model_file, press, recording, scene, small_fit
+
+from springpot.codegen.scene import Budget, Coupling, Scene
+from springpot.host.emission import emit
+from springpot.host.fitting import emit_fitting
+from springpot.runtime_c.errors import BudgetError, DataError
+
+JUDGE = recording("judge", press(1.5, 0.011))
+
+
+def tight(folder: Path) -> tuple[Scene, Path, int]:
+    """A scene whose budget is two thirds of what the model takes."""
+    model = model_file(folder, small_fit(trees=20).model)
+    whole = emit(scene(), model, folder / "whole").footprint
+    assert whole is not None
+    budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
+    return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
+
+
+def test_what_is_fitted_keeps_to_the_budget(tmp_path: Path) -> None:
+    chosen, model, flash_bytes = tight(tmp_path)
+    with pytest.raises(BudgetError, match=r"\d trims would fit: add --fit"):
+        emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
+    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=True)
+    assert fitted.footprint is not None
+    assert fitted.footprint.flash_bytes <= flash_bytes
+
+
+def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
+    chosen, model, _ = tight(tmp_path)
+    slow = dataclasses.replace(JUDGE, dt_s=2e-3)
+    with pytest.raises(DataError, match="sampled at 500 Hz, the scene at 1000 Hz"):
+        emit_fitting(chosen, model, tmp_path / "c", False, [slow], fit=True)
+
+
+def test_what_was_accepted_for_the_model_is_accepted_for_its_trims(tmp_path: Path) -> None:
+    chosen, model, _ = tight(tmp_path)
+    unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
+    fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [JUDGE], fit=True)
+    assert fitted.manifest["accept_unsafe"] is True
