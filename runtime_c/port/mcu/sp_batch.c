@@ -53,10 +53,7 @@ static int overflowed(void)
 #else
 #define COUNTER_MASK 0xffffffffu
 
-static void restart_counter(void)
-{
-    __asm__ volatile("csrw minstreth, zero\n csrw minstret, zero" ::: "memory");
-}
+static uint64_t began;
 
 static inline uint32_t counter(void)
 {
@@ -65,11 +62,25 @@ static inline uint32_t counter(void)
     return count;
 }
 
+static uint64_t whole_counter(void)
+{
+    uint32_t high, low, again;
+    do {
+        __asm__ volatile("csrr %0, minstreth" : "=r"(high)::"memory");
+        low = counter();
+        __asm__ volatile("csrr %0, minstreth" : "=r"(again)::"memory");
+    } while (high != again);
+    return (uint64_t)high << 32 | low;
+}
+
+static void restart_counter(void)
+{
+    began = whole_counter();
+}
+
 static int overflowed(void)
 {
-    uint32_t high;
-    __asm__ volatile("csrr %0, minstreth" : "=r"(high)::"memory");
-    return high != 0;
+    return whole_counter() - began > COUNTER_MASK;
 }
 #endif
 
