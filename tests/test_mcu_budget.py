@@ -108,6 +108,31 @@ def test_the_boards_have_one_c(variant: str, number: str) -> None:
         assert parts(target) == first, target
 
 
+def test_ten_branches_and_three_stops_take_600_instructions_and_4_kb(tmp_path: Path) -> None:
+    need("mps2-an386")
+    rng = np.random.default_rng(1)
+    whole = fitted("hammerstein")
+    assert whole.hammerstein is not None
+    passive = dataclasses.replace(
+        whole.hammerstein,
+        basis="ramps",
+        elastic_n=rng.random(8),
+        tau_s=np.geomspace(2e-3, 5.0, 10),
+        branch_n=rng.random((10, 8)),
+        radius_m=np.array([0.02, 0.2, 0.5]) * whole.hammerstein.span_m,
+        stop_n=rng.random((3, 8)),
+    )
+    model = model_file(tmp_path, dataclasses.replace(whole, hammerstein=passive))
+    emission = emit(target_scene("cortex-m4f"), model, tmp_path / "c", accept_unsafe=True)
+    position = long_motion().astype(np.float32)
+    calls = steps(position, backward_velocity(position, 1e-3))
+    batch = run_batch(tmp_path / "c", BOARDS["mps2-an386"], calls)
+    most = int(batch.instructions[(batch.notes & RESYNC) == 0].max())
+    assert most <= emission.manifest["instructions"]["tick"] <= 600
+    assert emission.footprint is not None
+    assert emission.footprint.flash_bytes <= 4096
+
+
 def test_there_is_no_bound_where_none_is_known() -> None:
     for target, options in (("host", {}), ("cortex-m4f", {"number": "float64"})):
         assert (
