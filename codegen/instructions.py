@@ -69,7 +69,7 @@ _OF_TARGET = {"cortex-m4f": _THUMB, "cortex-m7": _THUMB, "rv32imafc": _RISCV}
 
 @dataclass(frozen=True)
 class InstructionBound:
-    """tick: of any tick but a restart; restart: of that one."""
+    """Of sp_step. tick: of any tick but a restart; restart: of that one."""
 
     tick: int
     restart: int

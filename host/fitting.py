@@ -28,6 +28,7 @@ from springpot.host.library import SceneLibrary
 from springpot.host.metrics import accuracy, rms
 from springpot.host.output import say
 from springpot.host.replay import Replay
+from springpot.host.toolchain import toolchain
 from springpot.runtime_c.errors import BudgetError, SpringpotError, UsageError
 from springpot.trainer.fast_fir import fast_fir_bank
 from springpot.trainer.feature_values import feature_values
@@ -83,6 +84,8 @@ def emit_fitting(
     try:
         return emit(scene, model_file, folder, accept_unsafe)
     except BudgetError as error:
+        if toolchain(scene.runtime.target) is None:
+            raise  # nothing can be measured, of a trim neither
         if not recordings:
             raise BudgetError(f"{error}; give --recording REC to see what would fit") from None
         found = best_trims(scene, read_model(model_file), recordings, accept_unsafe)
