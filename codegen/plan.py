@@ -15,7 +15,7 @@ from springpot.codegen.configs import (
 )
 from springpot.codegen.coupling import couple_config, refuse_unit_error
 from springpot.codegen.ir import Model, PositionVelocity, RecursiveBank
-from springpot.codegen.plan_model import LeftOut, model_stages
+from springpot.codegen.plan_model import LeftOut, lanes_of, model_stages
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
@@ -130,7 +130,9 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     outside = _outside_note(model, scene)
     if scene.guard.outside == "fallback" and model.hammerstein is None:
         tangent = tangent_fallback(stages, model, dtype)
-        stages = replace(stages, passive=hammerstein_stage(tangent, dt_s, dtype, "deep"))
+        stages = replace(
+            stages, passive=hammerstein_stage(tangent, dt_s, dtype, "deep", lanes_of(scene))
+        )
         outside = (
             "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
             f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"

@@ -35,7 +35,7 @@ from springpot.codegen.stages.lags import lags_stage
 from springpot.codegen.stages.position_velocity import PositionVelocityStage, velocity_stage
 from springpot.codegen.stages.rbf import rbf_stage
 from springpot.codegen.stages.recursive import recursive_stage
-from springpot.codegen.stages.stage import FeatureStage, RegressorStage, padded
+from springpot.codegen.stages.stage import LANES, FeatureStage, RegressorStage, padded
 
 Columns = NDArray[np.intp]
 
@@ -70,10 +70,10 @@ def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> M
     passive, excess = None, None
     if model.hammerstein is not None and model.hammerstein_adds:
         follows = "deep" if falls_back else "depth"
-        passive = hammerstein_stage(model.hammerstein, dt_s, dtype, follows)
+        passive = hammerstein_stage(model.hammerstein, dt_s, dtype, follows, lanes_of(scene))
     elif model.hammerstein is not None and falls_back:
         deep, trained = (
-            hammerstein_stage(model.hammerstein, dt_s, dtype, follows)
+            hammerstein_stage(model.hammerstein, dt_s, dtype, follows, lanes_of(scene))
             for follows in ("deep", "depth")
         )
         excess = (deep, trained)
@@ -99,6 +99,11 @@ def feature_count(features: Features | None) -> int:
     if isinstance(features, FractionalBank):
         return len(features.orders)
     return len(features.samples) if isinstance(features, Lags) else 2
+
+
+def lanes_of(scene: Scene) -> int:
+    """Numbers that tables are padded to whole vectors of; 1 where the target has no vectors."""
+    return LANES if scene.runtime.target == "host" else 1
 
 
 def _feature_stage(
@@ -133,8 +138,7 @@ def _forest_stage(forest: Forest, scene: Scene, kept: Columns, dtype: type[Any])
     compact = compact_forest(forest, dtype)
     if compact is None:
         return WideForestStage(forest_table(forest, dtype), len(kept), rounding)
-    vectors = scene.runtime.target == "host"
-    return CompactForestStage(compact, len(kept), rounding, vectors)
+    return CompactForestStage(compact, len(kept), rounding, vectors=lanes_of(scene) > 1)
 
 
 def _dropped(features: Features, kept: Columns, dtype: type[Any]) -> list[LeftOut]:

@@ -37,20 +37,22 @@ class BoardReplay:
         """Replay from a reset; the calls that the board made, as channels of a session's log.
 
         Calls of sp_idle in between belong to them. A host that was kept away until the board's
-        watchdog latched begins again. Raises DeviceError where a sample is not answered.
+        watchdog latched, or that missed a frame, begins again. Raises DeviceError where a sample
+        is not answered.
         """
         for _ in range(_TRIES):
             rows = self._replayed(position_m, velocity_mps)
             if rows is not None:
                 return dict(zip(_NAMES, np.array(rows).T, strict=True))
         raise DeviceError(
-            f"{self._device.address.url}: the board's watchdog latched in each of {_TRIES} tries: "
-            "this machine sends too late; end other programs, or raise guard.watchdog_ms"
+            f"{self._device.address.url}: in each of {_TRIES} tries the board's watchdog latched "
+            f"or a frame was lost ({self._lost()} so far): end other programs, raise "
+            "guard.watchdog_ms, check the cable"
         )
 
     def _replayed(self, position_m: Reals, velocity_mps: Reals) -> list[Row] | None:
         self._device.command("RESET")
-        rows: list[Row] = []
+        lost, rows = self._lost(), list[Row]()
         for i, (position, velocity) in enumerate(
             zip(position_m.tolist(), velocity_mps.tolist(), strict=True)
         ):
@@ -59,8 +61,13 @@ class BoardReplay:
             if any(int(row[0]) & IDLE and int(row[-1]) & _LATCHED for row in answer):
                 return None
             rows += answer
+        if self._lost() != lost:  # of the board's own calls too: what it did then is not known
+            return None
         rows[0] = (rows[0][0] + (0 if int(rows[0][0]) & RESET else RESET), *rows[0][1:])
         return rows
+
+    def _lost(self) -> int:
+        return self._device.receiver.crc_errors + self._device.receiver.gaps
 
     def _answer(self, sample: int) -> list[Row]:
         """Calls up to the one that took the sample."""

@@ -214,6 +214,10 @@ def _unchecked(scene: Scene) -> list[str]:
     told = []
     if scene.budget.tick_us is not None:
         told.append("budget.tick_us is not checked at emission: `springpot validate` measures it")
+    if scene.budget.tick_instructions is not None and scene.runtime.measured_step:
+        told.append(
+            "budget.tick_instructions is of sp_step: sp_step_dt takes more, and is not bounded"
+        )
     if scene.device.surface_mm:
         told.append("device.surface_mm is for drivers: the C counts positions from the surface")
     if scene.runtime.number == "float64" and scene.runtime.target != "host":

@@ -15,6 +15,7 @@ from springpot.runtime_c.errors import MismatchError, SpringpotError
 
 IDLE, RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
 _SHIFT = 8  # an instruction takes 2^8 ns of the emulated time: several counts of every counter
+_OVERFLOWED = 0xFFFFFFFF  # OVERFLOWED of sp_batch.c
 _LONGEST_S = 600.0
 Reals = NDArray[Any]
 
@@ -61,19 +62,24 @@ def run_batch(folder: Path, board: Board, calls: Calls) -> Batch:
         program = build_batch(folder, board, place)
         (place / "calls.bin").write_bytes(rows.tobytes())
         _emulate(board, program, place)
-        returned = np.frombuffer(
-            (place / "returns.bin").read_bytes(),
-            dtype=np.dtype([("force_n", real), ("notes", "<i4"), ("counts", "<u4")], align=wide),
-        )
+        told = (place / "returns.bin").read_bytes()
+    row = np.dtype([("force_n", real), ("notes", "<i4"), ("counts", "<u4")], align=wide)
+    returned = np.frombuffer(told[: len(told) // row.itemsize * row.itemsize], dtype=row)
     if len(returned) != 1 + len(rows):
         raise SpringpotError(
-            f"{board.name}: {len(returned) - 1} of {len(rows)} calls returned: the firmware stopped"
+            f"{board.name}: {max(len(returned) - 1, 0)} of {len(rows)} calls returned: the "
+            "firmware stopped"
         )
     if differs := int(returned["notes"][0]):
         raise MismatchError(
             f"{board.name}: the self-test differs at golden tick {differs - 1}: report the compiler"
         )
     counts = returned["counts"].astype(np.int64)
+    if counts.max() >= _OVERFLOWED:
+        raise SpringpotError(
+            f"{board.name}: call {int(counts.argmax()) - 1} took more instructions than its "
+            "counter can hold: count on another board"
+        )
     per_count = 1e9 / board.counter_hz / (1 << _SHIFT)
     return Batch(
         force_n=returned["force_n"][1:],

@@ -16,15 +16,19 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.instructions import instruction_bound
 from springpot.codegen.ir import FirBank, Forest, Model
 from springpot.codegen.model_file import read_model, write_model
-from springpot.codegen.plan import make_plan
+from springpot.codegen.plan import Plan, make_plan
 from springpot.codegen.plan_model import feature_count
 from springpot.codegen.prune import fewer_trees, larger_leaves, stepped
 from springpot.codegen.scene import Budget, Scene
+from springpot.codegen.stages.forest import CompactForestStage
+from springpot.codegen.units import state_bytes
 from springpot.host.emission import Emission, emit, over_budget
+from springpot.host.frames import refuse_other_frame
 from springpot.host.library import SceneLibrary
 from springpot.host.metrics import accuracy, rms
 from springpot.host.output import say
 from springpot.host.replay import Replay
+from springpot.host.toolchain import toolchain
 from springpot.runtime_c.errors import BudgetError, SpringpotError, UsageError
 from springpot.trainer.fast_fir import fast_fir_bank
 from springpot.trainer.feature_values import feature_values
@@ -73,16 +77,18 @@ def emit_fitting(
     """Emit; where the scene does not fit its budget, tell the best trims, or apply the best.
 
     Raises BudgetError, exit status 4, where it does not fit and `fit` is not asked for, or where
-    no trim fits; UsageError for `fit` without recordings.
+    no trim fits; UsageError for `fit` without recordings; DataError for those of another rate.
     """
     if fit and not recordings:
         raise UsageError("--fit measures what it leaves out: give --recording REC")
     try:
         return emit(scene, model_file, folder, accept_unsafe)
     except BudgetError as error:
+        if toolchain(scene.runtime.target) is None:
+            raise  # nothing can be measured, of a trim neither
         if not recordings:
             raise BudgetError(f"{error}; give --recording REC to see what would fit") from None
-        found = best_trims(scene, read_model(model_file), recordings)
+        found = best_trims(scene, read_model(model_file), recordings, accept_unsafe)
         if not found:
             raise BudgetError(f"{error}; no trim of this model fits: use another kind") from None
         if not fit:
@@ -96,8 +102,13 @@ def emit_fitting(
         return emit(scene, trimmed, folder, accept_unsafe)
 
 
-def best_trims(scene: Scene, model: Model, recordings: Sequence[Recording]) -> list[Trim]:
+def best_trims(
+    scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
+) -> list[Trim]:
     """At most three trims that fit, least error first; each size of leaf is there once."""
+    tick_s = make_plan(model, scene, accept_unsafe).dt_s
+    for recording in recordings:
+        refuse_other_frame(recording, model, tick_s)
     candidates = list(_candidates(model))
     if not candidates:
         return []
@@ -110,7 +121,8 @@ def best_trims(scene: Scene, model: Model, recordings: Sequence[Recording]) -> l
             break
         if leaves in leaves_found:
             continue
-        if (trim := _measured(scene, trimmed, what, recordings)) is not None:
+        trim = _measured(scene, trimmed, what, recordings, accept_unsafe)
+        if trim is not None:
             leaves_found.add(leaves)
             found.append(trim)
     return sorted(found, key=lambda trim: trim.rmse_n)
@@ -174,17 +186,19 @@ def _judges(model: Model, recordings: Sequence[Recording]) -> _Judges:
 
 
 def _measured(
-    scene: Scene, model: Model, what: str, recordings: Sequence[Recording]
+    scene: Scene, model: Model, what: str, recordings: Sequence[Recording], accept_unsafe: bool
 ) -> Trim | None:
     """Build it for its target and replay it here; None where it does not fit either."""
     free = replace(scene, budget=Budget())
-    plan = make_plan(model, scene, True)
+    plan = make_plan(model, scene, accept_unsafe=True)
+    if _surely_over(plan, scene.budget):
+        return None
     bound = instruction_bound(plan)
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
         write_model(file, model)
         try:
-            emission = emit(free, file, Path(scratch) / "c")
+            emission = emit(free, file, Path(scratch) / "c", accept_unsafe)
         except SpringpotError:
             return None
         if emission.footprint is None or over_budget(emission, scene.budget):
@@ -202,3 +216,17 @@ def _measured(
             instructions=None if bound is None else bound.tick,
             rmse_n=accuracy([item.force_n for item in recordings], forces).rmse_n,
         )
+
+
+def _surely_over(plan: Plan, budget: Budget) -> bool:
+    """Whether what is known without a compiler is too much already."""
+    bound, forest = instruction_bound(plan), plan.regressor
+    nodes_bytes = 0
+    if isinstance(forest, CompactForestStage):
+        nodes_bytes = forest.forest.top.nbytes + forest.forest.nodes.nbytes
+    known = (
+        (nodes_bytes, budget.flash_bytes),
+        (state_bytes(plan), budget.ram_bytes),
+        (bound.tick if bound else 0, budget.tick_instructions),
+    )
+    return any(may is not None and has > may for has, may in known)

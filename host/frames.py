@@ -5,12 +5,16 @@ from springpot.runtime_c.errors import DataError
 from springpot.trainer.recording import Recording
 
 
-def refuse_other_frame(recording: Recording, model: Model) -> None:
-    """Raise DataError for another sampling rate, or another meaning of position 0."""
-    if abs(recording.dt_s / model.dt_s - 1.0) > 1e-3:
+def refuse_other_frame(recording: Recording, model: Model, tick_s: float | None = None) -> None:
+    """Raise DataError for another sampling rate, or another meaning of position 0.
+
+    tick_s: of the scene, which may have a rate of its own; without one, the model's.
+    """
+    dt_s, whose = (model.dt_s, "model") if tick_s is None else (tick_s, "scene")
+    if abs(recording.dt_s / dt_s - 1.0) > 1e-3:
         raise DataError(
-            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the model at "
-            f"{1 / model.dt_s:g} Hz: import it with --resample-hz {1 / model.dt_s:g}"
+            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
+            f"{1 / dt_s:g} Hz: import it with --resample-hz {1 / dt_s:g}"
         )
     if (recording.zero != "none") != (model.contact == "always"):
         raise DataError(

@@ -56,7 +56,7 @@ def validate(
     """
     plan, model = read_emission(folder)
     for recording in recordings:
-        refuse_other_frame(recording, model)
+        refuse_other_frame(recording, model, plan.dt_s)
     library = SceneLibrary(folder)
     opened = (
         nullcontext() if device is None else board_replay(device, plan, library.manifest["hash"])

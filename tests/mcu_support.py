@@ -57,11 +57,17 @@ def as_firmware_is_scheduled() -> None:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(50))
 
 
+@cache
+def _firmware(folder: Path, name: str) -> Path:
+    out = folder.with_name(f"{folder.name}-firmware-{name}")
+    return build_firmware(folder, BOARDS[name], out, strict=True)
+
+
 @contextmanager
-def emulated(folder: Path, name: str, scratch: Path) -> Iterator[str]:
+def emulated(folder: Path, name: str) -> Iterator[str]:
     """The firmware of an emitted folder on an emulated board; the path of its serial port."""
     board = BOARDS[name]
-    program = build_firmware(folder, board, scratch / f"firmware-{name}", strict=True)
+    program = _firmware(folder, name)
     command = [
         emulator_of(board), "-M", board.name, *board.options, "-display", "none", "-monitor",
         "none", "-chardev", "pty,id=c0", "-serial", "chardev:c0", "-kernel", str(program),

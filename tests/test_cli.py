@@ -150,6 +150,34 @@ def test_validation_at_another_rate_is_refused(tmp_path: Path) -> None:
     assert "--resample-hz 1000" in told
 
 
+def test_validation_is_at_the_rate_of_the_scene(tmp_path: Path) -> None:
+    """Poles are exact at any rate: a scene may have another one than the model's recordings."""
+    import dataclasses
+
+    from springpot.trainer.fit import FitOptions
+    from springpot.trainer.kinds import fit_model
+
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'schema = 1\nname = "x"\nmodel = "model.spm"\n[runtime]\nrate_hz = 500\n'
+        '[coupling]\nmode = "off"\n'
+    )
+    model = fit_model("hammerstein", "x", training(), FitOptions(seed=1)).model
+    model_file(tmp_path, model)
+    assert run("emit", "--scene", scene, "--out", tmp_path / "c").returncode == 0
+    whole = training()[0]
+    every_other = dataclasses.replace(
+        whole, position_m=whole.position_m[::2], force_n=whole.force_n[::2], dt_s=2e-3
+    )
+    write_recording(tmp_path / "whole.h5", whole)
+    write_recording(tmp_path / "half.h5", every_other)
+    told = refusal(3, "validate", tmp_path / "c", "--recording", tmp_path / "whole.h5")
+    assert "sampled at 1000 Hz, the scene at 500 Hz" in told
+    found = run("validate", tmp_path / "c", "--recording", tmp_path / "half.h5", "--json")
+    assert found.returncode == 0, found.stderr
+    assert json.loads(found.stdout)["rmse_percent_of_peak"] < 5
+
+
 def test_hostile_recordings_validate_bit_for_bit(tmp_path: Path) -> None:
     import numpy as np
 

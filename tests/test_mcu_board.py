@@ -5,6 +5,8 @@ import os
 import shutil
 import signal
 import subprocess
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -34,13 +36,23 @@ pytestmark = pytest.mark.flaky(reruns=3)
 
 SECONDS = 60.0 if os.environ.get("SPRINGPOT_SOAK") else 3.0
 LATCHED = 32
+Emitted = Callable[..., Path]
 PATIENT_MS = 400.0  # for replays: a busy machine may keep the host away
 
 
-def emitted(folder: Path, board: str, watchdog_ms: float | None = None) -> Path:
-    model = model_file(folder, slow_model())
-    emit(slow_scene(BOARDS[board].target, watchdog_ms), model, folder / "c")
-    return folder / "c"
+@pytest.fixture(scope="module")
+def emitted(tmp_path_factory: pytest.TempPathFactory) -> Emitted:
+    """Folders emitted for a board, each once."""
+    root = tmp_path_factory.mktemp("emitted")
+    model = model_file(root, slow_model())
+
+    @cache
+    def folder_of(target: str, watchdog_ms: float | None) -> Path:
+        folder = root / f"{target}-{watchdog_ms}"
+        emit(slow_scene(target, watchdog_ms), model, folder)
+        return folder
+
+    return lambda board, watchdog_ms=None: folder_of(BOARDS[board].target, watchdog_ms)
 
 
 def command(*arguments: object) -> tuple[int, dict, str]:
@@ -50,12 +62,14 @@ def command(*arguments: object) -> tuple[int, dict, str]:
 
 
 @pytest.mark.parametrize("board", list(BOARDS))
-def test_validate_compares_every_force_of_the_board(tmp_path: Path, board: str) -> None:
+def test_validate_compares_every_force_of_the_board(
+    tmp_path: Path, emitted: Emitted, board: str
+) -> None:
     need(board)
-    folder = emitted(tmp_path, board, PATIENT_MS)
+    folder = emitted(board, PATIENT_MS)
     replayed = slow_recording(1.2)
     write_recording(tmp_path / "a.h5", replayed)
-    with emulated(folder, board, tmp_path) as port:
+    with emulated(folder, board) as port:
         status, found, told = command("validate", folder, "--recording", tmp_path / "a.h5",
                                       "--device", f"serial://{port}")  # fmt: skip
     assert status == 0, told
@@ -64,8 +78,8 @@ def test_validate_compares_every_force_of_the_board(tmp_path: Path, board: str) 
     assert found["rmse_percent_of_peak"] < 20
 
 
-def test_another_force_of_a_board_is_counted(tmp_path: Path) -> None:
-    folder = emitted(tmp_path, "mps2-an386")
+def test_another_force_of_a_board_is_counted(tmp_path: Path, emitted: Emitted) -> None:
+    folder = emitted("mps2-an386")
     library, position = SceneLibrary(folder), slow_recording(1.0).position_m.astype(np.float32)
     state = library.new_state()
     made = [state.step(float(x)) for x in position]
@@ -84,11 +98,11 @@ def test_another_force_of_a_board_is_counted(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("board", list(BOARDS))
-def test_the_host_drives_a_board_at_500_hz(tmp_path: Path, board: str) -> None:
+def test_the_host_drives_a_board_at_500_hz(tmp_path: Path, emitted: Emitted, board: str) -> None:
     need(board)
-    folder = emitted(tmp_path, board)
+    folder = emitted(board)
     write_recording(tmp_path / "feed.h5", slow_recording(SECONDS + 5))
-    with emulated(folder, board, tmp_path) as port:
+    with emulated(folder, board) as port:
         url = f"serial://{port}?feed={tmp_path / 'feed.h5'}"
         status, ran, told = command("run", "--scene", folder, "--device", url, "--seconds",
                                     SECONDS, "--log", tmp_path / "log.h5")  # fmt: skip
@@ -128,11 +142,11 @@ def kill_a_host_that_renders(folder: Path, url: str, relay: Relay) -> None:
 
 
 @pytest.mark.parametrize("board", list(BOARDS))
-def test_a_killed_host_leaves_no_force(tmp_path: Path, board: str) -> None:
+def test_a_killed_host_leaves_no_force(tmp_path: Path, emitted: Emitted, board: str) -> None:
     need(board)
-    folder = emitted(tmp_path, board)
+    folder = emitted(board)
     write_recording(tmp_path / "feed.h5", slow_recording(60.0, hold=True))
-    with emulated(folder, board, tmp_path) as port:
+    with emulated(folder, board) as port:
         relay = Relay(port)
         url = f"serial://{relay.port}?feed={tmp_path / 'feed.h5'}"
         kill_a_host_that_renders(folder, url, relay)
@@ -159,29 +173,28 @@ def test_a_killed_host_leaves_no_force(tmp_path: Path, board: str) -> None:
     assert all(call["force_n"] == 0 and call["notes"] & LATCHED for call in after)
 
 
-def test_a_board_whose_self_test_fails_renders_nothing(tmp_path: Path) -> None:
+def test_a_board_whose_self_test_fails_renders_nothing(tmp_path: Path, emitted: Emitted) -> None:
     need("mps2-an386")
-    folder = emitted(tmp_path, "mps2-an386")
+    folder = emitted("mps2-an386")
     altered = tmp_path / "altered"
     shutil.copytree(folder, altered)
     tables = altered / "sp_regressor.h"
     text = tables.read_text()
     begin = text.index("quantum_n = ") + len("quantum_n = ")
     tables.write_text(text[:begin] + "2.0f * " + text[begin:])
-    with emulated(altered, "mps2-an386", tmp_path) as port:
+    with emulated(altered, "mps2-an386") as port:
         status, _, told = command("run", "--scene", folder, "--device", f"serial://{port}",
                                   "--seconds", 1)  # fmt: skip
     assert status == 5
     assert "the device refuses that action" in told
 
 
-def test_a_board_with_another_scene_is_refused(tmp_path: Path) -> None:
+def test_a_board_with_another_scene_is_refused(tmp_path: Path, emitted: Emitted) -> None:
     need("mps2-an386")
-    folder = emitted(tmp_path, "mps2-an386")
-    model = tmp_path / "model.spm"
-    emit(slow_scene("cortex-m4f", 30.0), model, tmp_path / "other")
-    with emulated(folder, "mps2-an386", tmp_path) as port:
-        status, _, told = command("run", "--scene", tmp_path / "other", "--device",
+    folder = emitted("mps2-an386")
+    other = emitted("mps2-an386", 30.0)
+    with emulated(folder, "mps2-an386") as port:
+        status, _, told = command("run", "--scene", other, "--device",
                                   f"serial://{port}", "--seconds", 1)  # fmt: skip
     assert status == 5
     assert "the board renders model" in told

@@ -12,11 +12,13 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.ir import Model
 from springpot.codegen.plan import make_plan
 from springpot.codegen.reference import run_reference
-from springpot.host.boards import BOARDS
+from springpot.host import emulator
+from springpot.host.boards import BOARDS, Board
 from springpot.host.emission import emit
 from springpot.host.emulator import IDLE, RESET, Batch, Calls, run_batch, steps
 from springpot.host.library import SceneLibrary
 from springpot.host.replay import Replay
+from springpot.runtime_c.errors import SpringpotError
 from springpot.trainer.fit import FitOptions
 from springpot.trainer.kinds import fit_model
 
@@ -109,3 +111,36 @@ def test_a_difference_would_be_seen(tmp_path: Path) -> None:
     reference = run_reference(make_plan(other, target_scene("cortex-m4f")), position)
     with pytest.raises(AssertionError):
         assert_same(batch, reference.force_n, reference.notes)
+
+
+def test_a_count_beyond_the_counter_is_told(tmp_path: Path) -> None:
+    """The STM32's counter is full after 0.4 million instructions, the other boards' later."""
+    need("netduinoplus2", "mps2-an386", "virt")
+    emit(target_scene("cortex-m4f"), model_file(tmp_path, model("hammerstein")), tmp_path / "c")
+    source = tmp_path / "c" / "sp_scene.c"
+    begins = "int sp_step("
+    text = source.read_text()
+    at = text.index("    int notes = 0;", text.index(begins))
+    waits = "    for (volatile int i = 0; i < 200000; i++) {\n    }\n"
+    source.write_text(text[:at] + waits + text[at:])
+    position = np.full(3, 0.005, dtype=np.float32)
+    calls = steps(position, np.zeros_like(position))
+    for name in ("mps2-an386", "virt"):
+        batch = run_batch(tmp_path / "c", BOARDS[name], calls)
+        assert 800_000 < batch.instructions.min() <= batch.instructions.max() < 2_600_000
+    with pytest.raises(SpringpotError, match="call 0 took more instructions than its counter"):
+        run_batch(tmp_path / "c", BOARDS["netduinoplus2"], calls)
+
+
+def test_a_firmware_that_stops_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    need("mps2-an386")
+    emit(target_scene("cortex-m4f"), model_file(tmp_path, model("hammerstein")), tmp_path / "c")
+    position = np.full(3, 0.005, dtype=np.float32)
+    for written, returned in ((0, 0), (7, 0), (30, 1)):
+
+        def stops(board: Board, program: Path, place: Path, written: int = written) -> None:
+            (place / "returns.bin").write_bytes(bytes(written))
+
+        monkeypatch.setattr(emulator, "_emulate", stops)
+        with pytest.raises(SpringpotError, match=f"{returned} of 3 calls returned"):
+            run_batch(tmp_path / "c", BOARDS["mps2-an386"], steps(position, position))

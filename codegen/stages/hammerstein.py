@@ -205,11 +205,14 @@ def basis(kind: Basis, u: Reals) -> Iterator[Reals]:
 
 
 def hammerstein_stage(
-    model: Hammerstein, dt_s: float, dtype: type, follows: str
+    model: Hammerstein, dt_s: float, dtype: type, follows: str, lanes: int
 ) -> HammersteinStage:
-    """Fold the poles' gains into the branches; the stops' first halves belong to the spring."""
+    """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
+
+    Branches are padded to whole vectors of `lanes`, with curves of 0.
+    """
     n_branches, n_stops = len(model.tau_s), len(model.radius_m)
-    room = padded(max(n_branches, 1))
+    room = padded(max(n_branches, 1), lanes)
     pole_loss, gain = loss_and_gain(model.tau_s, dt_s)
     stop_n = model.stop_n.reshape(n_stops, BASIS_SIZE[model.basis])
     branches = np.zeros((room, BASIS_SIZE[model.basis]))

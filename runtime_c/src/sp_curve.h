@@ -35,12 +35,11 @@ static inline void sp_curve(const sp_real *terms, uint32_t degree, uint32_t n_cu
 {
     const sp_real *term = terms + place.piece * (degree + 1) * n_curves;
     for (uint32_t i = 0; i < n_curves; i++) {
-        values[i] = term[i];
-    }
-    for (uint32_t power = 1; power <= degree; power++) {
-        for (uint32_t i = 0; i < n_curves; i++) {
-            values[i] = values[i] * place.way + term[power * n_curves + i];
+        sp_real value = term[i];
+        for (uint32_t power = 1; power <= degree; power++) {
+            value = value * place.way + term[power * n_curves + i];
         }
+        values[i] = value;
     }
 }
 

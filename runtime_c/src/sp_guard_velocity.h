@@ -9,7 +9,7 @@
 static inline sp_real sp_guard_velocity(sp_real greatest_mps, sp_real *good_mps, sp_real v,
                                         int *notes)
 {
-    if (!sp_is_finite(v) || sp_abs(v) > greatest_mps) {
+    if (!(sp_abs(v) <= greatest_mps)) { /* a NaN is not */
         *notes |= SP_NOTE_HELD;
         return *good_mps;
     }

@@ -15,7 +15,7 @@
 #include "sp_poles.h"
 #include "sp_stops.h"
 
-enum { SP_HAMMERSTEIN_LANES = 4 /* branches are padded to a multiple of this, with curves of 0 */ };
+enum { SP_HAMMERSTEIN_SUMS = 4 /* where there are vectors, branches are padded to whole ones */ };
 
 typedef struct {
     sp_real origin_m;
@@ -74,12 +74,17 @@ static inline sp_real sp_hammerstein_still(const sp_hammerstein_config *config,
 /* Four partial sums in one fixed order. */
 static inline sp_real sp_hammerstein_held(const sp_real *held, uint32_t n_branches)
 {
-    sp_real sum[SP_HAMMERSTEIN_LANES] = {0};
-    for (uint32_t i = 0; i < n_branches; i += SP_HAMMERSTEIN_LANES) {
+    sp_real sum[SP_HAMMERSTEIN_SUMS] = {0};
+    const uint32_t whole = n_branches - n_branches % SP_HAMMERSTEIN_SUMS;
+    for (uint32_t i = 0; i < whole; i += SP_HAMMERSTEIN_SUMS) {
 #pragma GCC unroll 4
-        for (uint32_t lane = 0; lane < SP_HAMMERSTEIN_LANES; lane++) {
-            sum[lane] += held[i + lane];
+        for (uint32_t k = 0; k < SP_HAMMERSTEIN_SUMS; k++) {
+            sum[k] += held[i + k];
         }
+    }
+#pragma GCC unroll 4
+    for (uint32_t i = whole; i < n_branches; i++) {
+        sum[i - whole] += held[i];
     }
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }

@@ -18,11 +18,6 @@ static inline int sp_is_finite(sp_real x)
 #define SP_SMALLEST_DOUBLE 1e-30
 #define SP_SMALLEST ((sp_real)SP_SMALLEST_DOUBLE)
 
-static inline sp_real sp_abs(sp_real x)
-{
-    return x < (sp_real)0 ? -x : x;
-}
-
 static inline sp_real sp_flushed(sp_real x)
 {
     return sp_abs(x) < SP_SMALLEST ? (sp_real)0 : x;
@@ -31,7 +26,7 @@ static inline sp_real sp_flushed(sp_real x)
 /* The same for states that are kept in double whatever the scene's number type. */
 static inline double sp_flushed_double(double x)
 {
-    return (x < 0.0 ? -x : x) < SP_SMALLEST_DOUBLE ? 0.0 : x;
+    return fabs(x) < SP_SMALLEST_DOUBLE ? 0.0 : x;
 }
 
 #endif

@@ -63,17 +63,20 @@ static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_s
 static inline sp_real sp_output_slew(sp_real slew_n, sp_real last_n, sp_real force_n, int *notes)
 {
     const sp_real zero = (sp_real)0;
-    const sp_real most = (last_n > zero ? last_n : zero) + slew_n;
-    const sp_real least = (last_n < zero ? last_n : zero) - slew_n;
-    if (force_n > most) {
-        *notes |= SP_NOTE_LIMITED;
-        return most;
+    sp_real may_n;
+    if (force_n > zero) {
+        may_n = (last_n > zero ? last_n : zero) + slew_n;
+        if (!(force_n > may_n)) {
+            return force_n;
+        }
+    } else {
+        may_n = (last_n < zero ? last_n : zero) - slew_n;
+        if (!(force_n < may_n)) {
+            return force_n;
+        }
     }
-    if (force_n < least) {
-        *notes |= SP_NOTE_LIMITED;
-        return least;
-    }
-    return force_n;
+    *notes |= SP_NOTE_LIMITED;
+    return may_n;
 }
 
 static inline sp_real sp_output_force(const sp_output_config *config, sp_output_state *state,

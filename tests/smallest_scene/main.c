@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46 */
+/* springpot 0.1.0 2c3ee5c63704faedf55e7007074eeccadfaafd627d96d8670b4f31efe1a27d0e */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46 */
+/* springpot 0.1.0 2c3ee5c63704faedf55e7007074eeccadfaafd627d96d8670b4f31efe1a27d0e */
 #ifndef SP_REGRESSOR_H
 #define SP_REGRESSOR_H
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46 */
+/* springpot 0.1.0 2c3ee5c63704faedf55e7007074eeccadfaafd627d96d8670b4f31efe1a27d0e */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -124,5 +124,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"7f3a4a64bcd64309e318cdf426d26f0e68d5e516eed28285991d44831efbfa46\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"2c3ee5c63704faedf55e7007074eeccadfaafd627d96d8670b4f31efe1a27d0e\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -6,6 +6,8 @@
 /* The number type of the scene. Its twin in include/float is the other choice. */
 typedef double sp_real;
 
+/* Instructions with every FPU: no library is called. */
+#define sp_abs(x) fabs(x)
 #define sp_sqrt(x) sqrt(x)
 
 #endif

@@ -5,6 +5,8 @@
 
 enum { CALL_IDLE = 1, CALL_RESET = 2, BLOCK = 64 };
 
+#define OVERFLOWED 0xffffffffu /* of the counter: more instructions than it holds */
+
 typedef struct {
     uint32_t call;
     sp_real position_m;
@@ -30,11 +32,13 @@ static return_row returns[BLOCK];
 #define SYST_RVR (*(volatile uint32_t *)0xe000e014u)
 #define SYST_CVR (*(volatile uint32_t *)0xe000e018u)
 
-static void start_counter(void)
+enum { COUNTER_MASK = 0xffffff, PASSED_ZERO = 1 << 16 };
+
+static void restart_counter(void)
 {
-    SYST_RVR = 0xffffffu;
-    SYST_CVR = 0;
+    SYST_RVR = COUNTER_MASK;
     SYST_CSR = 5; /* the core's clock, no interrupt */
+    SYST_CVR = 0;
 }
 
 static inline uint32_t counter(void)
@@ -42,11 +46,14 @@ static inline uint32_t counter(void)
     return 0u - SYST_CVR;
 }
 
-enum { COUNTER_MASK = 0xffffff };
-#else
-static void start_counter(void)
+static int overflowed(void)
 {
+    return (SYST_CSR & PASSED_ZERO) != 0;
 }
+#else
+#define COUNTER_MASK 0xffffffffu
+
+static uint64_t began;
 
 static inline uint32_t counter(void)
 {
@@ -55,7 +62,26 @@ static inline uint32_t counter(void)
     return count;
 }
 
-#define COUNTER_MASK 0xffffffffu
+static uint64_t whole_counter(void)
+{
+    uint32_t high, low, again;
+    do {
+        __asm__ volatile("csrr %0, minstreth" : "=r"(high)::"memory");
+        low = counter();
+        __asm__ volatile("csrr %0, minstreth" : "=r"(again)::"memory");
+    } while (high != again);
+    return (uint64_t)high << 32 | low;
+}
+
+static void restart_counter(void)
+{
+    began = whole_counter();
+}
+
+static int overflowed(void)
+{
+    return whole_counter() - began > COUNTER_MASK;
+}
 #endif
 
 static return_row made(const call_row *call)
@@ -64,11 +90,15 @@ static return_row made(const call_row *call)
     if (call->call & CALL_RESET) {
         sp_reset(&state);
     }
+    restart_counter();
     const uint32_t before = counter();
     row.notes = call->call & CALL_IDLE
                     ? sp_idle(&state, call->dt_s, &row.force_n)
                     : sp_step(&state, call->position_m, call->velocity_mps, &row.force_n);
     row.counts = (counter() - before) & COUNTER_MASK;
+    if (overflowed()) {
+        row.counts = OVERFLOWED;
+    }
     return row;
 }
 
@@ -78,7 +108,7 @@ int main(void)
     const uint32_t from = sp_semihosting_open(in, sizeof in - 1, SP_SEMIHOSTING_READ_BINARY);
     const uint32_t to = sp_semihosting_open(out, sizeof out - 1, SP_SEMIHOSTING_WRITE_BINARY);
     /* The first row: the self-test, and the cost of looking at the counter. */
-    start_counter();
+    restart_counter();
     const uint32_t before = counter();
     const uint32_t after = counter();
     return_row first = {.counts = (after - before) & COUNTER_MASK};
