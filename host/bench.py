@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.progress import (
     BarColumn,
@@ -20,8 +20,8 @@ from rich.progress import (
 
 from springpot.host.bench_alone import measure_alone
 from springpot.host.bench_picks import Budget, budgets, pareto, pick, why
-from springpot.host.bench_point import Job, measure_point
-from springpot.host.bench_store import Store, point_key, sweep_base
+from springpot.host.bench_point import Data, Job, measure_point
+from springpot.host.bench_store import Store, data_key, point_key, sweep_base
 from springpot.host.check_command import as_result
 from springpot.host.machine import machine_facts
 from springpot.host.output import progress_console
@@ -29,9 +29,6 @@ from springpot.host.work_precision import work_precision
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.quality.report import check_recordings
 from springpot.trainer.recording import Recording
-
-if TYPE_CHECKING:
-    from springpot.trainer.sweep import Candidate
 
 Facts = dict[str, Any]
 # Null for points that are off the front and no pick.
@@ -115,7 +112,9 @@ def _sweep(bench: Bench, store: Store, base: Facts) -> tuple[list[Facts], int]:
     candidates = default_sweep(dt_s, FitOptions(seed=bench.seed), bench.kinds)
     keyed = {point_key(base, candidate): candidate for candidate in candidates}
     known = {key: store.read("points", key) for key in keyed}
-    jobs = [_job(bench, key, keyed[key]) for key, facts in known.items() if facts is None]
+    data = Data(data_key(bench.training, bench.validation), bench.training, bench.validation)
+    missing = [key for key, facts in known.items() if facts is None]
+    jobs = [Job(key, keyed[key], data, bench.target) for key in missing]
     with _progress() as progress:
         task = progress.add_task("models", total=len(keyed), completed=len(keyed) - len(jobs))
         for point in in_parallel(measure_point, jobs, bench.dask):
@@ -123,10 +122,6 @@ def _sweep(bench: Bench, store: Store, base: Facts) -> tuple[list[Facts], int]:
             known[point.key] = point.facts
             progress.advance(task)
     return [facts for facts in known.values() if facts is not None], len(jobs)
-
-
-def _job(bench: Bench, key: str, candidate: "Candidate") -> Job:
-    return Job(key, candidate, bench.training, bench.validation, bench.target)
 
 
 def _progress() -> Progress:

@@ -3,7 +3,8 @@
 import os
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,11 +31,22 @@ from springpot.trainer.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.fit import Fit
+    from springpot.trainer.held_out import Split
     from springpot.trainer.sweep import Candidate
+    from springpot.trainer.training_set import TrainingSet
 
 NAME = "bench"
 HOT_REPEATS = 5
 _SIZES = ("n_nodes", "n_centers", "n_parameters", "pairs", "basis")
+
+
+@dataclass(frozen=True)
+class Data:
+    """Recordings to fit on, and to report on; the same ones wherever `key` is the same."""
+
+    key: str
+    training: tuple[Recording, ...] = field(compare=False)
+    validation: tuple[Recording, ...] = field(compare=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +55,7 @@ class Job:
 
     key: str
     candidate: "Candidate"
-    training: tuple[Recording, ...]
-    validation: tuple[Recording, ...]
+    data: Data
     target: str
 
 
@@ -93,10 +104,11 @@ def any_rate(model: Model) -> bool:
 
 def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
     from springpot.trainer.held_out import cross_validated_rmse_n
-    from springpot.trainer.kinds import fit_model
+    from springpot.trainer.kinds import fit_kind
 
-    candidate = job.candidate
-    fit = fit_model(candidate.kind, NAME, job.training, candidate.options)
+    candidate, options = job.candidate, job.candidate.options
+    whole, folds = _prepared(job.data, options.smooth_s, options.seed)
+    fit = fit_kind(candidate.kind, NAME, whole, options)
     facts = {
         "number": candidate.number,
         "engine": engine(fit.model),
@@ -107,10 +119,19 @@ def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
         "feature_s": fit.feature_s,
         "fit_s": fit.fit_s,
         "search_s": fit.search_s,
-        "cv_rmse_n": cross_validated_rmse_n(candidate.kind, job.training, candidate.options),
+        "cv_rmse_n": cross_validated_rmse_n(candidate.kind, folds, options),
         "hash": model_hash(fit.model),
     }
     return fit, facts | {name: fit.facts[name] for name in _SIZES if name in fit.facts}
+
+
+@lru_cache(maxsize=1)
+def _prepared(data: Data, smooth_s: float, seed: int) -> tuple["TrainingSet", tuple["Split", ...]]:
+    """All training recordings and their folds: a worker's points share them, and what is found."""
+    from springpot.trainer.held_out import splits
+    from springpot.trainer.training_set import training_set
+
+    return training_set(data.training, smooth_s), splits(data.training, smooth_s, seed)
 
 
 def _measured(job: Job, model: Model) -> dict[str, Any]:
@@ -119,8 +140,8 @@ def _measured(job: Job, model: Model) -> dict[str, Any]:
     size = footprint(make_plan(model, bench_scene(model, number, job.target), accept_unsafe=True))
     with built(plan) as library:
         return {
-            **prediction(plan, library, job.validation),
-            "tick_ns_hot": hot_ns(plan, library, job.validation),
+            **prediction(plan, library, job.data.validation),
+            "tick_ns_hot": hot_ns(plan, library, job.data.validation),
             "flash_bytes": size.flash_bytes if size else None,
             "stack_bytes": size.stack_bytes if size else None,
             "ram_bytes": state_bytes(plan),
