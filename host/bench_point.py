@@ -15,11 +15,11 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.ir import Model, RecursiveBank
 from springpot.codegen.model_file import model_bytes, model_hash
 from springpot.codegen.plan import Plan, make_plan
-from springpot.codegen.scene import Coupling, Runtime, Scene
+from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
 from springpot.codegen.units import state_bytes
 from springpot.host.footprint import Footprint, measure_footprint
 from springpot.host.library import SceneLibrary
-from springpot.host.machine import machine_facts
+from springpot.host.machine import cpu_s, machine_facts
 from springpot.host.metrics import accuracy
 from springpot.host.replay import Replay
 from springpot.host.small_signal import small_signal_map
@@ -56,7 +56,7 @@ class Job:
     key: str
     candidate: "Candidate"
     data: Data
-    target: str
+    target: Target
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ def measure_point(job: Job) -> Point:
     """Fit, cross-validate, build and measure. A refusal is a fact of the point, not an error."""
     candidate = job.candidate
     stated = {"key": job.key, "model": candidate.kind, "options": candidate.named_options()}
-    begin, cpu = time.perf_counter(), _cpu_s()
+    begin, cpu = time.perf_counter(), cpu_s()
     try:
         fit, facts = _fitted(job)
         facts |= _measured(job, fit.model)
@@ -80,19 +80,19 @@ def measure_point(job: Job) -> Point:
         return Point(job.key, stated | {"error": str(error)}, None)
     spent = {
         "point_s": time.perf_counter() - begin,
-        "point_cpu_s": _cpu_s() - cpu,
+        "point_cpu_s": cpu_s() - cpu,
         "worker": f"{machine_facts()['processor']}, process {os.getpid()}",
     }
     return Point(job.key, stated | facts | spent, model_bytes(fit.model))
 
 
-def bench_scene(model: Model, number: str, target: str = "host") -> Scene:
+def bench_scene(number: Number, target: Target = "host") -> Scene:
     """The model and its guards, without a coupling: what the recordings can judge."""
     return Scene(
         schema=1,
         name=NAME,
         model="model.spm",
-        runtime=Runtime(number=number, target=target),  # type: ignore[arg-type]
+        runtime=Runtime(number=number, target=target),
         coupling=Coupling(mode="off"),
     )
 
@@ -136,8 +136,8 @@ def _prepared(data: Data, smooth_s: float, seed: int) -> tuple["TrainingSet", tu
 
 def _measured(job: Job, model: Model) -> dict[str, Any]:
     number = job.candidate.number
-    plan = make_plan(model, bench_scene(model, number), accept_unsafe=True)
-    size = footprint(make_plan(model, bench_scene(model, number, job.target), accept_unsafe=True))
+    plan = make_plan(model, bench_scene(number), accept_unsafe=True)
+    size = footprint(make_plan(model, bench_scene(number, job.target), accept_unsafe=True))
     with built(plan) as library:
         return {
             **prediction(plan, library, job.data.validation),
@@ -192,9 +192,3 @@ def footprint(plan: Plan) -> Footprint | None:
         for name, text in emit_files(plan).items():
             (Path(folder) / name).write_text(text)
         return measure_footprint(Path(folder), f"{plan.scene.runtime.prefix}_scene.c", tools)
-
-
-def _cpu_s() -> float:
-    """Processor time of this process and of the compilers it has waited for, s."""
-    times = os.times()
-    return times.user + times.system + times.children_user + times.children_system

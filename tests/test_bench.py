@@ -21,7 +21,7 @@ from springpot.host.bench_picks import Budget, budgets, misfit, pareto, pick, wh
 from springpot.host.bench_store import Store, read_result
 from springpot.runtime_c.errors import BudgetError, DataError, UsageError
 from springpot.trainer.fit import FitOptions
-from springpot.trainer.held_out import blocks, cross_validated_rmse_n, set_aside
+from springpot.trainer.held_out import blocks, cross_validated_rmse_n, set_aside, splits
 from springpot.trainer.sweep import default_sweep
 
 MAIN = "from springpot.host.cli import main; main()"
@@ -140,8 +140,13 @@ def test_what_does_not_fit_and_why() -> None:
 
 def test_held_out_errors_are_of_recordings_never_seen() -> None:
     options = FitOptions()
-    forest = cross_validated_rmse_n("rf-fd", training(), FitOptions(trees=20))
-    assert 0.001 < cross_validated_rmse_n("hammerstein", training(), options) < forest
+    folds = splits(training(), options.smooth_s, options.seed)
+    for fold in folds:
+        seen = {item.name for item in fold.data.recordings}
+        assert seen.isdisjoint(item.name for item in fold.held)
+    assert sum(len(fold.held) for fold in folds) == len(training())
+    forest = cross_validated_rmse_n("rf-fd", folds, FitOptions(trees=20))
+    assert 0.001 < cross_validated_rmse_n("hammerstein", folds, options) < forest
     assert len(blocks(training()[:1])) == 3
     kept, aside = set_aside(training(), 0)
     assert len(aside) == 2
