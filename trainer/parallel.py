@@ -26,8 +26,14 @@ def in_parallel(
     """
     with _backend(dask):
         yield from Parallel(n_jobs=-1, return_as="generator_unordered", batch_size=1)(
-            delayed(work)(item) for item in items
+            delayed(_in_one_thread)(work, item) for item in items
         )
+
+
+def _in_one_thread(work: Callable[[Item], Result], item: Item) -> Result:
+    """Every core has a job already: the forests of one job do not start threads of their own."""
+    with parallel_config(backend="sequential"):
+        return work(item)
 
 
 def _end_with(parent: int) -> None:
