@@ -53,6 +53,9 @@ class Bench:
 
 def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
     """Run what is missing, write folder/bench.json, and return it."""
+    from springpot.trainer.fit import FitOptions
+
+    plain = FitOptions()
     store = Store(folder)
     store.prepare()
     begin, load = time.perf_counter(), os.getloadavg()[0]
@@ -88,6 +91,9 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
         "target": bench.target,
         "rate_hz": recorded_hz,
         "seed": bench.seed,
+        "defaults": {
+            name: getattr(plain, name) for name in ("trees", "leaf", "n_centers", "poles")
+        },
         "command": command,
         "recordings": {
             "training": [_named(recording) for recording in bench.training],

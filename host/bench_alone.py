@@ -9,13 +9,15 @@ from springpot.codegen.model_file import read_model
 from springpot.codegen.plan import make_plan
 from springpot.codegen.scene import Number, Runtime, Scene, Target
 from springpot.host.bench_point import NAME, bench_scene
-from springpot.host.replay import Replay
+from springpot.host.replay import Replay, TickTimes
 from springpot.host.stability import refuse_unstable, stability
 from springpot.host.trial_build import built
 from springpot.runtime_c.errors import UnsafeError
 from springpot.trainer.recording import Recording
 
 PACED_S = 2.0
+PACED_TRIES = 3
+DISTURBED = 5.0  # times the median: other work had the processor in one of 100 ticks
 
 
 def measure_alone(model_file: Path, number: Number, recording: Recording) -> dict[str, Any]:
@@ -25,12 +27,15 @@ def measure_alone(model_file: Path, number: Number, recording: Recording) -> dic
 
 
 def paced_ticks(model: Model, number: Number, recording: Recording) -> dict[str, float]:
-    """Times of ticks at the recordings' rate with cold caches, ns."""
+    """Times of ticks at the recordings' rate with cold caches, ns; the calmest of up to three."""
     plan = make_plan(model, bench_scene(number), accept_unsafe=True)
     position = recording.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
     with built(plan) as library:
-        ticks = Replay(library).tick_times(position, velocity, plan.dt_s, PACED_S)
+        tries: list[TickTimes] = []
+        while not tries or (len(tries) < PACED_TRIES and tries[-1].p99 > DISTURBED * tries[-1].p50):
+            tries.append(Replay(library).tick_times(position, velocity, plan.dt_s, PACED_S))
+    ticks = min(tries, key=lambda times: times.p99)
     return {
         "tick_ns_p50": ticks.p50,
         "tick_ns_p99": ticks.p99,

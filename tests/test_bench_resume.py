@@ -10,10 +10,10 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
-from bench_folder import CANDIDATES, asked, bench_folder, small_sweep, write_training
+from bench_folder import CANDIDATES, asked, bench_folder, small, write_training
 from test_bench import command, spring
 
-from springpot.host import bench_alone, bench_store
+from springpot.host import bench_store
 from springpot.host.bench import run_bench
 from springpot.host.bench_instructions import uncounted
 from springpot.host.bench_store import read_result
@@ -22,7 +22,7 @@ from springpot.host.bench_store import read_result
 def test_the_same_bench_again_computes_nothing() -> None:
     folder = bench_folder()
     before = read_result(folder)
-    with mock.patch("springpot.trainer.sweep.default_sweep", small_sweep):
+    with small():
         again = run_bench(asked(), folder, "again")
     assert (again["computed"], again["computed_alone"]) == (0, 0)
     assert again["points"] == before["points"]
@@ -33,7 +33,7 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
     shutil.copytree(bench_folder(), folder)
     shutil.rmtree(folder / "instructions")
     with (
-        mock.patch("springpot.trainer.sweep.default_sweep", small_sweep),
+        small(),
         mock.patch("springpot.host.bench_instructions.missing", lambda _: "no emulator"),
     ):
         result = run_bench(asked(), folder, "without")
@@ -43,7 +43,7 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
     for item in chosen:
         assert item["instructions"] is None
         assert item["instructions_why"] == "no emulator"
-    with mock.patch("springpot.trainer.sweep.default_sweep", small_sweep):
+    with small():
         again = run_bench(asked(), folder, "with")
     assert again["computed_alone"] == (0 if uncounted("cortex-m4f") else len(chosen))
     assert again["points"] == read_result(bench_folder())["points"]
@@ -69,9 +69,8 @@ def test_other_code_measures_again(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
     one = CANDIDATES[4:5]  # of another version of the code: nothing of it is taken over
     with (
-        mock.patch("springpot.trainer.sweep.default_sweep", lambda *_: list(one)),
+        small(lambda *_: list(one)),
         mock.patch.object(bench_store, "code_hash", lambda: "another"),
-        mock.patch.object(bench_alone, "PACED_S", 0.1),
     ):
         folder = tmp_path / "bench"
         shutil.copytree(bench_folder(), folder)
@@ -130,6 +129,7 @@ def test_nothing_outlives_a_sweep_that_was_killed(tmp_path: Path, number: int) -
     )  # fmt: skip
     while sweep.poll() is None and not list(out.glob("points/*.json")):
         time.sleep(0.02)
+    assert sweep.poll() is None, "the sweep ended by itself"
     started = children(sweep.pid)
     workers = {pid for pid in started if alive(pid)}
     assert len(workers) >= min(2, os.cpu_count() or 1)
