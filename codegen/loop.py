@@ -1,7 +1,7 @@
 """The linear loop that a scene closes: an object's tangent, a coupling, a delay, and a hand."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.tool_velocity import TIME_S as VELOCITY_S
 
 Matrices = NDArray[np.float64]
+HandName = Literal["mid", "firm", "light"]
 
 DEVICE_MASS_KG = 0.3
 DEVICE_DAMPING_NSPM = 4.0
@@ -20,7 +21,7 @@ DEVICE_DAMPING_NSPM = 4.0
 class Hand:
     """A hand that holds the device: one mass with it, on a spring and a damper."""
 
-    name: str
+    name: HandName
     mass_kg: float
     stiffness_npm: float
     damping_nspm: float

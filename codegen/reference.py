@@ -10,6 +10,7 @@ from springpot.codegen.plan import Plan
 from springpot.codegen.reference_model import clip, model_force
 from springpot.codegen.reference_proxy import Touch, proxy_motion
 from springpot.codegen.reference_tick import HELD, OUTSIDE, RESYNC, Guarding, Tail
+from springpot.codegen.stages.stage import Starts
 
 Reals = NDArray[Any]
 Notes = NDArray[np.int32]
@@ -48,8 +49,7 @@ def run_reference(
         pressed = position
         if plan.at_proxy:
 
-            def at_proxy(motion: Reals, asked: NDArray[np.bool_]) -> Reals:
-                begun = starts[starts < len(motion)]
+            def at_proxy(motion: Reals, begun: Starts, asked: NDArray[np.bool_]) -> Reals:
                 return model_force(plan, _depths(plan, motion)[0], begun, asked)
 
             touch = Touch(position, velocity, contact, starts)

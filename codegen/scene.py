@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Gt, Interval
 
+Number = Literal["float32", "float64"]
+Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"]
 _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 
@@ -21,8 +23,8 @@ class Runtime:
 
     __pydantic_config__ = _CLOSED
     rate_hz: Annotated[float, Interval(ge=10, le=8000)] | None = None
-    number: Literal["float32", "float64"] = "float32"
-    target: Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"] = "host"
+    number: Number = "float32"
+    target: Target = "host"
     prefix: str = "sp"
     forest: Literal["table", "m2cgen"] = "table"
     measured_step: bool | None = None

@@ -3,11 +3,11 @@
 import os
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.progress import (
     BarColumn,
@@ -18,25 +18,25 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from springpot.codegen.scene import Number, Target
 from springpot.host.bench_alone import measure_alone
+from springpot.host.bench_instructions import count_instructions, uncounted
 from springpot.host.bench_picks import Budget, budgets, pareto, pick, why
-from springpot.host.bench_point import Job, measure_point
-from springpot.host.bench_store import Store, point_key, sweep_base
+from springpot.host.bench_point import Data, Job, measure_point
+from springpot.host.bench_store import Store, data_key, key_of, measured_by, point_key
 from springpot.host.check_command import as_result
-from springpot.host.machine import machine_facts
+from springpot.host.machine import cpu_s, machine_facts
 from springpot.host.output import progress_console
 from springpot.host.work_precision import work_precision
 from springpot.runtime_c.errors import DataError
 from springpot.trainer.quality.report import check_recordings
 from springpot.trainer.recording import Recording
 
-if TYPE_CHECKING:
-    from springpot.trainer.sweep import Candidate
-
 Facts = dict[str, Any]
 # Null for points that are off the front and no pick.
-_ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "instructions", "bounded",
-          "spectral_radius", "coupling", "worst_fidelity_percent", "verdict")  # fmt: skip
+_ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "bounded",
+          "instructions", "instructions_why", "spectral_radius", "coupling",
+          "worst_fidelity_percent", "verdict")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Bench:
 
     training: tuple[Recording, ...]
     validation: tuple[Recording, ...]
-    target: str
+    target: Target
     seed: int = 0
     kinds: tuple[str, ...] = ()
     dask: str | None = None
@@ -53,11 +53,14 @@ class Bench:
 
 def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
     """Run what is missing, write folder/bench.json, and return it."""
+    from springpot.trainer.fit import FitOptions
+
+    plain = FitOptions()
     store = Store(folder)
     store.prepare()
     begin, load = time.perf_counter(), os.getloadavg()[0]
-    base = sweep_base(bench.training, bench.validation, bench.target)
-    found, computed = _sweep(bench, store, base)
+    measures = measured_by(bench.target)
+    found, computed = _sweep(bench, store, measures)
     points = [facts for facts in found if "error" not in facts]
     if not points:
         raise DataError(f"no model can be made of these recordings: {found[0]['error']}")
@@ -73,8 +76,9 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
             alone.complete(point)
         picks = [_picked(points, budget, recorded_hz, alone) for budget in budgets(bench.target)]
         status.update("work-precision curves")
-        curves = store.read("alone", "work-precision") or work_precision()
-        store.write("alone", "work-precision", curves)
+        curves_key = f"work-precision-{key_of(measures)}"
+        curves = store.read("alone", curves_key) or work_precision()
+        store.write("alone", curves_key, curves)
     facts = machine_facts()
     result = {
         "points": points,
@@ -87,6 +91,9 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
         "target": bench.target,
         "rate_hz": recorded_hz,
         "seed": bench.seed,
+        "defaults": {
+            name: getattr(plain, name) for name in ("trees", "leaf", "n_centers", "poles")
+        },
         "command": command,
         "recordings": {
             "training": [_named(recording) for recording in bench.training],
@@ -105,7 +112,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
     return result
 
 
-def _sweep(bench: Bench, store: Store, base: Facts) -> tuple[list[Facts], int]:
+def _sweep(bench: Bench, store: Store, measures: Facts) -> tuple[list[Facts], int]:
     """Facts of every candidate, in the sweep's order, and how many were computed now."""
     from springpot.trainer.fit import FitOptions
     from springpot.trainer.parallel import in_parallel
@@ -113,9 +120,11 @@ def _sweep(bench: Bench, store: Store, base: Facts) -> tuple[list[Facts], int]:
 
     dt_s = bench.training[0].dt_s
     candidates = default_sweep(dt_s, FitOptions(seed=bench.seed), bench.kinds)
-    keyed = {point_key(base, candidate): candidate for candidate in candidates}
+    data = Data(data_key(bench.training, bench.validation), bench.training, bench.validation)
+    keyed = {point_key(data.key, measures, candidate): candidate for candidate in candidates}
     known = {key: store.read("points", key) for key in keyed}
-    jobs = [_job(bench, key, keyed[key]) for key, facts in known.items() if facts is None]
+    missing = [key for key, facts in known.items() if facts is None]
+    jobs = [Job(key, keyed[key], data, bench.target) for key in missing]
     with _progress() as progress:
         task = progress.add_task("models", total=len(keyed), completed=len(keyed) - len(jobs))
         for point in in_parallel(measure_point, jobs, bench.dask):
@@ -123,10 +132,6 @@ def _sweep(bench: Bench, store: Store, base: Facts) -> tuple[list[Facts], int]:
             known[point.key] = point.facts
             progress.advance(task)
     return [facts for facts in known.values() if facts is not None], len(jobs)
-
-
-def _job(bench: Bench, key: str, candidate: "Candidate") -> Job:
-    return Job(key, candidate, bench.training, bench.validation, bench.target)
 
 
 def _progress() -> Progress:
@@ -149,20 +154,31 @@ class _Alone:
 
     def complete(self, point: Facts) -> Facts:
         key = point["key"]
-        facts = self._store.read("alone", key)
-        if facts is None:
-            begin_s = time.process_time()
-            facts = measure_alone(
-                self._store.model_file(key), point["number"], self._longest, self._bench.target
-            )
-            facts["alone_cpu_s"] = time.process_time() - begin_s
-            self._store.write("alone", key, facts)
-            self.computed += 1
         if key not in self.matrices:
-            self.cpu_s += facts["alone_cpu_s"]
-        self.matrices[key] = facts["closed_loop"]
-        point.update({name: facts.get(name) for name in _ALONE})
+            asked = (self._store.model_file(key), point["number"], self._longest)
+            facts = self._once("alone", key, lambda: measure_alone(*asked))
+            facts |= self._instructions(key, asked)
+            self.matrices[key] = facts["closed_loop"]
+            point.update({name: facts.get(name) for name in _ALONE})
         return point
+
+    def _instructions(self, key: str, asked: tuple[Path, Number, Recording]) -> Facts:
+        target = self._bench.target
+        if why := uncounted(target):  # not kept: the tools may come
+            return {"instructions": None, "instructions_why": why}
+        return self._once("instructions", key, lambda: count_instructions(*asked, target))
+
+    def _once(self, kind: str, key: str, measure: Callable[[], Facts]) -> Facts:
+        """What is kept, or else measured now and kept."""
+        facts = self._store.read(kind, key)
+        if facts is None:
+            begin_s = cpu_s()
+            facts = measure()
+            facts["spent_cpu_s"] = cpu_s() - begin_s
+            self._store.write(kind, key, facts)
+            self.computed += 1
+        self.cpu_s += facts["spent_cpu_s"]
+        return facts
 
     def is_bounded(self, point: Facts) -> bool:
         return bool(self.complete(point)["bounded"])

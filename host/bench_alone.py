@@ -7,36 +7,35 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.ir import Model
 from springpot.codegen.model_file import read_model
 from springpot.codegen.plan import make_plan
-from springpot.codegen.scene import Runtime, Scene
+from springpot.codegen.scene import Number, Runtime, Scene, Target
 from springpot.host.bench_point import NAME, bench_scene
-from springpot.host.replay import Replay
+from springpot.host.replay import Replay, TickTimes
 from springpot.host.stability import refuse_unstable, stability
 from springpot.host.trial_build import built
 from springpot.runtime_c.errors import UnsafeError
 from springpot.trainer.recording import Recording
 
 PACED_S = 2.0
+PACED_TRIES = 3
+DISTURBED = 5.0  # times the median: other work had the processor in one of 100 ticks
 
 
-def measure_alone(
-    model_file: Path, number: str, recording: Recording, target: str
-) -> dict[str, Any]:
-    """Paced ticks, instructions on the target, and the closed loop of the scene to be emitted."""
+def measure_alone(model_file: Path, number: Number, recording: Recording) -> dict[str, Any]:
+    """Paced ticks, and the closed loop of the scene to be emitted."""
     model = read_model(model_file)
-    return {
-        **paced_ticks(model, number, recording),
-        "instructions": count_instructions(model, number, target),
-        **closed_loop(model, number),
-    }
+    return {**paced_ticks(model, number, recording), **closed_loop(model, number)}
 
 
-def paced_ticks(model: Model, number: str, recording: Recording) -> dict[str, float]:
-    """Times of ticks at the recordings' rate with cold caches, ns."""
-    plan = make_plan(model, bench_scene(model, number), accept_unsafe=True)
+def paced_ticks(model: Model, number: Number, recording: Recording) -> dict[str, float]:
+    """Times of ticks at the recordings' rate with cold caches, ns; the calmest of up to three."""
+    plan = make_plan(model, bench_scene(number), accept_unsafe=True)
     position = recording.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
     with built(plan) as library:
-        ticks = Replay(library).tick_times(position, velocity, plan.dt_s, PACED_S)
+        tries: list[TickTimes] = []
+        while not tries or (len(tries) < PACED_TRIES and tries[-1].p99 > DISTURBED * tries[-1].p50):
+            tries.append(Replay(library).tick_times(position, velocity, plan.dt_s, PACED_S))
+    ticks = min(tries, key=lambda times: times.p99)
     return {
         "tick_ns_p50": ticks.p50,
         "tick_ns_p99": ticks.p99,
@@ -45,21 +44,13 @@ def paced_ticks(model: Model, number: str, recording: Recording) -> dict[str, fl
     }
 
 
-def count_instructions(model: Model, number: str, target: str) -> int | None:
-    """Instructions of a tick on an emulated target; None where no emulator port is found.
-
-    There is none in this version: a port for `target` is called from here.
-    """
-    return None
-
-
-def rendered_scene(name: str, number: str, target: str = "host") -> Scene:
+def rendered_scene(name: str, number: Number, target: Target = "host") -> Scene:
     """The scene that `emit --pick` emits: a coupling only where a hand needs one."""
-    runtime = Runtime(number=number, target=target)  # type: ignore[arg-type]
+    runtime = Runtime(number=number, target=target)
     return Scene(schema=1, name=name, model="model.spm", runtime=runtime)
 
 
-def closed_loop(model: Model, number: str) -> dict[str, Any]:
+def closed_loop(model: Model, number: Number) -> dict[str, Any]:
     """All cases with all hands; `bounded` if every one is. None is run where `emit` refuses."""
     try:
         plan = make_plan(model, rendered_scene(NAME, number))

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.codegen.scene import Budget as SceneBudget
-from springpot.codegen.scene import Scene
+from springpot.codegen.scene import Scene, Target
 from springpot.host.bench_alone import rendered_scene
 from springpot.host.bench_picks import Budget, misfit, pick
 from springpot.host.bench_store import Store, read_result
@@ -77,6 +77,6 @@ def scene_of(
     if stated is not None:
         return replace(stated, runtime=replace(stated.runtime, number=point["number"])), model_file
     on_board = budget.flash_bytes is not None or budget.ram_bytes is not None
-    target = result["target"] if on_board else "host"
+    target: Target = result["target"] if on_board else "host"
     limits = SceneBudget(flash_bytes=budget.flash_bytes, ram_bytes=budget.ram_bytes)
     return replace(rendered_scene(budget.name, point["number"], target), budget=limits), model_file

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from springpot.codegen.scene import Target
 from springpot.host.bench_store import RESULT
 from springpot.host.bench_words import label, point_line
 from springpot.host.check_command import say_quality
@@ -43,7 +44,7 @@ from springpot.trainer.recording_file import read_recordings
 def bench(
     recordings: tuple[str, ...],
     validation: tuple[str, ...],
-    target: str,
+    target: Target,
     out: Path,
     kinds: tuple[str, ...],
     dask: str | None,

@@ -6,14 +6,17 @@ from html import escape
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from numpy.typing import NDArray
 
 from springpot.host.bench_words import hover
 from springpot.host.figures import STYLE, svg_text
 
 Facts = dict[str, Any]
+Places = NDArray[np.float64]
 Curves = dict[str, list[Facts]]  # points of each family: name, time, error
 # A shape and a lightness for each kind: they differ in black and white too.
 _MARKS = {
@@ -22,6 +25,11 @@ _MARKS = {
     "hybrid": ("X", "#40916c"), "springpot": ("*", "#6c584c"),
 }  # fmt: skip
 _FRONT, _OFF = 8.5, 5.5  # size of marks, points
+_PICK = 9.0  # of letters, points
+# Of a label from its point: near, to the right, and then farther, around it.
+_OFFSETS = np.array(
+    [(24, y) for y in (30, -36, 50, -56, 80, -86, 120, 170)] + [(-60, 30), (-60, -36)]
+)
 _DASHES = ("-", "--", ":", "-.")
 
 
@@ -35,13 +43,14 @@ def front_figure(result: Facts) -> str:
             _mark(axes, point, f"point-{i}")
         _envelope(axes, points)
         _noise_floor(axes, result["quality"]["noise_floor_n"])
-        _name_picks(axes, result)
         _log_axes(axes, "time of a tick, hot, ns", "RMSE on the validation recordings, N")
         for kind in dict.fromkeys(point["model"] for point in points):
             shape, color = _MARKS[kind]
             axes.plot([], [], shape, color=color, ms=7, label=kind)
         axes.plot([], [], "o", color="white", mec="black", mew=1.6, ms=8, label="on the front")
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        figure.draw_without_rendering()  # or it is not known yet where on the page a point is
+        _name_picks(axes, result)
         return _labelled(svg_text(figure), [hover(point) for point in points])
 
 
@@ -49,15 +58,15 @@ def family_figure(points: Sequence[Facts]) -> str:
     """Whole models: the best error of each kind within each time, one line a kind."""
     with mpl.rc_context(STYLE):
         figure, axes = _small()
-        for kind in dict.fromkeys(point["model"] for point in points):
+        for i, kind in enumerate(dict.fromkeys(point["model"] for point in points)):
             family = _best([point for point in points if point["model"] == kind])
             shape, color = _MARKS[kind]
             axes.plot(
                 [point["tick_ns_hot"] for point in family], [point["rmse_n"] for point in family],
-                marker=shape, color=color, lw=1.2, ms=5, label=kind,
+                marker=shape, color=color, ls=_DASHES[i % len(_DASHES)], lw=1.2, ms=6, label=kind,
             )  # fmt: skip
         _log_axes(axes, "time of a tick, hot, ns", "RMSE against measured force, N")
-        axes.legend(frameon=False, fontsize=7)
+        axes.legend(frameon=False, fontsize=8)
         return svg_text(figure)
 
 
@@ -79,13 +88,13 @@ def draw_curves(axes: Axes, curves: Curves, x: str, y: str) -> None:
         right = i % 2 == 0
         for point in curve:
             axes.annotate(
-                point["name"], (point["time"], point["error"]), fontsize=6.5, color=color,
+                point["name"], (point["time"], point["error"]), fontsize=7, color="#333333",
                 xytext=(5, 4) if right else (-5, -9), textcoords="offset points",
                 ha="left" if right else "right",
             )  # fmt: skip
     axes.margins(x=0.15)
     _log_axes(axes, x, y)
-    axes.legend(frameon=False, fontsize=7)
+    axes.legend(frameon=False, fontsize=8)
 
 
 def _small() -> tuple[Figure, Axes]:
@@ -134,14 +143,42 @@ def _name_picks(axes: Axes, result: Facts) -> None:
     for name, found in result["picks"].items():
         if found["point"]:
             names.setdefault(found["point"], []).append(name)
-    for i, (key, budgets) in enumerate(names.items()):
-        point = by_key[key]
+    marks = _on_page(axes, result["points"])
+    for key, budgets in names.items():
+        text = "pick for " + ", ".join(budgets)
+        at = _on_page(axes, [by_key[key]])
+        places = [_inside(axes, at[0] + offset, text) for offset in _OFFSETS]
+        place = min(places, key=lambda corner: int(_covered(corner, text, marks)))
         axes.annotate(
-            "pick for " + ", ".join(budgets), (point["tick_ns_hot"], point["rmse_n"]),
-            xytext=(24, 30 + 20 * i), textcoords="offset points", fontsize=9, fontweight="bold",
+            text, (by_key[key]["tick_ns_hot"], by_key[key]["rmse_n"]), xytext=place - at[0],
+            textcoords="offset points", fontsize=_PICK, fontweight="bold",
             arrowprops={"arrowstyle": "-", "lw": 0.9}, zorder=6,
-            bbox={"fc": "white", "ec": "none", "pad": 1.0},
         )  # fmt: skip
+        middle = place + np.array([0.5 * _width(text), 0.5 * _PICK])
+        marks = np.concatenate([marks, np.repeat(middle[None], len(marks), axis=0)])
+
+
+def _on_page(axes: Axes, points: Sequence[Facts]) -> Places:
+    """Where points are, in typographic points, (n, 2)."""
+    values = np.array([(point["tick_ns_hot"], point["rmse_n"]) for point in points])
+    page: Places = axes.transData.transform(values) * (72.0 / axes.figure.dpi)
+    return page
+
+
+def _width(text: str) -> float:
+    return 0.68 * _PICK * len(text)  # of bold letters
+
+
+def _inside(axes: Axes, corner: Places, text: str) -> Places:
+    """The lower left corner of a text, moved until the text is inside the axes."""
+    box = np.reshape(axes.get_window_extent().extents, (2, 2)) * (72.0 / axes.figure.dpi)
+    return np.clip(corner, box[0] + 4.0, box[1] - np.array([_width(text), 1.4 * _PICK]))
+
+
+def _covered(corner: Places, text: str, marks: Places) -> int:
+    """Marks, and labels before, that a text there would cover."""
+    least, most = corner - 8.0, corner + np.array([_width(text) + 8.0, _PICK + 8.0])
+    return int(np.sum(np.all((marks > least) & (marks < most), axis=1)))
 
 
 def _log_axes(axes: Axes, x: str, y: str) -> None:

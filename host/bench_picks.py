@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from springpot.codegen.scene import Target
+
 Facts = dict[str, Any]
 NEARLY = 1.005  # of the least error: of two within it, the faster is taken,
 FASTER = 0.9  # where its time is below this share of the other's: timing has noise
@@ -30,7 +32,7 @@ class Budget:
     flash_bytes: int | None = None
     ram_bytes: int | None = None
     instructions: int | None = None
-    target: str | None = None
+    target: Target | None = None
 
     def as_dict(self) -> Facts:
         """JSON values."""
@@ -45,7 +47,7 @@ def pc_budget(rate_hz: float) -> Budget:
     )
 
 
-def board_budget(target: str) -> Budget:
+def board_budget(target: Target) -> Budget:
     """A microcontroller of 256 kB of flash whose loop spares 8 000 instructions a tick."""
     return Budget(
         target,
@@ -57,7 +59,7 @@ def board_budget(target: str) -> Budget:
     )
 
 
-def budgets(target: str) -> tuple[Budget, ...]:
+def budgets(target: Target) -> tuple[Budget, ...]:
     """A PC at 1 and at 4 kHz, and the board."""
     boards = () if target == "host" else (board_budget(target),)
     return (pc_budget(1000.0), pc_budget(4000.0), *boards)
@@ -112,19 +114,22 @@ def pick(
     """
     best: Facts | None = None
     listed = list(_candidates(points, budget, recorded_hz))
-    tried = 0
+    wild: list[Facts] = []
     for point in listed:
         if best is not None and point["cv_rmse_n"] > NEARLY * best["cv_rmse_n"]:
             break
         if best is not None and point["tick_ns_hot"] >= FASTER * best["tick_ns_hot"]:
             continue
-        if not is_bounded(point):
-            tried += 1
-            if best is None and tried == MOST_TRIED:
-                return listed[0]
-        elif misfit(point, budget, recorded_hz) is None:
+        bounded = is_bounded(point)
+        if misfit(point, budget, recorded_hz) is not None:
+            continue  # as is known now that it was measured alone
+        if bounded:
             best = point
-    return best or next(iter(listed), None)
+            continue
+        wild.append(point)
+        if best is None and len(wild) == MOST_TRIED:
+            break
+    return best or next(iter(wild), None)
 
 
 def _candidates(points: Sequence[Facts], budget: Budget, recorded_hz: float) -> Iterator[Facts]:

@@ -3,7 +3,8 @@
 import os
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,11 +15,11 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.ir import Model, RecursiveBank
 from springpot.codegen.model_file import model_bytes, model_hash
 from springpot.codegen.plan import Plan, make_plan
-from springpot.codegen.scene import Coupling, Runtime, Scene
+from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
 from springpot.codegen.units import state_bytes
 from springpot.host.footprint import Footprint, measure_footprint
 from springpot.host.library import SceneLibrary
-from springpot.host.machine import machine_facts
+from springpot.host.machine import cpu_s, machine_facts
 from springpot.host.metrics import accuracy
 from springpot.host.replay import Replay
 from springpot.host.small_signal import small_signal_map
@@ -30,11 +31,22 @@ from springpot.trainer.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.fit import Fit
+    from springpot.trainer.held_out import Split
     from springpot.trainer.sweep import Candidate
+    from springpot.trainer.training_set import TrainingSet
 
 NAME = "bench"
 HOT_REPEATS = 5
 _SIZES = ("n_nodes", "n_centers", "n_parameters", "pairs", "basis")
+
+
+@dataclass(frozen=True)
+class Data:
+    """Recordings to fit on, and to report on; the same ones wherever `key` is the same."""
+
+    key: str
+    training: tuple[Recording, ...] = field(compare=False)
+    validation: tuple[Recording, ...] = field(compare=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +55,8 @@ class Job:
 
     key: str
     candidate: "Candidate"
-    training: tuple[Recording, ...]
-    validation: tuple[Recording, ...]
-    target: str
+    data: Data
+    target: Target
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +72,7 @@ def measure_point(job: Job) -> Point:
     """Fit, cross-validate, build and measure. A refusal is a fact of the point, not an error."""
     candidate = job.candidate
     stated = {"key": job.key, "model": candidate.kind, "options": candidate.named_options()}
-    begin, cpu = time.perf_counter(), _cpu_s()
+    begin, cpu = time.perf_counter(), cpu_s()
     try:
         fit, facts = _fitted(job)
         facts |= _measured(job, fit.model)
@@ -69,19 +80,19 @@ def measure_point(job: Job) -> Point:
         return Point(job.key, stated | {"error": str(error)}, None)
     spent = {
         "point_s": time.perf_counter() - begin,
-        "point_cpu_s": _cpu_s() - cpu,
+        "point_cpu_s": cpu_s() - cpu,
         "worker": f"{machine_facts()['processor']}, process {os.getpid()}",
     }
     return Point(job.key, stated | facts | spent, model_bytes(fit.model))
 
 
-def bench_scene(model: Model, number: str, target: str = "host") -> Scene:
+def bench_scene(number: Number, target: Target = "host") -> Scene:
     """The model and its guards, without a coupling: what the recordings can judge."""
     return Scene(
         schema=1,
         name=NAME,
         model="model.spm",
-        runtime=Runtime(number=number, target=target),  # type: ignore[arg-type]
+        runtime=Runtime(number=number, target=target),
         coupling=Coupling(mode="off"),
     )
 
@@ -93,10 +104,11 @@ def any_rate(model: Model) -> bool:
 
 def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
     from springpot.trainer.held_out import cross_validated_rmse_n
-    from springpot.trainer.kinds import fit_model
+    from springpot.trainer.kinds import fit_kind
 
-    candidate = job.candidate
-    fit = fit_model(candidate.kind, NAME, job.training, candidate.options)
+    candidate, options = job.candidate, job.candidate.options
+    whole, folds = _prepared(job.data, options.smooth_s, options.seed)
+    fit = fit_kind(candidate.kind, NAME, whole, options)
     facts = {
         "number": candidate.number,
         "engine": engine(fit.model),
@@ -107,20 +119,29 @@ def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
         "feature_s": fit.feature_s,
         "fit_s": fit.fit_s,
         "search_s": fit.search_s,
-        "cv_rmse_n": cross_validated_rmse_n(candidate.kind, job.training, candidate.options),
+        "cv_rmse_n": cross_validated_rmse_n(candidate.kind, folds, options),
         "hash": model_hash(fit.model),
     }
     return fit, facts | {name: fit.facts[name] for name in _SIZES if name in fit.facts}
 
 
+@lru_cache(maxsize=1)
+def _prepared(data: Data, smooth_s: float, seed: int) -> tuple["TrainingSet", tuple["Split", ...]]:
+    """All training recordings and their folds: a worker's points share them, and what is found."""
+    from springpot.trainer.held_out import splits
+    from springpot.trainer.training_set import training_set
+
+    return training_set(data.training, smooth_s), splits(data.training, smooth_s, seed)
+
+
 def _measured(job: Job, model: Model) -> dict[str, Any]:
     number = job.candidate.number
-    plan = make_plan(model, bench_scene(model, number), accept_unsafe=True)
-    size = footprint(make_plan(model, bench_scene(model, number, job.target), accept_unsafe=True))
+    plan = make_plan(model, bench_scene(number), accept_unsafe=True)
+    size = footprint(make_plan(model, bench_scene(number, job.target), accept_unsafe=True))
     with built(plan) as library:
         return {
-            **prediction(plan, library, job.validation),
-            "tick_ns_hot": hot_ns(plan, library, job.validation),
+            **prediction(plan, library, job.data.validation),
+            "tick_ns_hot": hot_ns(plan, library, job.data.validation),
             "flash_bytes": size.flash_bytes if size else None,
             "stack_bytes": size.stack_bytes if size else None,
             "ram_bytes": state_bytes(plan),
@@ -171,9 +192,3 @@ def footprint(plan: Plan) -> Footprint | None:
         for name, text in emit_files(plan).items():
             (Path(folder) / name).write_text(text)
         return measure_footprint(Path(folder), f"{plan.scene.runtime.prefix}_scene.c", tools)
-
-
-def _cpu_s() -> float:
-    """Processor time of this process and of the compilers it has waited for, s."""
-    times = os.times()
-    return times.user + times.system + times.children_user + times.children_system

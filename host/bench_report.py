@@ -9,7 +9,7 @@ import numpy as np
 
 from springpot.host import bench_figures as figures
 from springpot.host.bench_store import read_result
-from springpot.host.bench_words import KINDS, kilobytes, label
+from springpot.host.bench_words import KINDS, kilobytes, label, options_text
 from springpot.host.reproduce_claims import PAPER_MODELLING_S, PAPER_RATES_HZ
 
 Facts = dict[str, Any]
@@ -33,7 +33,8 @@ def bench_page(result: Facts, folder: str) -> str:
         folder=folder,
         kinds=KINDS,
         picks=picks,
-        groups=_same_points(picks),
+        summary=_summary(picks),
+        defaults=options_text(result["defaults"]),
         front=front,
         refused=result["refused"],
         points=sorted(result["points"], key=lambda p: p["rmse_n"]),
@@ -107,14 +108,20 @@ def _picked(picks: list[Facts]) -> list[str]:
     return list(dict.fromkeys(pick["point"]["key"] for pick in picks if pick["point"]))
 
 
-def _same_points(picks: list[Facts]) -> str:
-    """What a reader asks first: is it one model for all, or one for each."""
-    keys = _picked(picks)
+def _summary(picks: list[Facts]) -> list[str]:
+    """What a reader asks first: which model for which budget, and whether a hand may hold it."""
+    lines = []
+    for key in _picked(picks):
+        its = [pick for pick in picks if pick["point"] and pick["point"]["key"] == key]
+        titles = " and ".join(pick["budget"]["title"] for pick in its)
+        line = f"{titles}: take {label(its[0]['point'])}"
+        lines.append(
+            line
+            if its[0]["point"]["bounded"]
+            else f"{line}, for simulation only: no hand may hold it"
+        )
     missing = [pick["budget"]["title"] for pick in picks if not pick["point"]]
-    text = f"No model for: {', '.join(missing)}. " if missing else ""
-    if len(keys) == 1 and len(picks) > 1:
-        return text + "One model is the best for every budget that has one: take it everywhere."
-    return text
+    return [*lines, f"{', '.join(missing)}: no model"] if missing else lines
 
 
 def _cases(outcomes: list[Facts]) -> list[Facts]:

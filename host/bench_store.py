@@ -3,11 +3,16 @@
 import hashlib
 import json
 from collections.abc import Sequence
+from functools import cache
+from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from springpot.codegen.scene import Target
 from springpot.host.bench_point import Point
+from springpot.host.compiler import compiler_version
 from springpot.host.machine import machine_facts
+from springpot.host.toolchain import toolchain
 from springpot.runtime_c.errors import DataError, UsageError
 from springpot.trainer.recording import Recording
 
@@ -16,10 +21,13 @@ if TYPE_CHECKING:
 
 RESULT = "bench.json"
 _MARK = ".springpot-bench"
+_MEASURING = ("bench_point", "bench_alone", "bench_instructions", "closed_loop", "emulator",
+              "firmware", "footprint", "hand_loop", "loop_cases", "metrics", "replay",
+              "small_signal", "stability", "work_precision")  # fmt: skip
 
 
 class Store:
-    """A bench folder: `points` and `alone` hold JSON, `models` the fitted models, by key."""
+    """A bench folder: JSON of points and of what was measured later, fitted models, by key."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -34,7 +42,7 @@ class Store:
             raise UsageError(
                 f"{self.folder}: not empty and no earlier benchmark: give --out a new folder"
             )
-        for name in ("points", "alone", "models"):
+        for name in ("points", "alone", "instructions", "models"):
             (self.folder / name).mkdir(parents=True, exist_ok=True)
         (self.folder / _MARK).touch()
 
@@ -77,22 +85,52 @@ def read_result(folder: Path) -> dict[str, Any]:
     return result
 
 
-def sweep_base(
-    training: Sequence[Recording], validation: Sequence[Recording], target: str
-) -> dict[str, Any]:
-    """What all points of a sweep share and what decides their figures: data, machine, versions."""
+def measured_by(target: Target) -> dict[str, Any]:
+    """What measures: the machine, springpot's version and sources, the target's compiler."""
+    tools = toolchain(target)
     return {
-        "training": [recording.content_hash for recording in training],
-        "validation": [recording.content_hash for recording in validation],
-        "target": target,
         "machine": machine_facts(),
+        "code": code_hash(),
+        "target": target,
+        "target compiler": tools and compiler_version(tools.compiler),
     }
 
 
-def point_key(base: dict[str, Any], candidate: "Candidate") -> str:
-    """Hash of everything that decides a point's figures."""
-    text = json.dumps({"base": base, "candidate": candidate.as_dict()}, sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:24]
+@cache
+def code_hash() -> str:
+    """SHA-256 of every source that decides a figure: the floors below, and what measures here."""
+    files = [
+        file
+        for floor in ("runtime_c", "codegen", "trainer")
+        for file in sorted(_folder(floor).rglob("*"))
+        if file.is_file() and "__pycache__" not in file.parts
+    ]
+    files += [_folder("host") / f"{name}.py" for name in _MEASURING]
+    digest = hashlib.sha256()
+    for file in files:
+        content = file.read_bytes()
+        name = file.relative_to(_folder("host").parent)
+        digest.update(f"{name}\n{len(content)}\n".encode() + content)
+    return digest.hexdigest()
+
+
+def _folder(floor: str) -> Path:
+    return Path(str(resources.files(f"springpot.{floor}")))
+
+
+def data_key(training: Sequence[Recording], validation: Sequence[Recording]) -> str:
+    """Hash of all recordings, by name and content."""
+    return key_of([[[item.name, item.content_hash] for item in s] for s in (training, validation)])
+
+
+def point_key(data: str, measures: dict[str, Any], candidate: "Candidate") -> str:
+    """Hash of everything that decides a point's figures: recordings, what measures, options."""
+    return key_of({"data": data, "measured by": measures, "candidate": candidate.as_dict()})
+
+
+def key_of(facts: object) -> str:
+    """Hash of JSON values: the name of what is kept for them."""
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -1,5 +1,6 @@
 """Points of the benchmark in words: labels for the command line, the figure and the page."""
 
+from collections.abc import Mapping
 from typing import Any
 
 Facts = dict[str, Any]
@@ -27,11 +28,16 @@ _FLAGS = {"round_features": "rounded features", "monotone": "monotone"}
 
 def label(point: Facts) -> str:
     """Kind and options of a point."""
-    told = [
+    told = options_text(point["options"])
+    return f"{point['model']}, {told}" if told else str(point["model"])
+
+
+def options_text(options: Mapping[str, Any]) -> str:
+    """Options of a point, or those that a label leaves out."""
+    return ", ".join(
         _FLAGS.get(name) or _WORDS.get(name, name + " {}").format(value)
-        for name, value in point["options"].items()
-    ]
-    return f"{point['model']}, {', '.join(told)}" if told else point["model"]
+        for name, value in options.items()
+    )
 
 
 def point_line(point: Facts) -> str:

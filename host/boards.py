@@ -3,6 +3,7 @@
 import shutil
 from dataclasses import dataclass
 
+from springpot.codegen.scene import Target
 from springpot.host.toolchain import Toolchain, package_of, toolchain
 from springpot.runtime_c.errors import UsageError
 
@@ -15,7 +16,7 @@ class Board:
     """
 
     name: str
-    target: str
+    target: Target
     script: str
     sources: tuple[str, ...]
     emulator: str
@@ -53,6 +54,11 @@ _EMULATOR_PACKAGES = {
     "qemu-system-arm": "qemu-system-arm",
     "qemu-system-riscv32": "qemu-system-misc",
 }
+
+
+def default_board(target: Target) -> Board | None:
+    """The first board of a target; None for a PC."""
+    return next((board for board in BOARDS.values() if board.target == target), None)
 
 
 def board_of(name: str) -> Board:

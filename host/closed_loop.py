@@ -86,7 +86,7 @@ def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:
 
 def _outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> Outcome:
     plan, stage = rendered.plan, Stage.of(rendered.plan)
-    grip = Grip(hand.name, delay_samples)  # type: ignore[arg-type]
+    grip = Grip(hand.name, delay_samples)
     trace = rendered.loop.run(case.script, grip, stage.free_m)
     alone_n = rendered.force(trace.position_m)
     least_n, greatest_n = float(plan.output.least_n), float(plan.output.greatest_n)

@@ -63,7 +63,7 @@ def emit(scene: Scene, model_file: Path, folder: Path, accept_unsafe: bool = Fal
     with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as scratch:
         aside = Path(scratch) / "new"
         begin = time.perf_counter()
-        _write(plan, scene, model_file, aside)
+        write_emission(plan, scene, model_file, aside)
         write_s = time.perf_counter() - begin
         emission = _built(plan, aside, folder, write_s)
         if folder.exists():
@@ -82,7 +82,8 @@ def read_emission(folder: Path) -> tuple[Plan, Model]:
     return make_plan(model, scene, accepted), model
 
 
-def _write(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
+def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
+    """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
     for name, text in emit_files(plan).items():
         (folder / name).write_text(text)

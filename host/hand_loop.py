@@ -8,9 +8,10 @@ import cffi
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.loop import HandName
 from springpot.host.compiler import shared_library
 from springpot.host.library import SceneLibrary
-from springpot.host.simulated_bench import HANDS, Hand
+from springpot.host.simulated_bench import HANDS
 from springpot.runtime_c.errors import SpringpotError
 from springpot.runtime_c.paths import INCLUDE, PORT_HOST, SIM
 
@@ -53,7 +54,7 @@ class Trace:
 class Grip:
     """Who holds the device, how late forces act (0 or 1 samples), and the sensors' seed."""
 
-    hand: Hand
+    hand: HandName
     delay_samples: int = 0
     seed: int = 1
 

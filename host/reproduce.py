@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -174,22 +174,19 @@ def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
 
 
 def _fits(data: Data, work: Work) -> dict[str, "Fit"]:
-    """All kinds; the passive part, which each holds, is fitted once."""
+    """All kinds, on one training set: what several hold is fitted once."""
     from springpot.trainer.fit import FitOptions  # scikit-learn, only where it fits
-    from springpot.trainer.kinds import fit_model
+    from springpot.trainer.kinds import fit_kind
+    from springpot.trainer.training_set import training_set
 
     options = FitOptions(trees=work.trees)
-    passive = fit_model("hammerstein", data.name, data.training, options)
-    options = replace(options, passive=passive.model.hammerstein)
-    fits = {}
-    for kind in work.kinds:
-        validation = data.validation if kind == "rbf-fd" else ()
-        fits[kind] = (
-            passive
-            if kind == "hammerstein"
-            else fit_model(kind, data.name, data.training, options, validation)
+    prepared = training_set(data.training, options.smooth_s)
+    return {
+        kind: fit_kind(
+            kind, data.name, prepared, options, data.validation if kind == "rbf-fd" else ()
         )
-    return fits
+        for kind in work.kinds
+    }
 
 
 def _emit(kind: str, fit: "Fit", name: str, folder: Path) -> Path:

@@ -3,22 +3,22 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal
+from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
 import cffi
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.loop import HandName
 from springpot.host.compiler import shared_library
 from springpot.runtime_c import paths
 from springpot.runtime_c.errors import DeviceError, UsageError
 
 Samples = NDArray[np.float64]
-Hand = Literal["mid", "firm", "light"]
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
-HANDS: tuple[Hand, ...] = ("mid", "firm", "light")
+HANDS: tuple[HandName, ...] = ("mid", "firm", "light")
 VARIANTS = ("a", "b")
 MAX_COMMAND_N = 12.0
 DT_S = 0.001
@@ -37,7 +37,7 @@ class SimulatedObject:
     name: str
     variant: str = "a"
     stiffer: float = 1.0
-    hand: Hand = "mid"
+    hand: HandName = "mid"
     seed: int = 0
     delay_samples: int = 0
 
@@ -178,7 +178,7 @@ class SimulatedHand:
 
     def __init__(
         self,
-        hand: Hand = "mid",
+        hand: HandName = "mid",
         *,
         substeps: int = SUBSTEPS,
         delay_samples: int = 0,

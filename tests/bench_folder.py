@@ -3,14 +3,15 @@
 import atexit
 import shutil
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from unittest import mock
 
 from support import press, recording, training
 
-from springpot.host import bench_alone
+from springpot.host import bench_alone, bench_picks
 from springpot.host.bench import Bench, run_bench
 from springpot.trainer.fit import FitOptions
 from springpot.trainer.recording_file import write_recording
@@ -40,15 +41,23 @@ def small_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -> 
     return [item for item in CANDIDATES if not kinds or item.kind in kinds]
 
 
+@contextmanager
+def small(sweep: Callable[..., list[Candidate]] = small_sweep) -> Iterator[None]:
+    """Few candidates, timed for a moment, any time allowed: other tests keep the cores busy."""
+    with (
+        mock.patch("springpot.trainer.sweep.default_sweep", sweep),
+        mock.patch.object(bench_alone, "PACED_S", 0.2),
+        mock.patch.object(bench_picks, "PERIOD_SHARE", 1e4),
+    ):
+        yield
+
+
 @cache
 def bench_folder() -> Path:
     above = tempfile.mkdtemp(prefix="springpot-bench-")
     atexit.register(shutil.rmtree, above)
     folder = Path(above) / "bench"
-    with (
-        mock.patch("springpot.trainer.sweep.default_sweep", small_sweep),
-        mock.patch.object(bench_alone, "PACED_S", 0.2),
-    ):
+    with small():
         run_bench(asked(), folder, "springpot bench --recording small")
     return folder
 

@@ -1,28 +1,29 @@
 """The benchmark: points, front and picks; resumed after a kill; emission from its choice."""
 
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import pytest
-from bench_folder import CANDIDATES, asked, bench_folder, small_sweep, write_training
+from bench_folder import CANDIDATES, bench_folder, write_training
 from support import training
 
+from springpot.codegen.instructions import instruction_bound
 from springpot.codegen.model_file import model_hash, read_model
-from springpot.host.bench import run_bench
+from springpot.codegen.plan import make_plan
 from springpot.host.bench_choice import choose_within
+from springpot.host.bench_instructions import uncounted
 from springpot.host.bench_picks import Budget, budgets, misfit, pareto, pick, why
+from springpot.host.bench_point import bench_scene
 from springpot.host.bench_store import Store, read_result
 from springpot.runtime_c.errors import BudgetError, DataError, UsageError
 from springpot.trainer.fit import FitOptions
-from springpot.trainer.held_out import blocks, cross_validated_rmse_n, set_aside
+from springpot.trainer.held_out import blocks, cross_validated_rmse_n, set_aside, splits
+from springpot.trainer.kinds import fit_kind, fit_model
 from springpot.trainer.sweep import default_sweep
+from springpot.trainer.training_set import training_set
 
 MAIN = "from springpot.host.cli import main; main()"
 KEYS = {"model", "options", "rmse_n", "rmse_percent_of_peak", "tick_ns_hot", "tick_ns_p999",
@@ -65,6 +66,8 @@ def test_keys_and_what_is_null() -> None:
         chosen = point["pareto"] or point["key"] in picked
         assert (point["tick_ns_p999"] is not None) == chosen
         assert (point["bounded"] is not None) == chosen
+        counts = chosen and not uncounted("cortex-m4f")
+        assert (point["instructions"] is not None) == counts
         assert 0.0 < point["rmse_n"] < 5.0
         assert point["cv_rmse_n"] > 0.0
         assert Store(bench_folder()).model_file(point["key"]).exists()
@@ -74,13 +77,31 @@ def test_keys_and_what_is_null() -> None:
         assert len(matrix) == 66, key
 
 
-def test_the_same_bench_again_computes_nothing() -> None:
-    folder = bench_folder()
-    before = read_result(folder)
-    with mock.patch("springpot.trainer.sweep.default_sweep", small_sweep):
-        again = run_bench(asked(), folder, "again")
-    assert (again["computed"], again["computed_alone"]) == (0, 0)
-    assert again["points"] == before["points"]
+def test_instructions_are_those_of_the_emulated_tick() -> None:
+    if why := uncounted("cortex-m4f"):
+        pytest.skip(why)
+    for item in read_result(bench_folder())["points"]:
+        if item["instructions"] is None or item["number"] == "float64":
+            continue  # no bound is known of doubles in software
+        model = read_model(Store(bench_folder()).model_file(item["key"]))
+        plan = make_plan(model, bench_scene(item["number"], "cortex-m4f"), accept_unsafe=True)
+        bound = instruction_bound(plan)
+        assert bound is not None
+        assert bound.tick / 2.2 < item["instructions"] <= bound.tick
+
+
+def test_no_board_no_count() -> None:
+    assert "no emulated board" in uncounted("host")
+
+
+def test_fits_that_share_are_the_fits_by_themselves() -> None:
+    data = training_set(training(), FitOptions().smooth_s)
+    for kind in ("hammerstein", "rbf-fd", "rbf-fd", "rf-fd", "hybrid"):
+        for options in (FitOptions(trees=5), FitOptions(trees=5, n_centers=20, poles=3)):
+            shared = fit_kind(kind, "x", data, options)
+            by_itself = fit_model(kind, "x", training(), options)
+            assert model_hash(shared.model) == model_hash(by_itself.model)
+            assert shared.fit_s > 0.0
 
 
 def point(key: str, error: float, tick: float, flash: int, **others: Any) -> dict[str, Any]:
@@ -116,6 +137,16 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
     only_wild = pick(points[:3], budget, 1000.0, bounded)
     assert only_wild is not None
     assert only_wild["key"] == "wild"  # and it says so
+
+    def counted(candidate: dict[str, Any]) -> bool:
+        candidate["instructions"] = 9000 if candidate["key"] in {"wild", "slow"} else 700
+        return bounded(candidate)
+
+    tight = Budget("board", "board", flash_bytes=5000, instructions=8000)
+    found = pick(points, tight, 1000.0, counted)
+    assert found is not None
+    assert found["key"] == "good"
+    assert pick([points[2] | {"instructions": None}], tight, 1000.0, counted) is None
     told = why(only_wild | {"bounded": False}, points, budget, 1000.0)
     assert "simulation only" in told
     assert pick(points[:2], budget, 1000.0, bounded) is None
@@ -140,8 +171,13 @@ def test_what_does_not_fit_and_why() -> None:
 
 def test_held_out_errors_are_of_recordings_never_seen() -> None:
     options = FitOptions()
-    forest = cross_validated_rmse_n("rf-fd", training(), FitOptions(trees=20))
-    assert 0.001 < cross_validated_rmse_n("hammerstein", training(), options) < forest
+    folds = splits(training(), options.smooth_s, options.seed)
+    for fold in folds:
+        seen = {item.name for item in fold.data.recordings}
+        assert seen.isdisjoint(item.name for item in fold.held)
+    assert sum(len(fold.held) for fold in folds) == len(training())
+    forest = cross_validated_rmse_n("rf-fd", folds, FitOptions(trees=20))
+    assert 0.001 < cross_validated_rmse_n("hammerstein", folds, options) < forest
     assert len(blocks(training()[:1])) == 3
     kept, aside = set_aside(training(), 0)
     assert len(aside) == 2
@@ -149,29 +185,6 @@ def test_held_out_errors_are_of_recordings_never_seen() -> None:
     assert strongest in kept
     begin, end = set_aside(training()[:1], 0)
     assert len(begin[0].force_n) + len(end[0].force_n) == len(training()[0].force_n)
-
-
-def test_a_killed_sweep_resumes_without_repeating(tmp_path: Path) -> None:
-    recordings = write_training(tmp_path / "training")
-    out = tmp_path / "bench"
-    arguments = ["bench", "--recording", str(recordings), "--model", "hammerstein", "--json",
-                 "--out", str(out)]  # fmt: skip
-    first = subprocess.Popen(
-        command(*arguments), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )  # fmt: skip
-    while first.poll() is None and len(list(out.glob("points/*.json"))) < 2:
-        time.sleep(0.02)
-    os.killpg(first.pid, signal.SIGKILL)
-    first.wait()
-    known = {file: file.stat().st_mtime_ns for file in out.glob("points/*.json")}
-    assert 2 <= len(known) < 7, "the kill came too late"
-    (out / "points" / "half.json.part").write_text("{")  # what a kill leaves behind
-    result = spring(*arguments)
-    assert result.returncode == 0, result.stderr
-    facts = json.loads(result.stdout)
-    assert facts["computed"] == len(facts["points"]) - len(known) == 7 - len(known)
-    assert {file: file.stat().st_mtime_ns for file in known} == known
 
 
 def test_emission_of_a_pick_is_the_points_model(tmp_path: Path) -> None:

@@ -12,9 +12,12 @@ import matplotlib.image
 import numpy as np
 import pytest
 from bench_folder import CANDIDATES, bench_folder
+from matplotlib.figure import Figure
 
+from springpot.host import bench_figures
 from springpot.host.bench_report import bench_page, paper_rows, write_bench_report
 from springpot.host.bench_store import read_result
+from springpot.host.bench_words import label
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
@@ -34,6 +37,7 @@ const wide = document.documentElement.scrollWidth;
 document.body.dataset.probe = JSON.stringify({boxes, marks: marks.length, told, wide});
 </script></body>"""
 WIDTHS = (1280, 800)
+A4_PIXELS = 703  # between the margins
 
 
 def browse(page: Path, width: int, *how: str) -> subprocess.CompletedProcess[str]:
@@ -82,6 +86,40 @@ def test_the_page_in_a_browser(tmp_path: Path, width: int) -> None:
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+def test_printed_nothing_is_cut(tmp_path: Path) -> None:
+    text = write_bench_report(bench_folder()).read_text().replace("</body>", PROBE)
+    page = tmp_path / "page.html"
+    page.write_text(text.replace("@media print", "@media all"))
+    seen, ink = looked_at(page, A4_PIXELS)
+    refuse_empty(seen["boxes"], ink)
+    assert seen["wide"] <= A4_PIXELS
+    assert "overflow: visible" in text, "a table that scrolls is cut on paper"
+
+
+def test_the_label_of_a_pick_covers_no_point() -> None:
+    cloud = [
+        {"key": f"{x} {y}", "tick_ns_hot": x, "rmse_n": y}
+        for x in np.geomspace(25.0, 400.0, 20) for y in np.geomspace(1.1, 4.0, 8)
+    ]  # fmt: skip
+    points = [{"key": "best", "tick_ns_hot": 20.0, "rmse_n": 1.0}, *cloud,
+              {"key": "low", "tick_ns_hot": 30.0, "rmse_n": 0.1}]  # fmt: skip
+    figure = Figure(layout="constrained")
+    axes = figure.subplots()
+    axes.loglog([p["tick_ns_hot"] for p in points], [p["rmse_n"] for p in points], "o")
+    figure.draw_without_rendering()
+    picks = {"pc-1khz": {"point": "best"}, "pc-4khz": {"point": "best"}}
+    bench_figures._name_picks(axes, {"points": points, "picks": picks})
+    figure.draw_without_rendering()
+    (told,) = axes.texts
+    box = told.get_window_extent()
+    places = axes.transData.transform([(p["tick_ns_hot"], p["rmse_n"]) for p in points])
+    inside = [box.contains(*place) for place in places[1:]]
+    assert told.get_text() == "pick for pc-1khz, pc-4khz"
+    assert not any(inside)
+    assert axes.get_window_extent().contains(box.x1, box.y1)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
 def test_the_test_sees_an_empty_figure_and_a_console_error(tmp_path: Path) -> None:
     text = write_bench_report(bench_folder()).read_text().replace("</body>", PROBE)
     page = tmp_path / "page.html"
@@ -101,8 +139,13 @@ def test_the_page_stands_alone_and_says_why() -> None:
     without_namespaces = re.sub(r'xmlns(:xlink)?="[^"]*"', "", text)
     assert not re.findall(r'(?:src|href)="(?!#)[^"]*"', without_namespaces)
     assert "http" not in without_namespaces
+    short = re.search('<p id="summary">.*?</p>', text)
+    assert short
+    by_key = {point["key"]: point for point in result["points"]}
     for name, found in result["picks"].items():
         assert f"--pick {name}" in text
+        assert found["budget"]["title"] in short[0]
+        assert label(by_key[found["point"]]) in short[0]
         assert html.escape(found["why"], quote=True).replace("&#x27;", "&#39;") in text
     for recording in result["recordings"]["training"]:
         assert recording["hash"][:16] in text
@@ -116,3 +159,11 @@ def test_without_the_papers_models_there_is_nothing_to_compare() -> None:
     kept = [point for point in result["points"] if point["model"] != "rbf-pv"]
     assert paper_rows(kept) == []
     assert "nothing to compare" in bench_page(result | {"points": kept}, "bench")
+
+
+def test_what_no_hand_may_hold_is_said_first() -> None:
+    result = read_result(bench_folder())
+    wild = [point | {"bounded": False} for point in result["points"]]
+    text = bench_page(result | {"points": wild}, "bench")
+    assert "for simulation only: no hand may hold it" in text
+    assert text.count("--accept-unsafe") == 2 * len(result["picks"])

@@ -151,7 +151,7 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     bound_j = 2.0 * plan.coupling.felt_npm * greatest_mps * plan.dt_s * 1.3 * reach_m
     with built(plan) as library:
         ticks = round(PRESS_S / plan.dt_s)
-        found = HandLoop(library).press(Grip(hand), ticks, plan.dt_s, reach_m)  # type: ignore[arg-type]
+        found = HandLoop(library).press(Grip(hand), ticks, plan.dt_s, reach_m)
     assert found["not_finite"] == 0
     assert found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S

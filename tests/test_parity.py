@@ -1,14 +1,18 @@
 """The built C and its numpy reference, bit for bit, on clean and on hostile motion."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from support import model_file, press, scene, small_model, wandering
+from support import DT_S, model_file, press, scene, small_model, training, wandering
 
-from springpot.codegen.golden import backward_velocity
+from springpot.codegen import reference as codegen_reference
+from springpot.codegen.golden import backward_velocity, golden_positions
 from springpot.codegen.plan import make_plan
 from springpot.codegen.reference import Run, run_reference
+from springpot.codegen.reference_model import Stages, model_force
 from springpot.codegen.reference_tick import (
     CLAMPED,
     HELD,
@@ -18,10 +22,16 @@ from springpot.codegen.reference_tick import (
     RAMPED,
     RESYNC,
 )
+from springpot.codegen.scene import Coupling
+from springpot.codegen.stiffer import stiffer
 from springpot.host.emission import emit
 from springpot.host.library import SceneLibrary
 from springpot.host.replay import Replay
+from springpot.host.trial_build import built
 from springpot.host.validation import proxy_positions
+from springpot.trainer.fit import FitOptions
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.recording import Recording
 
 NUMBERS = ["float32", "float64"]
 SHAPES = {
@@ -127,3 +137,30 @@ def test_two_models_in_one_process_keep_apart(tmp_path: Path) -> None:
     forces = [(state_a.step(x)[0], state_b.step(x)[0]) for x in motion]
     np.testing.assert_array_equal([pair[0] for pair in forces], alone_a.force_n)
     np.testing.assert_array_equal([pair[1] for pair in forces], alone_b.force_n)
+
+
+def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    # At 100 Hz nearly every tick of the golden motion upsets the guess of all that follow.
+    slow = tuple(
+        Recording(item.name, item.position_m[::10], item.force_n[::10], 10 * DT_S)
+        for item in training()
+    )
+    model = fit_model("rf-fd", "slow", slow, FitOptions(trees=5, smooth_s=0.0)).model
+    chosen = replace(scene(), coupling=Coupling("proxy", 1e5, 20.0))
+    plan = make_plan(stiffer(model, 1000.0), chosen, accept_unsafe=True)
+    position = golden_positions(plan)
+    velocity = backward_velocity(position, plan.dt_s)
+    lengths: list[int] = []
+
+    def counted(stages: Stages, motion: dict[str, np.ndarray], *others: Any) -> np.ndarray:
+        lengths.append(len(motion["depth"]))
+        return model_force(stages, motion, *others)
+
+    monkeypatch.setattr(codegen_reference, "model_force", counted)
+    reference = run_reference(plan, position, velocity)
+    with built(plan) as library:
+        c = Run(*Replay(library).run(position, velocity))
+    assert_same_bits(c, reference)
+    n = len(position)
+    assert len(lengths) > n / 4, "the object is not stiff enough for this test"
+    assert sum(lengths) < 0.6 * n * n

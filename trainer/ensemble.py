@@ -9,7 +9,7 @@ from springpot.codegen.ir import Features, Model
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.feature_values import Samples
 from springpot.trainer.fit import FitOptions, assemble
-from springpot.trainer.fit_hammerstein import passive_part
+from springpot.trainer.fit_hammerstein import fit_passive
 from springpot.trainer.forests import depth_scale, ensemble_ir, unscaled
 from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.predict import regressor_force
@@ -79,7 +79,7 @@ def from_ensemble(
             f"{getattr(regressor, 'loss', 'unknown')!r}): fit it with a squared error"
         )
     options = FitOptions(smooth_s=smooth_s)
-    passive = passive_part(data, options)
+    passive, _, _ = fit_passive(data, options)
     facts = {"n_nodes": len(forest.feature), "regressor": type(regressor).__name__}
     parts = (features, forest)
     return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, facts)

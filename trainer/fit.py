@@ -28,7 +28,6 @@ class FitOptions:
     orders: fractional orders; the paper's ten by default.
     poles: time constants that hammerstein, and every kind's passive part, may use.
     within: the smallest forest whose error is at most this share above that of the one asked for.
-    passive: the passive part, where it was fitted on the same recordings before.
     """
 
     seed: int = 0
@@ -46,7 +45,6 @@ class FitOptions:
     orders: tuple[float, ...] | None = None
     within: float | None = None
     poles: int = POLES
-    passive: Hammerstein | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,20 @@ def fit_passive(
 
     Returns the model, the rows used, and its cross-validated RMSE, N.
     """
-    among = among or choices(data)
+    return _timed_passive(data, options, tuple(among or choices(data)))[0]
+
+
+def _timed_passive(
+    data: TrainingSet, options: FitOptions, among: tuple[Choice, ...]
+) -> tuple[tuple[Hammerstein, int, float], float]:
+    """The same and its seconds; once for the options that decide it."""
+    key = ("passive", options.fraction, options.seed, options.poles, among)
+    return data.once(key, lambda: _fit_passive(data, options, among))
+
+
+def _fit_passive(
+    data: TrainingSet, options: FitOptions, among: tuple[Choice, ...]
+) -> tuple[Hammerstein, int, float]:
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
     force_n = data.force_n(rows)
     folds = recording_folds(data, rows, options.seed)
@@ -69,22 +82,15 @@ def fit_passive(
     return to_model(terms, sparse_solve(normal, SPARSE_LOSS)), len(rows), error
 
 
-def passive_part(
-    data: TrainingSet, options: FitOptions, among: Sequence[Choice] = ()
-) -> Hammerstein:
-    """The passive part of a model of another kind: the one at hand, or fitted now."""
-    return options.passive or fit_passive(data, options, among)[0]
-
-
 def fit_hammerstein(
     name: str, data: TrainingSet, options: FitOptions, among: Sequence[Choice] = ()
 ) -> Fit:
     """Kind `hammerstein`: 15 to 100 numbers, passive in the large."""
-    begin = time.perf_counter()
-    passive, rows, error = fit_passive(data, options, among)
+    fitted, fit_s = _timed_passive(data, options, tuple(among or choices(data)))
+    passive, rows, error = fitted
     facts = {"n_parameters": parameter_count(passive), "cv_rmse_n": error, "basis": passive.basis}
     model = assemble("hammerstein", name, data, options, rows, (None, None), passive, True, facts)
-    return Fit(model, rows, feature_s=0.0, fit_s=time.perf_counter() - begin, facts=facts)
+    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, facts=facts)
 
 
 def lag_features(data: TrainingSet) -> Lags:
@@ -107,8 +113,8 @@ def fit_hybrid(
     among: Sequence[Choice] = (),
 ) -> Fit:
     """Kind `hybrid`: a small forest on the residual of `hammerstein`."""
+    (passive, _, _), passive_s = _timed_passive(data, options, tuple(among or choices(data)))
     begin = time.perf_counter()
-    passive = passive_part(data, options, among)
     features = lag_features(data) if features is None else features
     rows = data.rows(options.fraction, options.seed)
     feature_begin = time.perf_counter()
@@ -126,8 +132,8 @@ def fit_hybrid(
     }
     parts = (features, forest)
     model = assemble("hybrid", name, data, options, len(rows), parts, passive, True, facts)
-    total_s = time.perf_counter() - begin
-    return Fit(model, len(rows), feature_s, total_s - feature_s, facts=facts)
+    fit_s = passive_s + time.perf_counter() - begin - feature_s
+    return Fit(model, len(rows), feature_s, fit_s, facts=facts)
 
 
 def passive_force(passive: Hammerstein, data: TrainingSet, rows: np.ndarray) -> Samples:

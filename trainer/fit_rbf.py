@@ -33,31 +33,30 @@ def fit_rbf_fd(
     By cross-validation over recordings; with options.select "paper" by the error on the
     validation recordings, as the paper did. Raises UsageError where those are missing then.
     """
-    from springpot.trainer.fit_hammerstein import passive_part
+    from springpot.trainer.fit_hammerstein import fit_passive
 
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
     bank = fractional_features(data.dt_s, options.window_s, options.engine)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
+    key = ("pairs", options.window_s, options.engine, options.fraction, options.seed)
+    by_folds, search_s = data.once(
+        key, lambda: _pair_errors(values, force_n, _both_folds(data, rows, options.seed))
+    )
     begin = time.perf_counter()
-    folds = [recording_folds(data, rows, options.seed).number]
-    if (conditions := condition_folds(data, rows, options.seed)) is not None:
-        # Pairs that interpolate between recordings alike differ in what they do between conditions.
-        folds.append(conditions.number)
-    by_folds = _pair_errors(values, force_n, folds)
     pairs = {"cv": min(by_folds, key=lambda pair: by_folds[pair])}
     if validation:
         by_paper = _paper_errors(bank, values, force_n, data, validation)
         pairs["paper"] = min(by_paper, key=lambda pair: by_paper[pair])
     if options.select not in pairs:
         raise UsageError("--select paper chooses orders on validation recordings: give --validate")
-    search_s = time.perf_counter() - begin
+    search_s += time.perf_counter() - begin
     begin = time.perf_counter()
     chosen = pairs[options.select]
     rbf, condition = fit_rbf(values[:, chosen], force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
-    passive = passive_part(data, options)
+    passive, _, _ = fit_passive(data, options)
     facts = {
         "n_centers": len(rbf.centers),
         "condition": condition,
@@ -70,7 +69,7 @@ def fit_rbf_fd(
 
 def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     """Radial basis functions on position and velocity ([13])."""
-    from springpot.trainer.fit_hammerstein import passive_part
+    from springpot.trainer.fit_hammerstein import fit_passive
 
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
@@ -80,11 +79,21 @@ def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     begin = time.perf_counter()
     rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
-    passive = passive_part(data, options)
+    passive, _, _ = fit_passive(data, options)
     facts = {"n_centers": len(rbf.centers), "condition": condition}
     parts = (features, rbf)
     model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, facts)
     return Fit(model, len(rows), feature_s, fit_s, facts=facts)
+
+
+def _both_folds(data: TrainingSet, rows: np.ndarray, seed: int) -> list[np.ndarray]:
+    """By recording, and by condition where there are enough of them.
+
+    Pairs that interpolate between recordings alike differ in what they do between conditions.
+    """
+    found = [recording_folds(data, rows, seed).number]
+    conditions = condition_folds(data, rows, seed)
+    return found if conditions is None else [*found, conditions.number]
 
 
 def _pair_errors(

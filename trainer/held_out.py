@@ -1,42 +1,60 @@
 """Error on recordings that a fit has not seen: held out whole, never single rows of them."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from springpot.trainer.fit import FitOptions
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.predict import predict_n
+from springpot.trainer.kinds import fit_kind
+from springpot.trainer.predict import predict_each_n
 from springpot.trainer.recording import Recording
+from springpot.trainer.training_set import TrainingSet, training_set
 
 FOLDS = 3
 _ROWS = 4000  # of each fit, and of all predictions
 _SHARE = 5  # one recording in so many is set aside for validation
 
 
-def cross_validated_rmse_n(
-    kind: str, recordings: Sequence[Recording], options: FitOptions
-) -> float:
-    """RMSE over all recordings, each predicted by a model that was fitted without it, N.
+@dataclass(frozen=True, eq=False)
+class Split:
+    """One fold: what a fit sees, and the recordings that it does not."""
 
-    The same few rows for every kind: the figure ranks models, and is no forecast of their error.
-    Fewer than three recordings are cut into blocks. Raises DataError as `fit_model` does.
+    data: TrainingSet
+    held: tuple[Recording, ...]
+
+
+def splits(recordings: Sequence[Recording], smooth_s: float, seed: int) -> tuple[Split, ...]:
+    """Three folds of whole recordings; fewer than three recordings are cut into blocks.
+
+    Raises DataError where the recordings do not fit together.
     """
     pieces = blocks(recordings)
-    fold = np.random.default_rng(options.seed).permutation(len(pieces)) % FOLDS
-    total = sum(len(piece.force_n) for piece in pieces)
-    options = replace(options, fraction=_fraction(total * (FOLDS - 1) // FOLDS, options))
-    step = -(-total // _ROWS)
-    squares, samples = 0.0, 0
+    fold = np.random.default_rng(seed).permutation(len(pieces)) % FOLDS
+    found = []
     for number in range(FOLDS):
         kept = [piece for piece, its in zip(pieces, fold, strict=True) if its != number]
         held = [piece for piece, its in zip(pieces, fold, strict=True) if its == number]
-        model = fit_model(kind, "held out", kept, options).model
-        for piece in held:
-            rows = np.arange(0, len(piece.force_n), step)
-            squares += float(np.sum(np.square(predict_n(model, piece, rows) - piece.force_n[rows])))
-            samples += len(rows)
+        found.append(Split(training_set(kept, smooth_s), tuple(held)))
+    return tuple(found)
+
+
+def cross_validated_rmse_n(kind: str, folds: Sequence[Split], options: FitOptions) -> float:
+    """RMSE over all recordings, each predicted by a model that was fitted without it, N.
+
+    The same few rows for every kind: the figure ranks models, and is no forecast of their error.
+    Raises DataError as `fit_model` does.
+    """
+    total = sum(len(piece.force_n) for fold in folds for piece in fold.held)
+    options = replace(options, fraction=_fraction(total * (FOLDS - 1) // FOLDS, options))
+    step = -(-total // _ROWS)
+    squares, samples = 0.0, 0
+    for fold in folds:
+        model = fit_kind(kind, "held out", fold.data, options).model
+        rows = [(piece, np.arange(0, len(piece.force_n), step)) for piece in fold.held]
+        measured_n = np.concatenate([piece.force_n[::step] for piece in fold.held])
+        squares += float(np.sum(np.square(predict_each_n(model, rows) - measured_n)))
+        samples += len(measured_n)
     return float(np.sqrt(squares / samples))
 
 

@@ -47,9 +47,19 @@ def fit_model(
 
     Raises DataError where the recordings do not fit together.
     """
+    return fit_kind(kind, name, training_set(recordings, options.smooth_s), options, validation)
+
+
+def fit_kind(
+    kind: str,
+    name: str,
+    data: TrainingSet,
+    options: FitOptions,
+    validation: Sequence[Recording] = (),
+) -> Fit:
+    """The same on recordings that are prepared: many fits on one set share what they can."""
     if options.within is not None and kind != "rf-fd":
         raise UsageError(f"--within trims rf-fd; {kind} has no trees to leave out")
-    data = training_set(recordings, options.smooth_s)
     # The matrices are small: more threads of BLAS wait for each other, ten times longer on a
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):

@@ -1,5 +1,8 @@
 """Jobs on all cores by joblib, or on a Dask cluster by joblib's own back end."""
 
+import os
+import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
@@ -9,6 +12,7 @@ from joblib import Parallel, delayed, parallel_config
 from springpot.runtime_c.errors import UsageError
 
 _CONNECT_S = 10
+_WATCH_S = 0.5
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -22,14 +26,34 @@ def in_parallel(
     """
     with _backend(dask):
         yield from Parallel(n_jobs=-1, return_as="generator_unordered", batch_size=1)(
-            delayed(work)(item) for item in items
+            delayed(_in_one_thread)(work, item) for item in items
         )
+
+
+def _in_one_thread(work: Callable[[Item], Result], item: Item) -> Result:
+    """Every core has a job already: the forests of one job do not start threads of their own."""
+    with parallel_config(backend="sequential"):
+        return work(item)
+
+
+def _end_with(parent: int) -> None:
+    """End this worker soon after its parent, however that ended: joblib's own would work on.
+
+    A signal of the kernel's (PR_SET_PDEATHSIG) would come when the parent's thread ends, too.
+    """
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_WATCH_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 @contextmanager
 def _backend(dask: str | None) -> Iterator[None]:
     if dask is None:
-        with parallel_config(backend="loky"):
+        with parallel_config(backend="loky", initializer=_end_with, initargs=(os.getpid(),)):
             yield
         return
     from distributed import Client

@@ -1,5 +1,7 @@
 """A model's own prediction on recordings: no guard, contact, coupling or limits."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from springpot.codegen.forest_quanta import used_features
@@ -16,14 +18,20 @@ from springpot.trainer.training_set import depth_m
 
 def predict_n(model: Model, recording: Recording, rows: Rows | None = None) -> Samples:
     """Force of the model along a recording's positions, N; at all samples, or at `rows` of it."""
-    depth = depth_m(recording, model.contact)
-    rows = np.arange(len(depth)) if rows is None else rows
-    force_n = np.zeros(len(rows))
+    rows = np.arange(len(recording.position_m)) if rows is None else rows
+    return predict_each_n(model, [(recording, rows)])
+
+
+def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Rows]]) -> Samples:
+    """The same at rows of several recordings, end to end: a forest's table is made once."""
+    depths = [(depth_m(recording, model.contact), rows) for recording, rows in pieces]
+    force_n = np.zeros(sum(len(rows) for _, rows in pieces))
     if model.features is not None and model.regressor is not None:
-        values = feature_values(model.features, depth, model.dt_s, rows)
-        force_n += regressor_force(model.regressor, values)
+        values = [feature_values(model.features, depth, model.dt_s, rows) for depth, rows in depths]
+        force_n += regressor_force(model.regressor, np.concatenate(values))
     if model.hammerstein is not None and model.hammerstein_adds:
-        force_n += hammerstein_force(model.hammerstein, depth, model.dt_s, rows)
+        parts = [hammerstein_force(model.hammerstein, d, model.dt_s, rows) for d, rows in depths]
+        force_n += np.concatenate(parts)
     return force_n
 
 

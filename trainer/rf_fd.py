@@ -90,7 +90,7 @@ def _asked_features(data: TrainingSet, options: FitOptions) -> FractionalBank:
 
 
 def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features: Features) -> Fit:
-    from springpot.trainer.fit_hammerstein import passive_part
+    from springpot.trainer.fit_hammerstein import fit_passive
 
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
@@ -113,7 +113,7 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features:
         importance = shares.tolist()
     forest = dataclasses.replace(forest, rounding=rounding)
     fit_s = time.perf_counter() - begin
-    passive = passive_part(data, options)
+    passive, _, _ = fit_passive(data, options)
     facts = {"n_nodes": len(forest.feature), "importance": importance}
     parts = (features, forest)
     model = assemble(kind, name, data, options, len(rows), parts, passive, False, facts)

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, Literal
+from typing import Any
 
+from springpot.codegen.scene import Number
 from springpot.trainer.fit import PAPER_CENTERS, FitOptions
 from springpot.trainer.rf_fd import PAPER_TAPS
 
-Number = Literal["float32", "float64"]
 _CENTERS = (10, 20, 30, 60, PAPER_CENTERS, 200, 300)
 
 

@@ -1,8 +1,10 @@
 """Training recordings, prepared: what they have in common, and the rows that a fit uses."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,7 @@ from springpot.trainer.smoothing import smoothed
 
 _STEP_TOLERANCE = 1e-3
 MOST_SMOOTHED = 0.25  # of the shortest recording
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +30,18 @@ class TrainingSet:
     dt_s: float
     contact: Contact
     trained: TrainedRange
+    _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
+
+    def once(self, key: Hashable, work: Callable[[], Result]) -> tuple[Result, float]:
+        """Result of `work` and the seconds that it took, done once for a key.
+
+        What fits of many options on the same data have in common: the passive part, the orders.
+        """
+        if key not in self._found:
+            begin = time.perf_counter()
+            result = work()
+            self._found[key] = result, time.perf_counter() - begin
+        return self._found[key]
 
     @cached_property
     def bounds(self) -> NDArray[np.intp]:

@@ -3,10 +3,14 @@
     springpot record --device sim://ecoflex-00-30 --protocol paper --out training
     springpot record --device sim://ecoflex-00-30 --protocol validation --seed 1 --out validation
     springpot bench --recording training --validate validation --out bench
-    python tests/bench/results.py bench/bench.json [OTHER/bench.json ...]
+    springpot import Dynamic_data.txt --zero min --out m1    # one's own recordings, beside it
+    springpot bench --recording m1 --out mach1
+    python tests/bench/results.py bench/bench.json [mach1/bench.json ...]
 
-Without arguments it writes them again from docs/results.json, which keeps what they need. No figure
-in either page is typed by hand: tests/test_results.py compares.
+On a machine with nothing else to do: times are upper bounds otherwise, and the page says so. The
+README takes the first benchmark. Without arguments it writes them again from docs/results.json,
+which keeps what they need. No figure in either page is typed by hand: tests/test_results.py
+compares.
 """
 
 import json
