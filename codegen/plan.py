@@ -14,34 +14,19 @@ from springpot.codegen.configs import (
     Real,
 )
 from springpot.codegen.coupling import couple_config, refuse_unit_error
-from springpot.codegen.ir import Model, PositionVelocity, RecursiveBank
+from springpot.codegen.ir import Model, RecursiveBank
+from springpot.codegen.limits import greatest_mps, guard_config, output_config, watchdog_s_of
 from springpot.codegen.plan_model import LeftOut, lanes_of, model_stages
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 from springpot.codegen.stiffness import greatest_stiffness_npm, tangent_fallback
-from springpot.runtime_c.errors import DataError, UsageError
+from springpot.runtime_c.errors import UsageError
 
-# Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
-LEAST_JUMP_MPS = 1.0
-JUMP_PER_TRAINED_SPEED = 8.0
-FREE_M = 10.0  # a tool may wait this far from the surface
-LEAST_REACH_M = 0.1
-REACH_PER_DEPTH = 10.0
-RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
-LEAST_WATCHDOG_TICKS = 3
 RATES_HZ = (10.0, 8000.0)
-RAMP_S = 0.05
 MOST_RECOVERY_S = 2.0
-WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
-FORCE_MARGIN = 1.2
 FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
-# Greatest growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
-LEAST_SLEW_NPS = 1500.0
-SLEW_S = 0.004
-VELOCITY_WINDOW_S = 0.024
-VELOCITY_BAND_M = 15e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +109,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     """
     dtype: type[Any] = np.float32 if scene.runtime.number == "float32" else np.float64
     dt_s = _time_step(model, scene)
-    watchdog_s = _watchdog_s(scene, dt_s)
+    watchdog_s = watchdog_s_of(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
     stages = model_stages(model, scene, dt_s, dtype)
     outside = _outside_note(model, scene)
@@ -155,7 +140,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         model=model,
         real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
-        guard=_guard_config(model, watchdog_s, dt_s, contact, dtype),
+        guard=guard_config(model, watchdog_s, dt_s, contact, dtype),
         range=trained,
         features=stages.features,
         regressor=stages.regressor,
@@ -168,7 +153,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         at_proxy=choice.coupling.mode == "proxy",
         greatest_mps=dtype(greatest_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
-        output=_output_config(model, scene, watchdog_s, dt_s, contact, dtype),
+        output=output_config(model, scene, watchdog_s, dt_s, contact, dtype),
         left_out=(
             *stages.left_out,
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
@@ -201,68 +186,10 @@ def _time_step(model: Model, scene: Scene) -> float:
     return model.dt_s
 
 
-def _watchdog_s(scene: Scene, dt_s: float) -> float:
-    watchdog_s = 1e-3 * (scene.guard.watchdog_ms or max(20.0, 3e3 * dt_s))
-    if watchdog_s < (LEAST_WATCHDOG_TICKS - 0.5) * dt_s:
-        raise UsageError(
-            f"guard.watchdog_ms = {1e3 * watchdog_s:g}: at {1 / dt_s:g} Hz give at least "
-            f"{1e3 * LEAST_WATCHDOG_TICKS * dt_s:g}, or one bad sample latches"
-        )
-    return watchdog_s
-
-
-def _guard_config(
-    model: Model, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
-) -> GuardConfig:
-    trained = model.trained
-    deepest_m = max(abs(trained.least_m), abs(trained.greatest_m))
-    reach_m = max(LEAST_REACH_M, REACH_PER_DEPTH * deepest_m)
-    before_latch = int(watchdog_s / dt_s) - 1
-    return GuardConfig(
-        jump_m=real(dt_s * greatest_mps(model)),
-        least_m=real(-FREE_M if contact else -reach_m),
-        greatest_m=real(reach_m),
-        resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
-    )
-
-
-def greatest_mps(model: Model) -> float:
-    """Greatest believable speed of the hand, m/s."""
-    return max(LEAST_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.greatest_mps)
-
-
-def _output_config(
-    model: Model, scene: Scene, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
-) -> OutputConfig:
-    trained = model.trained
-    peak_n = trained.greatest_n if contact else max(abs(trained.least_n), abs(trained.greatest_n))
-    greatest_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n
-    if greatest_n <= 0.0:
-        raise DataError(
-            f"the model's forces never push out (greatest {trained.greatest_n:g} N): turn the sign "
-            "round on import, for example --map force=COL:-1N, and train again"
-        )
-    least_n = 0.0 if contact else max(-greatest_n, min(0.0, FORCE_MARGIN * trained.least_n))
-    return OutputConfig(
-        least_n=real(least_n),
-        greatest_n=real(greatest_n),
-        slew_n=real(dt_s * max(LEAST_SLEW_NPS, greatest_n / SLEW_S)),
-        rise=real(min(1.0, dt_s / RAMP_S)),
-        fall_nps=real(greatest_n / WATCHDOG_FALL_S),
-        watchdog_s=real(watchdog_s),
-        dt_s=real(dt_s),
-    )
-
-
 def _onset_m(model: Model, scene: Scene) -> float:
     if scene.guard.onset_mm is not None:
         return scene.guard.onset_mm * 1e-3
     return 0.01 * model.trained.greatest_m
-
-
-def foaw_features(dt_s: float) -> PositionVelocity:
-    """Velocity estimate over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000)."""
-    return PositionVelocity(length=max(1, round(VELOCITY_WINDOW_S / dt_s)), band_m=VELOCITY_BAND_M)
 
 
 def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:

@@ -8,7 +8,6 @@ from itertools import combinations
 import numpy as np
 
 from springpot.codegen.ir import FirBank, FractionalBank, PositionVelocity
-from springpot.codegen.plan import foaw_features
 from springpot.runtime_c.errors import UsageError
 from springpot.trainer.feature_values import Samples, feature_values
 from springpot.trainer.fit import Fit, FitOptions, assemble
@@ -19,6 +18,8 @@ from springpot.trainer.recording import Recording
 from springpot.trainer.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.training_set import TrainingSet, depth_m
 
+FOAW_S = 0.024
+FOAW_BAND_M = 15e-6
 SEARCH_CENTERS = 100
 SEARCH_ROWS = 10_000  # of the validation recordings
 _RIDGE = 1e-11  # of the mean diagonal, in the search only
@@ -84,6 +85,11 @@ def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
     parts = (features, rbf)
     model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, facts)
     return Fit(model, len(rows), feature_s, fit_s, facts=facts)
+
+
+def foaw_features(dt_s: float) -> PositionVelocity:
+    """Velocity estimate over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000)."""
+    return PositionVelocity(length=max(1, round(FOAW_S / dt_s)), band_m=FOAW_BAND_M)
 
 
 def _both_folds(data: TrainingSet, rows: np.ndarray, seed: int) -> list[np.ndarray]:
