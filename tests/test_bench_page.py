@@ -33,7 +33,9 @@ const first = marks[0].querySelector("path, use");
 first.dispatchEvent(new MouseEvent("mousemove", {bubbles: true, clientX: 9, clientY: 9}));
 const told = document.getElementById("tip").textContent;
 marks[0].dispatchEvent(new MouseEvent("mouseleave"));
-const wide = document.documentElement.scrollWidth;
+const tables = [...document.querySelectorAll(".scroll")];
+const wide = Math.max(document.documentElement.scrollWidth, ...tables.map(
+  (t) => t.scrollWidth - t.clientWidth + t.getBoundingClientRect().right));
 document.body.dataset.probe = JSON.stringify({boxes, marks: marks.length, told, wide});
 </script></body>"""
 WIDTHS = (1280, 800)
