@@ -8,8 +8,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from springpot.codegen.emit import emit_files
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.ir import Model, RecursiveBank
@@ -20,8 +18,7 @@ from springpot.codegen.units import state_bytes
 from springpot.host.footprint import Footprint, measure_footprint
 from springpot.host.library import SceneLibrary
 from springpot.host.machine import cpu_s, machine_facts
-from springpot.host.metrics import accuracy
-from springpot.host.replay import Replay
+from springpot.host.replay import Replay, replayed_accuracy
 from springpot.host.small_signal import small_signal_map
 from springpot.host.toolchain import toolchain
 from springpot.host.training_result import engine, window_s
@@ -154,13 +151,7 @@ def prediction(
     plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]
 ) -> dict[str, Any]:
     """Error of the C on recordings, each from a fresh state."""
-    replay = Replay(library)
-    forces = []
-    for recording in recordings:
-        position = recording.position_m.astype(plan.dtype)
-        force_n, _ = replay.run(position, backward_velocity(position, plan.dt_s))
-        forces.append(force_n.astype(np.float64))
-    found = accuracy([recording.force_n for recording in recordings], forces)
+    found = replayed_accuracy(Replay(library), recordings)
     return {
         "rmse_n": found.rmse_n,
         "rmse_percent_of_peak": found.rmse_percent_of_peak,

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.golden import backward_velocity
 from springpot.codegen.instructions import instruction_bound
 from springpot.codegen.ir import FirBank, Forest, Model
 from springpot.codegen.model_file import read_model, write_model
@@ -25,9 +24,9 @@ from springpot.codegen.units import state_bytes
 from springpot.host.emission import Emission, emit, over_budget
 from springpot.host.frames import refuse_other_frame
 from springpot.host.library import SceneLibrary
-from springpot.host.metrics import accuracy, rms
+from springpot.host.metrics import rms
 from springpot.host.output import say
-from springpot.host.replay import Replay
+from springpot.host.replay import Replay, replayed_accuracy
 from springpot.host.toolchain import toolchain
 from springpot.runtime_c.errors import BudgetError, SpringpotError, UsageError
 from springpot.trainer.fast_fir import fast_fir_bank
@@ -204,17 +203,13 @@ def _measured(
         if emission.footprint is None or over_budget(emission, scene.budget):
             return None
         replay = Replay(SceneLibrary(emission.folder))
-        forces = [
-            replay.run(item.position_m, backward_velocity(item.position_m, item.dt_s))[0]
-            for item in recordings
-        ]
         return Trim(
             what=what,
             model=model,
             flash_bytes=emission.footprint.flash_bytes,
             ram_bytes=emission.ram_bytes,
             instructions=None if bound is None else bound.tick,
-            rmse_n=accuracy([item.force_n for item in recordings], forces).rmse_n,
+            rmse_n=replayed_accuracy(replay, recordings).rmse_n,
         )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.reference_tick import RAMPED
 from springpot.runtime_c.errors import DataError
 
 Samples = NDArray[np.float64]
@@ -21,13 +22,16 @@ _BOOTSTRAPS = 2000
 class Accuracy:
     """Error of forces over several recordings.
 
-    rmse_n: over all samples. mean_recording_rmse_n: RMSE of each recording, averaged (the paper's
+    samples: all of them. ramped: those of the start-up ramp, where a recording begins in contact:
+    the force rises from zero there whatever the model says, and no error counts them.
+    rmse_n: over the others. mean_recording_rmse_n: RMSE of each recording, averaged (the paper's
     figure 9), and interval_n its 95 % bootstrap interval over recordings (None for one recording).
     ape_below_jnd: share of samples above 2 N whose absolute percentage error is below the just
     noticeable difference (None where no sample is).
     """
 
     samples: int
+    ramped: int
     rmse_n: float
     rmse_percent_of_peak: float
     mean_recording_rmse_n: float
@@ -37,19 +41,36 @@ class Accuracy:
     ape_below_jnd: float | None
 
 
-def accuracy(measured_n: Sequence[Samples], predicted_n: Sequence[Samples]) -> Accuracy:
-    """Compare recordings with predictions, one array a recording."""
-    errors = [
-        np.asarray(predicted, dtype=np.float64) - measured
-        for measured, predicted in zip(measured_n, predicted_n, strict=True)
+def start_up_ramp(notes: NDArray[np.int32]) -> int:
+    """Ticks at the beginning of a replay whose force still rose from zero; notes: (n,)."""
+    settled = np.flatnonzero((notes & RAMPED) == 0)
+    return int(settled[0]) if len(settled) else 0
+
+
+def accuracy(
+    measured_n: Sequence[Samples],
+    predicted_n: Sequence[Samples],
+    ramps: Sequence[int] | None = None,
+) -> Accuracy:
+    """Compare recordings with predictions, one array a recording.
+
+    ramps: samples of each that are not counted, from the beginning; none by default.
+    """
+    ramps = [0] * len(measured_n) if ramps is None else ramps
+    counted = [
+        (measured[ramp:], np.asarray(predicted, dtype=np.float64)[ramp:])
+        for measured, predicted, ramp in zip(measured_n, predicted_n, ramps, strict=True)
     ]
-    error, measured = np.concatenate(errors), np.concatenate(measured_n)
+    errors = [predicted - measured for measured, predicted in counted]
+    error = np.concatenate(errors)
+    measured = np.concatenate([measured for measured, _ in counted])
     if not measured.any():
         raise DataError("the measured force is 0 everywhere: there is nothing to compare with")
     each = np.array([rms(values) for values in errors])
     rmse_n = rms(error)
     return Accuracy(
-        samples=len(error),
+        samples=len(error) + sum(ramps),
+        ramped=sum(ramps),
         rmse_n=rmse_n,
         rmse_percent_of_peak=100.0 * rmse_n / float(np.abs(measured).max()),
         mean_recording_rmse_n=float(each.mean()),

@@ -1,7 +1,7 @@
 """Replay of positions through a scene's C, and the time its ticks take."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -9,11 +9,14 @@ from typing import Any
 import cffi
 import numpy as np
 
+from springpot.codegen.golden import backward_velocity
 from springpot.host.compiler import shared_library
 from springpot.host.library import Reals, SceneLibrary
+from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.session_log import INPUT
 from springpot.runtime_c.errors import SpringpotError
 from springpot.runtime_c.paths import INCLUDE, PORT_HOST
+from springpot.trainer.recording import Recording
 
 COLD_BYTES = 8 << 20
 _HOT_TICKS = 500
@@ -45,6 +48,11 @@ class Replay:
         self._real = "float" if library.dtype is np.float32 else "double"
         self._ffi, self._port = load_port(self._real)
         self._step = self._ffi.cast("void *", library.address("step"))
+
+    @property
+    def dtype(self) -> type[Any]:
+        """Numpy type of the scene's numbers."""
+        return self._library.dtype
 
     def run(self, position_m: Reals, velocity_mps: Reals) -> tuple[Reals, Reals]:
         """Forces (N) and notes of each tick from a fresh state; shapes (n,)."""
@@ -143,3 +151,14 @@ def load_port(real: str) -> tuple[cffi.FFI, Any]:
     ffi.cdef(f"typedef {real} sp_real;\n{text}")
     path = shared_library([PORT_HOST / "sp_replay.c"], [INCLUDE / real, PORT_HOST])
     return ffi, ffi.dlopen(str(path))
+
+
+def replayed_accuracy(replay: Replay, recordings: Sequence[Recording]) -> Accuracy:
+    """Error of the C on recordings, each from a fresh state, behind the start-up ramp."""
+    forces, ramps = [], []
+    for recording in recordings:
+        position = recording.position_m.astype(replay.dtype)
+        force_n, notes = replay.run(position, backward_velocity(position, recording.dt_s))
+        forces.append(force_n.astype(np.float64))
+        ramps.append(start_up_ramp(notes))
+    return accuracy([recording.force_n for recording in recordings], forces, ramps)

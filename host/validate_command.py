@@ -52,6 +52,7 @@ def validation_result(validation: Validation) -> dict[str, Any]:
     found = validation.accuracy
     return {
         "samples": found.samples,
+        "ramped_samples": found.ramped,
         "rmse_n": found.rmse_n,
         "rmse_percent_of_peak": found.rmse_percent_of_peak,
         "mean_recording_rmse_n": found.mean_recording_rmse_n,
@@ -73,7 +74,8 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
     return {
-        "samples": str(found.samples),
+        "samples": str(found.samples)
+        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
         "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
         "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
         "greatest error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",

@@ -18,7 +18,7 @@ from springpot.host.emission import read_emission
 from springpot.host.frames import refuse_other_frame
 from springpot.host.library import SceneLibrary
 from springpot.host.loop_library import NONE, SILENT, UNSENT
-from springpot.host.metrics import Accuracy, accuracy
+from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.replay import Replay, TickTimes
 from springpot.trainer.notices import notice
 from springpot.trainer.recording import Recording
@@ -74,6 +74,7 @@ def _validated(
 ) -> Validation:
     replay = Replay(library)
     predicted: list[NDArray[np.float64]] = []
+    ramps: list[int] = []
     mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
     for recording in recordings:
@@ -93,11 +94,12 @@ def _validated(
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
         predicted.append(force.astype(np.float64))
+        ramps.append(start_up_ramp(notes) if again is None else 0)
     longest = max(recordings, key=lambda recording: len(recording.position_m))
     position = longest.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
     return Validation(
-        accuracy=accuracy([recording.force_n for recording in recordings], predicted),
+        accuracy=accuracy([recording.force_n for recording in recordings], predicted, ramps),
         mismatches=mismatches,
         notes=counts,
         ticks=replay.tick_times(position, velocity, plan.dt_s, paced_s),

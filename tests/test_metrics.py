@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from springpot.host.metrics import accuracy, just_noticeable_percent
+from springpot.host.metrics import accuracy, just_noticeable_percent, start_up_ramp
 
 
 def test_figures_of_a_known_error() -> None:
@@ -24,6 +24,17 @@ def test_one_recording_has_no_interval_and_weak_forces_no_score() -> None:
     found = accuracy([np.array([0.5, 1.0])], [np.array([0.5, 1.5])])
     assert found.interval_n is None
     assert found.ape_below_jnd is None
+
+
+def test_the_start_up_ramp_is_counted_apart() -> None:
+    measured, predicted = np.full(5, 4.0), np.array([0.0, 2.0, 4.0, 4.4, 4.0])
+    notes = np.array([16, 16 | 64, 0, 16, 0])
+    assert start_up_ramp(notes) == 2
+    found = accuracy([measured], [predicted], [2])
+    assert (found.samples, found.ramped) == (5, 2)
+    assert found.rmse_n == pytest.approx(0.4 / np.sqrt(3))
+    assert found.max_abs_error_n == pytest.approx(0.4)
+    assert start_up_ramp(np.full(3, 16)) == 0  # nothing else there: all count
 
 
 def test_the_just_noticeable_difference_rises_below_two_newton() -> None:

@@ -19,8 +19,7 @@ from springpot.host.boards import BOARDS
 from springpot.host.emission import emit
 from springpot.host.emulator import run_batch, steps
 from springpot.host.library import SceneLibrary
-from springpot.host.metrics import accuracy
-from springpot.host.replay import Replay
+from springpot.host.replay import Replay, replayed_accuracy
 from springpot.trainer.recording_file import read_recordings
 
 _RESYNC = 2
@@ -56,10 +55,7 @@ def report(model: Path, mode: str, name: str, position, recordings) -> None:
         replay = Replay(SceneLibrary(emission.folder))
         force_n, notes = replay.run(position, velocity)
         batch = run_batch(emission.folder, board, steps(position, velocity))
-        forces = [
-            replay.run(item.position_m, backward_velocity(item.position_m, item.dt_s))[0]
-            for item in recordings
-        ]
+        found = replayed_accuracy(replay, recordings)
     differ = int(np.sum((batch.force_n.view("u4") != force_n.view("u4")) | (batch.notes != notes)))
     restarts = (batch.notes & _RESYNC) != 0
     bound = instruction_bound(emission.plan)
@@ -68,7 +64,7 @@ def report(model: Path, mode: str, name: str, position, recordings) -> None:
         f"{model.stem} {mode} {name} | {emission.footprint.flash_bytes} {emission.ram_bytes} "
         f"{emission.footprint.stack_bytes} | {batch.instructions[~restarts].max()} {bound.tick} "
         f"{batch.instructions[restarts].max()} {bound.restart} | {differ} of {len(position)} | "
-        f"{accuracy([item.force_n for item in recordings], forces).rmse_n:.4f}",
+        f"{found.rmse_n:.4f}",
         flush=True,
     )
 
