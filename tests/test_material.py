@@ -52,7 +52,7 @@ def ecoflex() -> Model:
     return fitted(stiffness_npm, stiffness_npm * ECOFLEX_S**ECOFLEX_ORDER, ECOFLEX_ORDER)
 
 
-@pytest.mark.parametrize("order", [0.1, 0.3, 0.6])
+@pytest.mark.parametrize("order", [0.1, 0.3, 0.6, 0.75, 0.95])
 def test_the_order_of_an_exact_springpot_comes_back(order: float) -> None:
     law = law_of(fitted(1.0, 1.0, order))
     assert law.order == pytest.approx(order, abs=0.01)

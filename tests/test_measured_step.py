@@ -158,3 +158,15 @@ def test_a_scene_of_one_rate_has_no_measured_step(tmp_path: Path) -> None:
     emit(scene(), model_file(tmp_path, model), tmp_path / "c")
     assert "step_dt" not in (tmp_path / "c" / "sp.h").read_text()
     assert not (tmp_path / "c" / "sp_measured.h").exists()
+
+
+@pytest.mark.parametrize("longest_s", [20.0, 1000.0])
+@pytest.mark.parametrize("dt_s", [1e-3, 0.01, 0.1])
+def test_exponentials_exist_for_every_order_and_are_true_to_it(longest_s, dt_s):
+    orders = (0.02, 0.35, 0.66, 0.75, 0.85, 0.95, 0.999)
+    bank = recursive_bank(orders, dt_s, longest_s)
+    assert np.all(bank.weights >= 0)
+    omega = np.geomspace(2 * np.pi / longest_s * 4, 2 * np.pi * 0.05 / dt_s, 100)
+    s = 1j * omega[:, None]
+    found = (s / (s + 1 / bank.tau_s)) @ bank.weights / s ** np.array(orders)
+    assert np.all(np.abs(found - 1).max(axis=0) < (0.02, 0.02, 0.02, 0.02, 0.02, 0.04, 0.1))

@@ -22,7 +22,7 @@ from springpot.trainer.fit_hammerstein import (
     term_columns,
 )
 from springpot.trainer.fit_rbf import fit_rbf_fd
-from springpot.trainer.folds import Folds, condition_folds, recording_folds
+from springpot.trainer.folds import Folds, condition_folds, geometric_mean, recording_folds
 from springpot.trainer.forests import depth_scale, fitted_forest
 from springpot.trainer.hammerstein import standard_terms
 from springpot.trainer.nonnegative import normal_equations
@@ -138,11 +138,6 @@ def _score(candidate: Candidate, force_n: Samples, folds: list[Folds]) -> Score:
             errors.append(rms(predict(values[held]) - force_n[held]))
         means.append(geometric_mean(errors))
     return Score(candidate.name, candidate.cost, means[0], means[-1], geometric_mean(means))
-
-
-def geometric_mean(errors: list[float]) -> float:
-    """Mean that one fold of extrapolation does not decide alone."""
-    return float(np.exp(np.mean(np.log(np.maximum(errors, 1e-12)))))
 
 
 def rms(values: Samples) -> float:

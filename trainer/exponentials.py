@@ -33,5 +33,7 @@ def _weights(order: float, tau_s: Samples, omega: Samples) -> Samples:
     s = 1j * omega[:, None]
     system = s / (s + 1.0 / tau_s) / s**order
     wanted = np.concatenate([np.ones(len(omega)), np.zeros(len(omega))])
-    weights, _ = nnls(np.concatenate([system.real, system.imag]), wanted)
-    return np.asarray(weights, dtype=np.float64)
+    columns = np.concatenate([system.real, system.imag])
+    size = np.linalg.norm(columns, axis=0)  # far from 1 for high orders, and nnls goes in circles
+    weights, _ = nnls(columns / size, wanted)
+    return np.asarray(weights / size, dtype=np.float64)

@@ -53,3 +53,8 @@ def condition_folds(data: TrainingSet, rows: NDArray[np.intp], seed: int) -> Fol
     strongest = fold[int(np.argmax([rec.force_n.max() for rec in data.recordings]))]
     tested = tuple(int(number) for number in np.unique(fold) if number != strongest)
     return Folds(fold[data.owner(rows)].astype(np.intp), tested) if tested else None
+
+
+def geometric_mean(errors: list[float]) -> float:
+    """Mean that one fold of extrapolation does not decide alone."""
+    return float(np.exp(np.mean(np.log(np.maximum(errors, 1e-12)))))

@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.trainer.fit import FitOptions
+from springpot.trainer.folds import geometric_mean
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.predict import predict_each_n
 from springpot.trainer.recording import Recording
 from springpot.trainer.training_set import TrainingSet, training_set
 
 FOLDS = 3
+_EACH = 5  # as many recordings, or fewer, are held out one by one
 _ROWS = 4000  # of each fit, and of all predictions
 _SHARE = 5  # one recording in so many is set aside for validation
 
@@ -25,14 +27,15 @@ class Split:
 
 
 def splits(recordings: Sequence[Recording], smooth_s: float, seed: int) -> tuple[Split, ...]:
-    """Three folds of whole recordings; fewer than three recordings are cut into blocks.
+    """Three folds of whole recordings; each alone where there are few, blocks of one or two.
 
     Raises DataError where the recordings do not fit together.
     """
     pieces = blocks(recordings)
-    fold = np.random.default_rng(seed).permutation(len(pieces)) % FOLDS
+    count = FOLDS if len(pieces) > _EACH else len(pieces)
+    fold = np.random.default_rng(seed).permutation(len(pieces)) % count
     found = []
-    for number in range(FOLDS):
+    for number in range(count):
         kept = [piece for piece, its in zip(pieces, fold, strict=True) if its != number]
         held = [piece for piece, its in zip(pieces, fold, strict=True) if its == number]
         found.append(Split(training_set(kept, smooth_s), tuple(held)))
@@ -40,22 +43,22 @@ def splits(recordings: Sequence[Recording], smooth_s: float, seed: int) -> tuple
 
 
 def cross_validated_rmse_n(kind: str, folds: Sequence[Split], options: FitOptions) -> float:
-    """RMSE over all recordings, each predicted by a model that was fitted without it, N.
+    """Geometric mean over the folds of the RMSE of models that were fitted without them, N.
 
-    The same few rows for every kind: the figure ranks models, and is no forecast of their error.
-    Raises DataError as `fit_model` does.
+    A fold that lies beyond all others does not decide alone. The same few rows for every kind: the
+    figure ranks models, and is no forecast of their error. Raises DataError as `fit_model` does.
     """
     total = sum(len(piece.force_n) for fold in folds for piece in fold.held)
-    options = replace(options, fraction=_fraction(total * (FOLDS - 1) // FOLDS, options))
+    options = replace(options, fraction=_fraction(total * (len(folds) - 1) // len(folds), options))
     step = -(-total // _ROWS)
-    squares, samples = 0.0, 0
+    errors = []
     for fold in folds:
         model = fit_kind(kind, "held out", fold.data, options).model
         rows = [(piece, np.arange(0, len(piece.force_n), step)) for piece in fold.held]
         measured_n = np.concatenate([piece.force_n[::step] for piece in fold.held])
-        squares += float(np.sum(np.square(predict_each_n(model, rows) - measured_n)))
-        samples += len(measured_n)
-    return float(np.sqrt(squares / samples))
+        error_n = predict_each_n(model, rows) - measured_n
+        errors.append(float(np.sqrt(np.mean(np.square(error_n)))))
+    return geometric_mean(errors)
 
 
 def _fraction(rows: int, options: FitOptions) -> float:
