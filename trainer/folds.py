@@ -47,7 +47,7 @@ def condition_folds(data: TrainingSet, rows: NDArray[np.intp], seed: int) -> Fol
     )
     logs = np.log(np.maximum(facts, 1e-12))
     spread = np.maximum(logs.std(axis=0), 1e-9)
-    points = logs / spread
+    points = np.round(logs / spread, 3)
     clusters = min(_CONDITIONS, len(np.unique(points, axis=0)))  # repeats may be one point
     fold = KMeans(clusters, n_init=10, random_state=seed).fit_predict(points)
     strongest = fold[int(np.argmax([rec.force_n.max() for rec in data.recordings]))]
