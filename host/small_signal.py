@@ -78,7 +78,8 @@ def _sin_delta(
     force_n, _ = library.new_state().run(at_m + amplitude_m * np.sin(turn * ticks), velocity)
     measured = force_n[settle : settle + period_ticks].astype(np.float64)
     phase = turn * (ticks[settle : settle + period_ticks] + delay_samples)
-    if np.ptp(measured) == 0.0:
-        return 0.0
     stored, lost = np.mean(measured * np.sin(phase)), np.mean(measured * np.cos(phase))
-    return float(lost / np.hypot(stored, lost))
+    size_n = float(np.hypot(stored, lost))
+    if np.ptp(measured) == 0.0 or size_n == 0.0:
+        return 0.0
+    return float(lost / size_n)
