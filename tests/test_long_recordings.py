@@ -32,6 +32,6 @@ def peak_bytes(kind: str, samples: int) -> int:
 @pytest.mark.parametrize("kind", ["rf-fd", "rbf-pv", "hybrid"])
 def test_memory_grows_with_few_numbers_a_sample(kind):
     """Two lengths, so that what the capped rows take falls out of the difference."""
-    few, many = 60_000, 160_000
+    few, many = 60_000, 110_000
     held = (peak_bytes(kind, many) - peak_bytes(kind, few)) / (many - few)
     assert held < 8 * NUMBERS, f"{held:.0f} bytes a sample"
