@@ -24,13 +24,6 @@ def printed_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
     return 2.0 * b * dt_s / m + k * dt_s**2 / m < 4.0
 
 
-def printed_step(coupling: Coupling, dt_s: float) -> NDArray[np.float64]:
-    """One step of Algorithm 1 with the tool at rest and no model: (x_p, v_p) -> (x_p, v_p)."""
-    k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
-    speed = np.array([-k * dt_s / m, 1.0 - b * dt_s / m])
-    return np.stack([np.array([1.0, 0.0]) + dt_s * speed, speed])
-
-
 def greatest_printed_damping_nspm(coupling: Coupling, dt_s: float) -> float:
     """What the printed step allows with this stiffness and mass; 0 where none."""
     k, m = coupling.stiffness_npm, coupling.mass_kg

@@ -16,7 +16,7 @@ from springpot.codegen.configs import (
 from springpot.codegen.coupling import couple_config, refuse_unit_error
 from springpot.codegen.ir import Model, RecursiveBank
 from springpot.codegen.limits import greatest_mps, guard_config, output_config, watchdog_s_of
-from springpot.codegen.plan_model import LeftOut, lanes_of, model_stages
+from springpot.codegen.plan_model import LeftOut, ModelStages, lanes_of, model_stages
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage
@@ -111,17 +111,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     dt_s = _time_step(model, scene)
     watchdog_s = watchdog_s_of(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
-    stages = model_stages(model, scene, dt_s, dtype)
-    outside = _outside_note(model, scene)
-    if scene.guard.outside == "fallback" and model.hammerstein is None:
-        tangent = tangent_fallback(stages, model, dtype)
-        stages = replace(
-            stages, passive=hammerstein_stage(tangent, dt_s, dtype, "deep", lanes_of(scene))
-        )
-        outside = (
-            "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
-            f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
-        )
+    stages, outside = _stages(model, scene, dt_s, dtype)
     trained = RangeConfig(
         least_m=dtype(0.0 if contact else model.trained.least_m),
         greatest_m=dtype(model.trained.greatest_m),
@@ -162,6 +152,19 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         stiffness_npm=stiffness_npm,
         coupling=choice,
         outside=outside,
+    )
+
+
+def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[ModelStages, str]:
+    """The model's stages, and what pushes back beyond the trained depth."""
+    stages = model_stages(model, scene, dt_s, dtype)
+    if scene.guard.outside != "fallback" or model.hammerstein is not None:
+        return stages, _outside_note(model, scene)
+    tangent = tangent_fallback(stages, model, dtype)
+    deep = hammerstein_stage(tangent, dt_s, dtype, "deep", lanes_of(scene))
+    return replace(stages, passive=deep), (
+        "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
+        f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
     )
 
 

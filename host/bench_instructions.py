@@ -7,6 +7,7 @@ from typing import Any
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.model_file import read_model
 from springpot.codegen.plan import make_plan
+from springpot.codegen.reference_tick import RESYNC
 from springpot.codegen.scene import Number, Target
 from springpot.host.bench_point import bench_scene
 from springpot.host.boards import Board, default_board, missing
@@ -16,7 +17,6 @@ from springpot.runtime_c.errors import SpringpotError
 from springpot.trainer.recording import Recording
 
 TICKS = 4000
-_RESYNC = 2  # SP_NOTE_RESYNC: a restart fills its filters once, and is no tick of a loop
 
 
 def uncounted(target: Target) -> str:
@@ -51,4 +51,5 @@ def _counted(model_file: Path, number: Number, recording: Recording, board: Boar
         write_emission(plan, scene, model_file, folder)
         calls = steps(position, backward_velocity(position, plan.dt_s))
         batch = run_batch(folder, board, calls)
-    return int(batch.instructions[(batch.notes & _RESYNC) == 0].max())
+    # A restart fills its filters once, and is no tick of a loop.
+    return int(batch.instructions[(batch.notes & RESYNC) == 0].max())

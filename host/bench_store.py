@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 RESULT = "bench.json"
 _MARK = ".springpot-bench"
-_MEASURING = ("bench_point", "bench_alone", "bench_instructions", "closed_loop", "emulator",
-              "firmware", "footprint", "hand_loop", "loop_cases", "metrics", "replay",
-              "small_signal", "stability", "work_precision")  # fmt: skip
+_MEASURING = ("bench_point", "bench_alone", "bench_instructions", "boards", "closed_loop",
+              "emulator", "firmware", "footprint", "hand_loop", "library", "loop_cases", "metrics",
+              "replay", "small_signal", "stability", "toolchain", "trial_build",
+              "work_precision")  # fmt: skip
 
 
 class Store:

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.golden import backward_velocity
+from springpot.codegen.reference_tick import LATCHED
 from springpot.host.device import Device
-from springpot.host.engine import LATCHED
 from springpot.host.loop import LinkCounts, LoopSettings, LoopState
 from springpot.host.loop_library import COLUMN, COLUMNS, IDLE, RESET, Rows, Stop, empty_rows
 from springpot.host.serial_device import SerialDevice

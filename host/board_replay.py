@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.plan import Plan
+from springpot.codegen.reference_tick import LATCHED
 from springpot.host.device_url import parse_device
 from springpot.host.loop_library import IDLE, RESET
 from springpot.host.replay import Replay
@@ -21,7 +22,6 @@ from springpot.runtime_c.errors import DeviceError, UsageError
 _ANSWER_S = 1.0
 _POLL_S = 0.0001
 _TRIES = 5
-_LATCHED = 32  # SP_NOTE_LATCHED
 _NAMES = ("call", INPUT, "velocity_mps", "dt_s", "returned_n", "notes")
 Reals = NDArray[Any]
 Row = tuple[float, ...]
@@ -58,7 +58,7 @@ class BoardReplay:
         ):
             self._device.send("feed", position_m=position, velocity_mps=velocity)
             answer = self._answer(i)
-            if any(int(row[0]) & IDLE and int(row[-1]) & _LATCHED for row in answer):
+            if any(int(row[0]) & IDLE and int(row[-1]) & LATCHED for row in answer):
                 return None
             rows += answer
         if self._lost() != lost:  # of the board's own calls too: what it did then is not known

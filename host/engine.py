@@ -8,8 +8,6 @@ import numpy as np
 from springpot.host.library import SceneLibrary
 from springpot.host.loop_library import LoopLibrary, loop_library
 
-LATCHED = 32  # SP_NOTE_LATCHED
-
 
 @dataclass(frozen=True)
 class Engine:

@@ -4,8 +4,9 @@ import os
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from springpot.codegen.reference_tick import LATCHED
 from springpot.host.device import Device
-from springpot.host.engine import LATCHED, Engine
+from springpot.host.engine import Engine
 from springpot.host.loop_library import Rows, empty_rows
 from springpot.runtime_c.errors import DeviceError
 

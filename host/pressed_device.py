@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.reference_tick import LATCHED
 from springpot.host.device import Wanted
 from springpot.host.device_url import parse_device
-from springpot.host.engine import LATCHED, Engine
+from springpot.host.engine import Engine
 from springpot.host.keys import reading_keys
 from springpot.host.loop import LoopSettings
 from springpot.host.loop_library import COLUMN, NONE, Rows, loop_library

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.reference_tick import LATCHED
 from springpot.host.device import Device
-from springpot.host.engine import LATCHED, Engine
+from springpot.host.engine import Engine
 from springpot.host.loop import LinkCounts, LoopSettings, LoopState
 from springpot.host.loop_library import (
     COLUMN,

@@ -12,6 +12,15 @@ from numpy.typing import NDArray
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.plan import Plan
 from springpot.codegen.reference import run_reference
+from springpot.codegen.reference_tick import (
+    CLAMPED,
+    HELD,
+    LATCHED,
+    LIMITED,
+    OUTSIDE,
+    RAMPED,
+    RESYNC,
+)
 from springpot.codegen.units import member_offset
 from springpot.host.board_replay import BoardReplay, board_force, board_replay
 from springpot.host.emission import read_emission
@@ -23,8 +32,8 @@ from springpot.host.replay import Replay, TickTimes
 from springpot.trainer.notices import notice
 from springpot.trainer.recording import Recording
 
-NOTE_NAMES = {1: "held", 2: "resync", 4: "outside", 8: "clamped", 16: "ramped", 32: "latched",
-              64: "limited"}  # fmt: skip
+NOTE_NAMES = {HELD: "held", RESYNC: "resync", OUTSIDE: "outside", CLAMPED: "clamped",
+              RAMPED: "ramped", LATCHED: "latched", LIMITED: "limited"}  # fmt: skip
 PACED_S = 3.0
 
 

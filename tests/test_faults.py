@@ -15,6 +15,7 @@ import pytest
 from peer import CLI, Peer, peer, wait_until
 from support import model_file, scene
 
+from springpot.codegen.reference_tick import LATCHED
 from springpot.host.emission import emit
 from springpot.host.loop_library import NONE, RESET, SILENT
 from springpot.host.validation import validate
@@ -23,7 +24,6 @@ from springpot.trainer.recording_file import read_recording
 # Processes in real time: a busy machine may starve one of them.
 pytestmark = pytest.mark.flaky(reruns=3)
 
-LATCHED = 32
 ROUNDS = int(os.environ.get("SPRINGPOT_ROUNDS", "1"))
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from springpot.codegen.auto_coupling import choose
-from springpot.codegen.coupling import couple_config, printed_step, printed_step_is_stable
+from springpot.codegen.coupling import couple_config, printed_step_is_stable
 from springpot.codegen.coupling import transition as exact_step
 from springpot.codegen.loop import (
     DESIGN_HAND,
@@ -21,6 +21,13 @@ from springpot.codegen.scene import Coupling
 from springpot.runtime_c.paths import SIM
 
 SETS = 100_000
+
+
+def printed_step(coupling: Coupling, dt_s: float) -> np.ndarray:
+    """One step of Algorithm 1 with the tool at rest and no model: (x_p, v_p) -> (x_p, v_p)."""
+    k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
+    speed = np.array([-k * dt_s / m, 1.0 - b * dt_s / m])
+    return np.stack([np.array([1.0, 0.0]) + dt_s * speed, speed])
 
 
 def random_sets() -> tuple[np.ndarray, ...]:

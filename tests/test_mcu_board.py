@@ -23,6 +23,7 @@ from mcu_support import (
 from peer import CLI, wait_until
 from support import model_file
 
+from springpot.codegen.reference_tick import LATCHED
 from springpot.host.board_replay import board_force
 from springpot.host.boards import BOARDS
 from springpot.host.emission import emit
@@ -35,7 +36,6 @@ from springpot.trainer.recording_file import write_recording
 pytestmark = pytest.mark.flaky(reruns=3)
 
 SECONDS = 60.0 if os.environ.get("SPRINGPOT_SOAK") else 3.0
-LATCHED = 32
 Emitted = Callable[..., Path]
 PATIENT_MS = 400.0  # for replays: a busy machine may keep the host away
 

@@ -18,6 +18,7 @@ from springpot.codegen.golden import backward_velocity
 from springpot.codegen.instructions import instruction_bound
 from springpot.codegen.ir import Model
 from springpot.codegen.plan import make_plan
+from springpot.codegen.reference_tick import RESYNC
 from springpot.codegen.scene import Guard, Scene
 from springpot.host.boards import BOARDS
 from springpot.host.emission import emit
@@ -26,7 +27,6 @@ from springpot.trainer.fit import FitOptions
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.recording_file import write_recording
 
-RESYNC = 2
 BOUND_ON = ("mps2-an386", "mps2-an500", "virt")
 FOREST = {"trees": 5, "leaf": 20}
 VARIANTS = {

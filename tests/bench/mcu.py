@@ -14,6 +14,7 @@ import numpy as np
 
 from springpot.codegen.golden import backward_velocity
 from springpot.codegen.instructions import instruction_bound
+from springpot.codegen.reference_tick import RESYNC
 from springpot.codegen.scene import Coupling, Runtime, Scene
 from springpot.host.boards import BOARDS
 from springpot.host.emission import emit
@@ -21,8 +22,6 @@ from springpot.host.emulator import run_batch, steps
 from springpot.host.library import SceneLibrary
 from springpot.host.replay import Replay, replayed_accuracy
 from springpot.trainer.recording_file import read_recordings
-
-_RESYNC = 2
 
 
 def main() -> None:
@@ -57,7 +56,7 @@ def report(model: Path, mode: str, name: str, position, recordings) -> None:
         batch = run_batch(emission.folder, board, steps(position, velocity))
         found = replayed_accuracy(replay, recordings)
     differ = int(np.sum((batch.force_n.view("u4") != force_n.view("u4")) | (batch.notes != notes)))
-    restarts = (batch.notes & _RESYNC) != 0
+    restarts = (batch.notes & RESYNC) != 0
     bound = instruction_bound(emission.plan)
     assert emission.footprint is not None and bound is not None
     print(
