@@ -24,7 +24,7 @@ demo: $(STAMP)
 	$(BIN)/springpot demo --out demo
 
 test: $(STAMP) test-c
-	$(BIN)/pytest --ignore-glob='tests/test_mcu_*.py'
+	$(BIN)/pytest --ignore-glob='tests/host/boards/test_mcu_*.py'
 
 # Cross compilers and emulators, from the system's packages, as root.
 setup-mcu:
@@ -33,7 +33,7 @@ setup-mcu:
 
 # The same C on emulated boards; what is missing here is skipped, counted, and said.
 test-mcu: $(STAMP)
-	$(BIN)/pytest -n 2 tests/test_mcu_*.py
+	$(BIN)/pytest -n 2 tests/host/boards/test_mcu_*.py
 
 # make firmware BOARD=mps2-an386 SCENE=scene.toml: build/firmware/BOARD/firmware.elf and its sources.
 firmware: $(STAMP)
@@ -43,12 +43,12 @@ firmware: $(STAMP)
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a
 # million damaged frames, every fault of a session five times, a minute on every emulated board.
 soak: $(STAMP) test-c
-	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/test_import_fuzz.py tests/test_import_command.py
+	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/trainer/recordings/test_import_fuzz.py tests/host/commands/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
-	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/test_hostile.py tests/test_stability.py tests/test_engines.py
-	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/test_wire.py
-	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/test_faults.py
-	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/test_mcu_board.py
+	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/host/stability/test_hostile.py tests/host/stability/test_stability.py tests/codegen/stages/test_engines.py
+	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/host/devices/test_wire.py
+	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/host/session/test_faults.py
+	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/host/boards/test_mcu_board.py
 
 # Sessions of a minute over simulated devices: ticks, lateness, and the Python loop beside.
 bench-host: $(STAMP)

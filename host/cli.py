@@ -5,29 +5,29 @@ import sys
 
 import click
 
-from springpot.host.output import say
-from springpot.runtime_c.errors import SpringpotError
+from springpot.codegen.errors import SpringpotError
+from springpot.host.console.output import say
 
 # Command -> module and object. Loaded when used: replaying never loads what only training needs.
 _COMMANDS = {
-    "doctor": ("doctor_command", "doctor"),
-    "demo": ("demo_command", "demo"),
-    "record": ("record_command", "record"),
-    "import": ("import_command", "import_"),
-    "check": ("check_command", "check"),
-    "plot": ("plot_command", "plot"),
-    "export": ("export_command", "export_"),
-    "train": ("train_command", "train"),
-    "emit": ("emit_command", "emit_"),
-    "build": ("emit_command", "build"),
-    "firmware": ("firmware_command", "firmware"),
-    "stability": ("stability_command", "stability_"),
-    "validate": ("validate_command", "validate_"),
-    "run": ("run_command", "run"),
-    "bench": ("bench_command", "bench"),
-    "report": ("report_command", "report"),
-    "reproduce": ("reproduce_command", "reproduce"),
-    "material": ("material_command", "material"),
+    "doctor": ("doctor", "doctor"),
+    "demo": ("scenes.demo", "demo"),
+    "record": ("recordings.record", "record"),
+    "import": ("recordings.import_", "import_"),
+    "check": ("recordings.check", "check"),
+    "plot": ("recordings.plot", "plot"),
+    "export": ("recordings.export", "export_"),
+    "train": ("models.train", "train"),
+    "emit": ("scenes.emit", "emit_"),
+    "build": ("scenes.emit", "build"),
+    "firmware": ("scenes.firmware", "firmware"),
+    "stability": ("scenes.stability", "stability_"),
+    "validate": ("scenes.validate", "validate_"),
+    "run": ("scenes.run", "run"),
+    "bench": ("models.bench", "bench"),
+    "report": ("scenes.report", "report"),
+    "reproduce": ("models.reproduce", "reproduce"),
+    "material": ("models.material", "material"),
 }
 
 
@@ -39,7 +39,7 @@ class _Commands(click.Group):
         if cmd_name not in _COMMANDS:
             return None
         module, name = _COMMANDS[cmd_name]
-        command = getattr(importlib.import_module(f"springpot.host.{module}"), name)
+        command = getattr(importlib.import_module(f"springpot.host.commands.{module}"), name)
         assert isinstance(command, click.Command)
         return command
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.reference_tick import RAMPED
-from springpot.runtime_c.errors import DataError
+from springpot.codegen.errors import DataError
+from springpot.codegen.reference.tick import RAMPED
 
 Samples = NDArray[np.float64]
 

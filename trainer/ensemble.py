@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.ir import Features, Model
-from springpot.runtime_c.errors import UsageError
-from springpot.trainer.feature_values import Samples
-from springpot.trainer.fit import FitOptions, assemble
-from springpot.trainer.fit_hammerstein import fit_passive
-from springpot.trainer.forests import depth_scale, ensemble_ir, unscaled
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.ir import Features, Model
+from springpot.trainer.features.values import Samples
+from springpot.trainer.models.fit import FitOptions, assemble
+from springpot.trainer.models.forests import depth_scale, ensemble_ir, unscaled
+from springpot.trainer.models.hammerstein import fit_passive
+from springpot.trainer.models.predict import regressor_force
+from springpot.trainer.models.rf_fd import fractional_features
+from springpot.trainer.models.training_set import TrainingSet, training_set
 from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.predict import regressor_force
-from springpot.trainer.recording import Recording
-from springpot.trainer.rf_fd import fractional_features
-from springpot.trainer.training_set import TrainingSet, training_set
+from springpot.trainer.recordings.recording import Recording
 
 KIND = "ensemble"
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side

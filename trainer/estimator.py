@@ -9,13 +9,13 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted
 
-from springpot.codegen.ir import Model
-from springpot.runtime_c.errors import DataError, UsageError
-from springpot.trainer.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.ir import Model
 from springpot.trainer.kinds import fit_model, kind_names
+from springpot.trainer.models.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
+from springpot.trainer.models.predict import predict_n
 from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.predict import predict_n
-from springpot.trainer.recording import Recording, Samples, Zero
+from springpot.trainer.recordings.recording import Recording, Samples, Zero
 
 
 class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]

@@ -6,15 +6,15 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
-from springpot.runtime_c.errors import UsageError
-from springpot.trainer.auto import fit_auto
-from springpot.trainer.fit import Fit, FitOptions
-from springpot.trainer.fit_hammerstein import fit_hammerstein, fit_hybrid
-from springpot.trainer.fit_rbf import fit_rbf_fd, fit_rbf_pv
-from springpot.trainer.fit_springpot import fit_springpot
-from springpot.trainer.recording import Recording
-from springpot.trainer.rf_fd import fit_boosted_fd, fit_rf_fd, fit_rf_history
-from springpot.trainer.training_set import TrainingSet, training_set
+from springpot.codegen.errors import UsageError
+from springpot.trainer.models.fit import Fit, FitOptions
+from springpot.trainer.models.hammerstein import fit_hammerstein, fit_hybrid
+from springpot.trainer.models.rbf import fit_rbf_fd, fit_rbf_pv
+from springpot.trainer.models.rf_fd import fit_boosted_fd, fit_rf_fd, fit_rf_history
+from springpot.trainer.models.springpot import fit_springpot
+from springpot.trainer.models.training_set import TrainingSet, training_set
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.selection.auto import fit_auto
 
 WINDOWS = 3  # recordings shorter than this many windows cannot teach what the window holds
 
@@ -75,7 +75,7 @@ def fit_kind(
 def _trimmed(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording]
 ) -> Fit:
-    from springpot.trainer.trims import trimmed_options
+    from springpot.trainer.selection.reduce import trimmed_options
 
     begin = time.perf_counter()
     search = trimmed_options(data, options, options.within or 0.0, validation)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from joblib import Parallel, delayed, parallel_config
 
-from springpot.runtime_c.errors import UsageError
+from springpot.codegen.errors import UsageError
 
 _CONNECT_S = 10
 _WATCH_S = 0.5

@@ -1,12 +1,12 @@
-"""The same window by direct taps and truncated exponentials: sp_fast_window.h and sp_weigh.h."""
+"""The same window by direct taps and truncated exponentials: sp_fast_window.h."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.ir import FastFirBank
 from springpot.codegen.literals import array_text
+from springpot.codegen.model.ir import FastFirBank
 from springpot.codegen.stages.stage import (
     REAL,
     SMALLEST,
@@ -17,7 +17,7 @@ from springpot.codegen.stages.stage import (
     held_before,
     segments,
 )
-from springpot.codegen.stages.weighed import WeighedStage, in_lanes
+from springpot.codegen.stages.weighted_sum import WeighedStage, in_lanes
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class FastFirStage(WeighedStage):
     length: int
 
     terms, n_terms = "terms", "N_TERMS"
-    headers = ("sp_window.h", "sp_number.h", "sp_fast_window.h", "sp_weigh.h")
+    headers = ("sp_window.h", "sp_number.h", "sp_fast_window.h", "sp_weighted_sum.h")
 
     @property
     def n_direct(self) -> int:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.ir import FirBank
 from springpot.codegen.literals import array_text
+from springpot.codegen.model.ir import FirBank
 from springpot.codegen.stages.stage import (
     REAL,
     U32,

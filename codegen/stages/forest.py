@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.configs import CompactForest, ForestTable
-from springpot.codegen.forest_walk import compact_sums, feature_ranks, forest_force, table_sums
-from springpot.codegen.ir import Forest, Rounding
+from springpot.codegen.forest.quantisation import rounded
+from springpot.codegen.forest.traverse import compact_sums, feature_ranks, forest_force, table_sums
 from springpot.codegen.literals import array_text, literal, wrapped
-from springpot.codegen.rounding import rounded
+from springpot.codegen.model.ir import Forest, Rounding
 from springpot.codegen.stages.stage import U32, Member, Reals
 
 _FORCE = "const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;"
@@ -30,7 +30,7 @@ class CompactForestStage:
     @property
     def headers(self) -> tuple[str, ...]:
         """Ranks by rounding or by search, and the walk."""
-        ranks = "sp_round.h" if self.rounding is not None else "sp_ranks.h"
+        ranks = "sp_quantise.h" if self.rounding is not None else "sp_bins.h"
         walk = ("sp_forest.h", "sp_forest_x86.h", "sp_forest_simd.h")
         return (ranks, *(walk if self.vectors else walk[:1]))
 
@@ -90,14 +90,14 @@ class CompactForestStage:
             if not self.forest.thresholds:  # trees without a split
                 return ["(void)features;"]
             return [
-                "sp_ranks(thresholds, threshold_starts, N_FEATURES, features, state->ranks);",
+                "sp_bins(thresholds, threshold_starts, N_FEATURES, features, state->ranks);",
                 "for (uint32_t i = 0; i < N_FEATURES; i++) {",
                 "    ranks[i + 1] = state->ranks[i];",
                 "}",
             ]
         return [
             "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-            "    ranks[i + 1] = sp_round(features[i], round_least[i], round_per_step[i]);",
+            "    ranks[i + 1] = sp_quantise(features[i], round_least[i], round_per_step[i]);",
             "}",
         ]
 
@@ -138,7 +138,7 @@ class _OnFloats:
     def _slots(self, cast: str) -> list[str]:
         feature = "(float)features[i]"
         if self.rounding is not None:
-            feature = "sp_round(features[i], round_least[i], round_per_step[i])"
+            feature = "sp_quantise(features[i], round_least[i], round_per_step[i])"
         return [
             "for (uint32_t i = 0; i < N_FEATURES; i++) {",
             f"    slots[i] = {cast}{feature};",
@@ -153,7 +153,7 @@ class WideForestStage(_OnFloats):
     @property
     def headers(self) -> tuple[str, ...]:
         """The walk, and the rounding where there is one."""
-        return (*(("sp_round.h",) if self.rounding is not None else ()), "sp_forest_wide.h")
+        return (*(("sp_quantise.h",) if self.rounding is not None else ()), "sp_forest_wide.h")
 
     def tables(self) -> list[str]:
         """Nodes, roots, sizes and scale."""
@@ -191,11 +191,11 @@ class IfsStage(_OnFloats):
     @property
     def headers(self) -> tuple[str, ...]:
         """The rounding where there is one."""
-        return ("sp_round.h",) if self.rounding is not None else ()
+        return ("sp_quantise.h",) if self.rounding is not None else ()
 
     def tables(self) -> list[str]:
         """The function forest_score."""
-        from springpot.codegen.m2c import score_source
+        from springpot.codegen.forest.m2c import score_source
 
         return [*self._head(), score_source(self.forest, self.table)]
 
@@ -219,7 +219,7 @@ def _nodes(name: str, nodes: Any) -> list[str]:
 
 def _rounding(rounding: Rounding) -> list[str]:
     return [
-        "/* A feature's least value, and its steps in a unit (sp_round.h). */",
+        "/* A feature's least value, and its steps in a unit (sp_quantise.h). */",
         array_text("round_least", "float", rounding.least.astype(np.float32)),
         array_text("round_per_step", "float", rounding.per_step.astype(np.float32)),
     ]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.ir import Basis, Hammerstein
 from springpot.codegen.literals import array_text, struct_text
+from springpot.codegen.model.ir import Basis, Hammerstein
 from springpot.codegen.stages.recursive import loss_and_gain
 from springpot.codegen.stages.stage import (
     LANES,

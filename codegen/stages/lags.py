@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.ir import Lags
 from springpot.codegen.literals import array_text
+from springpot.codegen.model.ir import Lags
 from springpot.codegen.stages.stage import REAL, U32, Member, Reals, Starts, held_before
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from springpot.codegen.ir import PositionVelocity
 from springpot.codegen.literals import array_text, literal
+from springpot.codegen.model.ir import PositionVelocity
 from springpot.codegen.stages.stage import REAL, U32, Member, Real, Reals, Starts, segments
 
 

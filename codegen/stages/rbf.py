@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.codegen.ir import Rbf
+from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text
+from springpot.codegen.model.ir import Rbf
 from springpot.codegen.stages.stage import Reals, padded
-from springpot.runtime_c.errors import UsageError
 
 LANES = 8  # SP_RBF_LANES
 

@@ -1,12 +1,12 @@
-"""Fractional derivatives by exponentials that all orders share: sp_poles.h and sp_weigh.h."""
+"""Fractional derivatives by exponentials that all orders share: sp_poles.h."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.ir import RecursiveBank
 from springpot.codegen.literals import array_text
+from springpot.codegen.model.ir import RecursiveBank
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
@@ -17,7 +17,7 @@ from springpot.codegen.stages.stage import (
     Starts,
     segments,
 )
-from springpot.codegen.stages.weighed import WeighedStage, in_lanes
+from springpot.codegen.stages.weighted_sum import WeighedStage, in_lanes
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
 
@@ -59,7 +59,7 @@ class RecursiveStage(WeighedStage):
     def headers(self) -> tuple[str, ...]:
         """The slow poles' unit only where there is one."""
         slow = ("sp_slow_poles.h",) if len(self.slow_loss) else ()
-        return ("sp_number.h", "sp_poles.h", *slow, "sp_weigh.h")
+        return ("sp_number.h", "sp_poles.h", *slow, "sp_weighted_sum.h")
 
     @property
     def members(self) -> tuple[Member, ...]:

@@ -13,7 +13,7 @@ Reals = NDArray[Any]
 Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample held
 
 REAL, U32, DOUBLE = "real", "u32", "double"
-LANES = 4  # SP_LANES of sp_weigh.h
+LANES = 4  # SP_LANES of sp_weighted_sum.h
 SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
 
 

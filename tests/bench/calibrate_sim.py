@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.host import protocols, simulated_bench
+from springpot.host.recording import protocols
+from springpot.host.simulation import bench as simulated_bench
 from springpot.runtime_c import paths
 
 TARGETS = {  # object: (greatest depth over the training protocol, m; loss per cycle at 1 Hz, 10 N)

@@ -20,20 +20,20 @@ from typing import Any
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from peer import peer
-from support import DEPTH_M, model_file, scene, small_model
+from support.peer import peer
+from support.small import DEPTH_M, model_file, scene, small_model
 
-from springpot.codegen.ir import Model
-from springpot.host.emission import emit
-from springpot.host.library import SceneLibrary
-from springpot.host.output import say
-from springpot.host.replay import Replay
-from springpot.host.session import Session
-from springpot.host.validation import repeat_session
-from springpot.trainer.fit import FitOptions
+from springpot.codegen.model.ir import Model
+from springpot.host.console.output import say
+from springpot.host.emission.emission import emit
+from springpot.host.native.replay import Replay
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.session import Session
+from springpot.host.validation.validation import repeat_session
 from springpot.trainer.kinds import fit_model
-from springpot.trainer.recording import Recording
-from springpot.trainer.recording_file import read_recording
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recording
 
 
 @dataclass(frozen=True)

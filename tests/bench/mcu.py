@@ -12,16 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.codegen.golden import backward_velocity
-from springpot.codegen.instructions import instruction_bound
-from springpot.codegen.reference_tick import RESYNC
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.plan.instructions import instruction_bound
+from springpot.codegen.reference.tick import RESYNC
 from springpot.codegen.scene import Coupling, Runtime, Scene
-from springpot.host.boards import BOARDS
-from springpot.host.emission import emit
-from springpot.host.emulator import run_batch, steps
-from springpot.host.library import SceneLibrary
-from springpot.host.replay import Replay, replayed_accuracy
-from springpot.trainer.recording_file import read_recordings
+from springpot.host.boards.boards import BOARDS
+from springpot.host.boards.emulator import run_batch, steps
+from springpot.host.emission.emission import emit
+from springpot.host.native.replay import Replay, replayed_accuracy
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.recordings.recording_file import read_recordings
 
 
 def main() -> None:

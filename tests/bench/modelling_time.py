@@ -10,10 +10,10 @@ import time
 import numpy as np
 from sklearn.ensemble import RandomForestRegressor
 
-from springpot.host.reproduce import Work, simulated
+from springpot.host.paper.reproduce import Work, simulated
 from springpot.trainer.ensemble import ensemble_data
-from springpot.trainer.fit import FitOptions
 from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "rf-history", "boosted", "hammerstein", "hybrid", "springpot")
 RUNS = 3

@@ -3,8 +3,8 @@
 import sys
 from pathlib import Path
 
-from springpot.host.figures import prediction, typical
-from springpot.host.validation_store import read_validation
+from springpot.host.validation.figures import prediction, typical
+from springpot.host.validation.store import read_validation
 
 folder, picture = map(Path, sys.argv[1:])
 picture.write_text(prediction(typical(read_validation(folder).series)))

@@ -9,7 +9,7 @@
 
 On a machine with nothing else to do: times are upper bounds otherwise, and the page says so. The
 README takes the first benchmark. Without arguments it writes them again from docs/results.json,
-which keeps what they need. No figure in either page is typed by hand: tests/test_results.py
+which keeps what they need. No figure in either page is typed by hand: tests/host/benchmark/test_results.py
 compares.
 """
 
@@ -18,9 +18,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from springpot.host.bench_figures import front_figure
-from springpot.host.bench_report import paper_rows, plain
-from springpot.host.bench_words import kilobytes, label
+from springpot.host.benchmark.figures import front_figure
+from springpot.host.benchmark.labels import kilobytes, label
+from springpot.host.benchmark.report import paper_rows, plain
 
 Facts = dict[str, Any]
 ROOT = Path(__file__).parents[2]

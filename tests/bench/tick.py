@@ -18,14 +18,14 @@ import numpy as np
 from tick_peers import peer_rows
 from tick_rows import HERE, Row, Stepper, literal_row, scene_rows
 
-from springpot.codegen.ir import FirBank
+from springpot.codegen.model.ir import FirBank
 from springpot.codegen.scene import Coupling, Smoothing
-from springpot.host.compiler import compiler_version, find_compiler
-from springpot.host.reproduce import Work, simulated
-from springpot.trainer.fit import FitOptions
-from springpot.trainer.forests import depth_scale, random_forest
+from springpot.host.native.compiler import compiler_version, find_compiler
+from springpot.host.paper.reproduce import Work, simulated
 from springpot.trainer.kinds import fit_model
-from springpot.trainer.training_set import training_set
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.forests import depth_scale, random_forest
+from springpot.trainer.models.training_set import training_set
 
 OBJECT = "ecoflex-00-30"
 STRETCH = 500

@@ -11,12 +11,12 @@ from typing import Any
 import cffi
 import numpy as np
 
-from springpot.codegen.ir import FirBank, Model
-from springpot.codegen.model_file import write_model
+from springpot.codegen.model.ir import FirBank, Model
+from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling, Guard, Scene, Smoothing
-from springpot.host.compiler import find_compiler
-from springpot.host.emission import emit
-from springpot.host.replay import load_port
+from springpot.host.emission.emission import emit
+from springpot.host.native.compiler import find_compiler
+from springpot.host.native.replay import load_port
 from springpot.runtime_c.paths import flags
 
 HERE = Path(__file__).parent

@@ -15,24 +15,24 @@ from sklearn.ensemble import (
     RandomForestRegressor,
 )
 
-from springpot.codegen.ir import Forest
-from springpot.codegen.plan import make_plan
+from springpot.codegen.model.ir import Forest
+from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Scene
-from springpot.host.replay import Replay
-from springpot.host.reproduce import Work, simulated
-from springpot.host.simulated_bench import OBJECTS
-from springpot.host.small_signal import small_signal_map
-from springpot.host.trial_build import built
-from springpot.trainer.fit import FitOptions
-from springpot.trainer.forests import (
+from springpot.host.native.replay import Replay
+from springpot.host.native.trial_build import built
+from springpot.host.paper.reproduce import Work, simulated
+from springpot.host.simulation.bench import OBJECTS
+from springpot.host.stability.small_signal import small_signal_map
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.forests import (
     FEATURES_AT_SPLIT,
     ROWS_OF_A_TREE,
     depth_scale,
     unscaled,
 )
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.training_set import training_set
-from springpot.trainer.tree_ir import boosted_ir, forest_ir
+from springpot.trainer.models.training_set import training_set
+from springpot.trainer.models.tree_ir import boosted_ir, forest_ir
 
 THIRD = 1 / 3  # of the features at each split
 Fitted = Callable[[np.ndarray, np.ndarray, float], Forest]

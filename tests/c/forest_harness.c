@@ -4,7 +4,7 @@
 
 #include "sp_forest_simd.h"
 #include "sp_forest_wide.h"
-#include "sp_ranks.h"
+#include "sp_bins.h"
 
 void wide_sums(const sp_wide_node *nodes, const uint32_t *roots, uint32_t n_roots, uint32_t depth,
                uint32_t n, uint32_t n_features, const float *features, int32_t *sums);
@@ -33,7 +33,7 @@ void compact_sums(const void *tables[5], const uint32_t sizes[3], uint32_t simd,
         uint32_t ranks[SP_FOREST_SLOTS] = {0};
         const float *feature = features + i * sizes[2];
         if (tables[3]) {
-            sp_ranks(tables[3], tables[4], sizes[2], feature, last);
+            sp_bins(tables[3], tables[4], sizes[2], feature, last);
             memcpy(ranks + 1, last, sizes[2] * sizeof *last);
         } else {
             for (uint32_t k = 0; k < sizes[2]; k++) {

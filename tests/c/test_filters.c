@@ -5,7 +5,7 @@
 #include "sp_smooth.h"
 #include "sp_taps.h"
 #include "sp_velocity.h"
-#include "sp_weigh.h"
+#include "sp_weighted_sum.h"
 #include "sp_window.h"
 
 enum { LENGTH = 7, LANES = 8 };
@@ -35,7 +35,7 @@ static void bank_is_the_plain_sum_in_the_same_order(void)
     for (int k = 0; k < LENGTH; k++) {
         window[k] = (sp_real)1 / (sp_real)(k + 3);
     }
-    sp_weigh(taps, window, LENGTH, LANES, derivative);
+    sp_weighted_sum(taps, window, LENGTH, LANES, derivative);
     for (int lane = 0; lane < LANES; lane++) {
         volatile sp_real sum = 0;
         for (int k = 0; k < LENGTH; k++) {

@@ -4,7 +4,7 @@
  *     sp_port.c       bytes and periods               called by both, below
  *     sp_board_*.c    registers and interrupts        implements sp_board_*
  *
- * sp_hand.c is the sensor and the motor: replace it by your own.
+ * sp_transducer.c is the sensor and the motor: replace it by your own.
  */
 #ifndef SP_PORT_H
 #define SP_PORT_H

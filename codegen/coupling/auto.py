@@ -1,0 +1,104 @@
+"""Coupling mode "auto": mode and gains from the object's stiffness, the rate and the delay."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from springpot.codegen.coupling.linear_loop import HANDS, Hand, Loop
+from springpot.codegen.scene import Coupling
+
+# The loop must be stable with an object stiffer than this model by so much.
+STIFFNESS_MARGIN_OFF = 1.25
+STIFFNESS_MARGIN_PROXY = 1.5
+# A proxy's oscillations must die out within 0.5 s: 1 - dt/0.5 s is the greatest radius.
+DECAY_PER_S = 2.0
+# Of the stiffest coupling that the linear loop allows; sensors and leaves of trees are not linear.
+GAIN_MARGIN = 0.75
+_STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 50)
+_RATIOS = np.array([0.6, 1.0, 1.6])  # of the proxy's critical damping
+_MASSES_KG = (0.02, 0.05, 0.1)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A coupling and why; felt_npm: the stiffness that a hand feels on the object's stiffest."""
+
+    coupling: Coupling
+    why: str
+    felt_npm: float
+
+
+def choose(
+    stiffness_npm: float, dt_s: float, delay_samples: int, smoothing: float, stated: Coupling
+) -> Choice:
+    """Pick for an object of that greatest tangent stiffness.
+
+    `off` where the bare loop is stable with every hand at the stated delay, and with the mid and
+    firm hands at one sample more: nothing then stands between the hand and the model. Else the
+    stiffest proxy that is stable with every hand at both delays.
+    """
+
+    def loop(coupling: Coupling, hand: Hand, more: int) -> Loop:
+        return Loop(dt_s, coupling, hand, delay_samples + more, smoothing)
+
+    off = replace(stated, mode="off")
+    bare = [(hand, more) for hand in HANDS for more in (0, 1) if more == 0 or hand.name != "light"]
+    limits = [loop(off, hand, more).greatest_stiffness_npm() for hand, more in bare]
+    told = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {delay_samples} samples late"
+    if min(limits) > STIFFNESS_MARGIN_OFF * stiffness_npm:
+        why = f"off: auto: {told}, are below the bare loop's limit of {_npmm(min(limits))}"
+        return Choice(off, why, stiffness_npm)
+    loads = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
+
+    def radius(coupling: Coupling) -> float:
+        return max(
+            float(loop(coupling, hand, more).spectral_radius(loads).max())
+            for hand in HANDS
+            for more in (0, 1)
+        )
+
+    proxy = _stiffest(radius, 1.0 - DECAY_PER_S * dt_s)
+    felt = series(proxy.stiffness_npm, stiffness_npm)
+    why = (
+        f"proxy: auto: {told}, pass the bare loop's limit of {_npmm(min(limits))}: "
+        f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
+        f"the hand feels {_npmm(felt)}"
+    )
+    return Choice(proxy, why, felt)
+
+
+def _stiffest(radius: Callable[[Coupling], float], greatest: float) -> Coupling:
+    """Stiffest proxy of a radius up to `greatest`, less a margin; the quietest where there is none.
+
+    Within a stiffness the lightest proxy comes first: it passes the least noise on.
+    """
+    least = (np.inf, Coupling(mode="proxy"))
+    for stiffness_npm in _STIFFNESSES_NPM[::-1]:
+        for mass_kg in _MASSES_KG:
+            critical = 2.0 * np.sqrt(stiffness_npm * mass_kg)
+            for damping_nspm in _RATIOS * critical:
+                proxy = Coupling("proxy", stiffness_npm, damping_nspm, mass_kg)
+                found = radius(proxy)
+                if found <= greatest:
+                    return _rounded(proxy, GAIN_MARGIN)
+                least = min(least, (found, proxy), key=lambda item: item[0])
+    return _rounded(least[1], 1.0)
+
+
+def _rounded(proxy: Coupling, share: float) -> Coupling:
+    """A softer coupling of the same damping ratio, in two digits."""
+    return replace(
+        proxy,
+        stiffness_npm=float(f"{share * proxy.stiffness_npm:.2g}"),
+        damping_nspm=float(f"{np.sqrt(share) * proxy.damping_nspm:.2g}"),
+    )
+
+
+def series(one_npm: float, other_npm: float) -> float:
+    """Stiffness of two springs one after the other."""
+    return one_npm * other_npm / (one_npm + other_npm)
+
+
+def _npmm(stiffness_npm: float) -> str:
+    return f"{1e-3 * stiffness_npm:.3g} N/mm"

@@ -1,0 +1,101 @@
+"""Gains of the virtual coupling: exact discretisation, and the gains that are unit errors."""
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.configs import CoupleConfig, Real
+from springpot.codegen.errors import UnsafeError
+from springpot.codegen.scene import Coupling
+
+PAPER_DT_S = 1e-3
+GREATEST_DAMPING_RATIO = 10.0
+# A proxy may be as light as its step is exact: no printed step judges it, but no device does more.
+GREATEST_PROXY_NPM = 1e6
+GREATEST_PROXY_NSPM = 1e3
+
+
+def printed_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
+    """Stability of the paper's Algorithm 1 (semi-implicit Euler): 2 b dt/m + k dt^2/m < 4."""
+    k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
+    return 2.0 * b * dt_s / m + k * dt_s**2 / m < 4.0
+
+
+def greatest_printed_damping_nspm(coupling: Coupling, dt_s: float) -> float:
+    """What the printed step allows with this stiffness and mass; 0 where none."""
+    k, m = coupling.stiffness_npm, coupling.mass_kg
+    return max(0.0, (4.0 * m - k * dt_s**2) / (2.0 * dt_s))
+
+
+def transition(
+    stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float
+) -> NDArray[np.float64]:
+    """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], in closed form.
+
+    With A = a I + N, a = -b/2m, N^2 = (a^2 - k/m) I: exp = e^(a dt) (c I + s N), where c and s are
+    cosh and sinh/root where the proxy is overdamped, and cos and sin/root where it swings.
+    """
+    a = -damping_nspm / (2.0 * mass_kg)
+    square = a * a - stiffness_npm / mass_kg
+    root = math.sqrt(abs(square))
+    if square > 0.0:
+        # The slow and the fast exponential apart: cosh alone overflows for large damping.
+        # a + root cancels for large damping; the product of the two roots is k/m.
+        fast = math.exp((a - root) * dt_s)
+        slow = math.exp(-(stiffness_npm / mass_kg) / (root - a) * dt_s)
+        c, s = (slow + fast) / 2.0, (slow - fast) / (2.0 * root)
+    else:
+        decay = math.exp(a * dt_s)
+        c = decay * math.cos(root * dt_s)
+        s = decay * (math.sin(root * dt_s) / root if root > 0.0 else dt_s)
+    matrix = np.array([[0.0, 1.0], [-stiffness_npm / mass_kg, -damping_nspm / mass_kg]])
+    phi: NDArray[np.float64] = c * np.eye(2) + s * (matrix - a * np.eye(2))
+    return phi
+
+
+def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:
+    """Constants of sp_couple.h."""
+    phi = transition(coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg, dt_s)
+    return CoupleConfig(
+        stiffness_npm=real(coupling.stiffness_npm),
+        damping_nspm=real(coupling.damping_nspm),
+        compliance_mpn=real(1.0 / coupling.stiffness_npm),
+        dt_s=real(dt_s),
+        phi=np.array([real(value) for value in phi.ravel()]),
+    )
+
+
+def refuse_unit_error(coupling: Coupling) -> None:
+    """Refuse gains that only a wrong unit explains; name the value that was meant.
+
+    The exact step is stable with any damping, so a wrong unit no longer explodes: it glues the
+    proxy to the tool. So the printed step judges, at the paper's 1 ms whatever the scene's rate.
+    """
+    if _plausible(coupling):
+        return
+    stated = (
+        f"coupling: stiffness_npm = {coupling.stiffness_npm:g}, damping_nspm = "
+        f"{coupling.damping_nspm:g}, mass_kg = {coupling.mass_kg:g} look like a unit error"
+    )
+    for key, unit in (("damping_nspm", "N s/m"), ("stiffness_npm", "N/m")):
+        meant = getattr(coupling, key) / 1e3
+        if _plausible(dataclasses.replace(coupling, **{key: meant})):
+            raise UnsafeError(f"{stated}: {key} = {meant:g} ({meant:g} {unit}) was probably meant")
+    raise UnsafeError(f"{stated}: the paper's gains are 1500 N/m, 20 N s/m and 0.05 kg")
+
+
+def is_unit_error(coupling: Coupling) -> bool:
+    """Whether these gains would be refused."""
+    return coupling.mode in ("tool", "proxy") and not _plausible(coupling)
+
+
+def _plausible(coupling: Coupling) -> bool:
+    k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
+    if b / (2.0 * math.sqrt(k * m)) > GREATEST_DAMPING_RATIO:
+        return False
+    if coupling.mode == "proxy":
+        return k <= GREATEST_PROXY_NPM and b <= GREATEST_PROXY_NSPM
+    return printed_step_is_stable(coupling, PAPER_DT_S)

@@ -1,0 +1,116 @@
+"""The linear loop that a scene closes: an object's tangent, a coupling, a delay, and a hand."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.coupling.gains import transition
+from springpot.codegen.scene import Coupling
+from springpot.codegen.stages.tool_velocity import TIME_S as VELOCITY_S
+
+Matrices = NDArray[np.float64]
+HandName = Literal["mid", "firm", "light"]
+
+DEVICE_MASS_KG = 0.3
+DEVICE_DAMPING_NSPM = 4.0
+
+
+@dataclass(frozen=True)
+class Hand:
+    """A hand that holds the device: one mass with it, on a spring and a damper."""
+
+    name: HandName
+    mass_kg: float
+    stiffness_npm: float
+    damping_nspm: float
+
+
+# From a firm grip to two fingertips; the first one is the design hand.
+HANDS = (
+    Hand("mid", 0.25, 400.0, 6.0),
+    Hand("firm", 0.30, 1000.0, 10.0),
+    Hand("light", 0.12, 300.0, 2.0),
+)
+DESIGN_HAND = HANDS[0]
+
+
+@dataclass(frozen=True)
+class Loop:
+    """All of the loop but the object's stiffness.
+
+    coupling: its mode is "off", "tool" or "proxy". smoothing: weight of the newest force, 1 none.
+    """
+
+    dt_s: float
+    coupling: Coupling
+    hand: Hand
+    delay_samples: int
+    smoothing: float = 1.0
+
+    def spectral_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Greatest eigenvalue of one tick, for each object stiffness (n,), N/m."""
+        matrices = self._tick(np.atleast_1d(np.asarray(stiffness_npm, dtype=np.float64)))
+        radius: NDArray[np.float64] = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
+        return radius
+
+    def greatest_stiffness_npm(self) -> float:
+        """Softest object that it cannot hold, N/m, up to 1e7."""
+        grid = np.geomspace(1.0, 1e7, 400)
+        unstable = np.flatnonzero(self.spectral_radius(grid) >= 1.0)
+        return float(grid[unstable[0]]) if len(unstable) else 1e7
+
+    def _tick(self, stiffness_npm: NDArray[np.float64]) -> Matrices:
+        """One tick applied to each unit vector: shape (n, states, states)."""
+        mode = self.coupling.mode
+        step = _Step(len(stiffness_npm), 4 + 2 * (mode != "off") + 1 + self.delay_samples)
+        x, v, x_before, v_held = (step.row(i) for i in range(4))
+        weight = self.dt_s / (self.dt_s + VELOCITY_S)
+        v_held = v_held + weight * ((x - x_before) / self.dt_s - v_held)
+        proxy: tuple[Any, ...] = ()
+        k = stiffness_npm[:, None]
+        if mode == "off":
+            force = k * x
+            v_held = 0.0 * v_held
+        else:
+            x_p, v_p = step.row(4), step.row(5)
+            force, *moved = self._couple(x, v_held, x_p, v_p, k * (x_p if mode == "proxy" else x))
+            proxy = tuple(moved)
+        at = 4 + len(proxy)
+        smoothed = self.smoothing * force + (1.0 - self.smoothing) * step.row(at)
+        queue = [smoothed, *(step.row(at + i) for i in range(self.delay_samples))]
+        moved_x, moved_v = self._move(x, v, queue[-1])
+        return np.stack([moved_x, moved_v, x, v_held, *proxy, *queue], axis=1)
+
+    def _couple(self, x: Any, v: Any, x_p: Any, v_p: Any, model_n: Any) -> tuple[Any, Any, Any]:
+        """sp_couple.h."""
+        k, b, m = (
+            self.coupling.stiffness_npm, self.coupling.damping_nspm, self.coupling.mass_kg
+        )  # fmt: skip
+        phi = transition(k, b, m, self.dt_s)
+        e, w, rest = x_p - x, v_p - v, -model_n / k
+        force = -k * e - b * w
+        x_next = x + self.dt_s * v + rest + phi[0, 0] * (e - rest) + phi[0, 1] * w
+        return force, x_next, v + phi[1, 0] * (e - rest) + phi[1, 1] * w
+
+    def _move(self, x: Any, v: Any, force: Any) -> tuple[Any, Any]:
+        """Hand and device under a force that is held for a tick, exactly."""
+        hand = self.hand
+        phi = transition(
+            hand.stiffness_npm,
+            hand.damping_nspm + DEVICE_DAMPING_NSPM,
+            hand.mass_kg + DEVICE_MASS_KG,
+            self.dt_s,
+        )
+        rest = -force / hand.stiffness_npm
+        return rest + phi[0, 0] * (x - rest) + phi[0, 1] * v, phi[1, 0] * (x - rest) + phi[1, 1] * v
+
+
+class _Step:
+    def __init__(self, n: int, states: int) -> None:
+        self._n = n
+        self._unit = np.eye(states)
+
+    def row(self, state: int) -> NDArray[np.float64]:
+        return np.broadcast_to(self._unit[state], (self._n, len(self._unit)))

@@ -1,0 +1,175 @@
+"""Plan -> the text of every emitted file. No dates, no paths: the same plan, the same bytes."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.emit.glue import public_header, scene_header, scene_source
+from springpot.codegen.emit.golden import golden_positions, golden_velocities, probe_inputs
+from springpot.codegen.emit.project import example_main, example_makefile, selftest_source
+from springpot.codegen.forest.compact import work_at_most
+from springpot.codegen.literals import wrapped
+from springpot.codegen.model.model_file import model_hash
+from springpot.codegen.plan.instructions import instruction_bound
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import measured_tables, planned_headers, stages, state_bytes
+from springpot.codegen.reference.run import run_reference
+from springpot.codegen.stages.fir import FirStage
+from springpot.codegen.stages.forest import CompactForestStage, IfsStage, WideForestStage
+from springpot.codegen.stages.stage import RegressorStage, Stage
+from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
+
+_HASH = "@manifest-hash@"
+
+
+def emit_files(plan: Plan) -> dict[str, str]:
+    """Return file name -> text of everything that is emitted.
+
+    Generated files begin with the version and the manifest's hash, which covers every file here.
+    """
+    prefix = plan.scene.runtime.prefix
+    files = {
+        f"{prefix}.h": public_header(plan),
+        f"{prefix}_scene.h": scene_header(plan),
+        f"{prefix}_tables.h": _tables(plan, "tables", _once(plan), measured_tables(plan)),
+        f"{prefix}_scene.c": scene_source(plan, json.dumps(_short_manifest(plan))),
+        f"{prefix}_golden.h": _golden(plan),
+        f"{prefix}_selftest.c": selftest_source(plan),
+        "main.c": example_main(plan),
+        "Makefile": example_makefile(plan),
+    }
+    if plan.regressor is not None:
+        files[f"{prefix}_regressor.h"] = _tables(plan, "regressor", [plan.regressor])
+    files = {name: _stamp(name) + text for name, text in files.items()}
+    for header in ["sp_notes.h", *planned_headers(plan)]:
+        folder = INCLUDE if header == "sp_notes.h" else SOURCE
+        files[header] = (folder / header).read_text()
+    files["sp_real.h"] = (INCLUDE / plan.real / "sp_real.h").read_text()
+    files["flags.mk"] = FLAGS_FILE.read_text()
+    files["manifest.json"] = json.dumps(manifest(plan), indent=2, sort_keys=True) + "\n"
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        digest.update(f"{name}\n{files[name]}".encode())
+    return {name: text.replace(_HASH, digest.hexdigest()) for name, text in files.items()}
+
+
+def manifest(plan: Plan) -> dict[str, Any]:
+    """All facts of the emission, for people and tools."""
+    return {
+        **_short_manifest(plan),
+        "target": plan.scene.runtime.target,
+        "model_hash": model_hash(plan.model),
+        "provenance": dict(plan.model.provenance),
+        "contact": "surface" if plan.contact else "always",
+        "coupling": coupling_facts(plan),
+        "outside": plan.outside,
+        "accept_unsafe": plan.accept_unsafe,
+        **_model_facts(plan),
+        "state_bytes": state_bytes(plan),
+        **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
+        "limits": {
+            "least_n": float(plan.output.least_n),
+            "greatest_n": float(plan.output.greatest_n),
+            "watchdog_s": float(plan.output.watchdog_s),
+            "jump_m": float(plan.guard.jump_m),
+            "slew_nps": float(plan.output.slew_n) / plan.dt_s,
+            "recovery_ticks": plan.recovery_ticks,
+        },
+        "units": [header.removesuffix(".h") for header in planned_headers(plan)],
+        "left_out": [
+            {"what": item.what, "why": item.why, "bytes": item.bytes} for item in plan.left_out
+        ],
+    }
+
+
+def coupling_facts(plan: Plan) -> dict[str, Any]:
+    """Mode, gains, why, and what a hand will feel on the object's stiffest part."""
+    choice = plan.coupling
+    gains = asdict(choice.coupling) if plan.couple is not None else {"mode": "off"}
+    return {
+        **gains,
+        "why": choice.why,
+        "object_stiffness_npm": plan.stiffness_npm,
+        "felt_stiffness_npm": choice.felt_npm,
+    }
+
+
+def _model_facts(plan: Plan) -> dict[str, Any]:
+    features, regressor = plan.features, plan.regressor
+    facts: dict[str, Any] = {"orders": list(getattr(features, "orders", ()))}
+    if isinstance(features, FirStage):
+        facts["window_s"] = features.n_taps * plan.dt_s
+    if isinstance(regressor, WideForestStage | IfsStage):
+        facts["leaf_error_n"] = regressor.table.leaf_error_n
+    if isinstance(regressor, CompactForestStage):
+        facts["leaf_error_n"] = regressor.forest.leaf_error_n
+        facts["work_at_most"] = work_at_most(regressor.forest)
+    return facts
+
+
+def _short_manifest(plan: Plan) -> dict[str, Any]:
+    """What the image itself can say (sp_manifest)."""
+    trained = plan.model.trained
+    return {
+        "springpot": version("springpot"),
+        "hash": _HASH,
+        "scene": plan.scene.name,
+        "model": plan.model.kind,
+        "si_units": "m, m/s, N, s",
+        "dt_s": plan.dt_s,
+        "number": plan.scene.runtime.number,
+        "trained": {
+            "depth_m": [trained.least_m, trained.greatest_m],
+            "speed_mps": trained.greatest_mps,
+            "force_n": [trained.least_n, trained.greatest_n],
+        },
+    }
+
+
+def _stamp(name: str) -> str:
+    text = f"springpot {version('springpot')} {_HASH}"
+    return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"
+
+
+def _tables(
+    plan: Plan, name: str, parts: Sequence[Stage | RegressorStage], more: Sequence[str] = ()
+) -> str:
+    prefix = plan.scene.runtime.prefix
+    guard = f"{prefix}_{name}_H".upper()
+    lines = [*(line for part in parts for line in ("", *part.tables())), *more]
+    head = f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n\n"
+    return "\n".join([f'{head}#include "{prefix}_scene.h"', *lines, "\n#endif\n"])
+
+
+def _once(plan: Plan) -> list[Stage]:
+    """Stages with tables of their own: the two of the excess share theirs."""
+    return [stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]]
+
+
+def _golden(plan: Plan) -> str:
+    """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
+    prefix = plan.scene.runtime.prefix
+    guard = f"{prefix.upper()}_GOLDEN_H"
+    positions = golden_positions(plan)
+    velocities = golden_velocities(plan) if plan.needs_device_velocity else None
+    columns = {"golden_position": positions}
+    if velocities is not None:
+        columns["golden_velocity"] = velocities
+    run = run_reference(plan, positions, velocities)
+    columns["golden_force"] = run.force_n
+    if plan.features is not None and (probe := plan.features.probe()) is not None:
+        columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))
+    bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
+    parts = [f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"]
+    for name, values in columns.items():
+        items = [f"0x{pattern:x}" for pattern in values.view(bits).tolist()]
+        parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
+        parts += [*wrapped(items), "};"]
+    notes = map(str, run.notes.tolist())
+    parts += [f"static const uint8_t golden_notes[{len(run.notes)}] = {{", *wrapped(notes), "};"]
+    return "\n".join([*parts, "\n#endif\n"])

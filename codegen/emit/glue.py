@@ -1,0 +1,111 @@
+"""The generated C that is not data: state, constants, and the tick as a handful of calls."""
+
+import re
+from pathlib import Path
+
+from springpot.codegen.emit.project import filled, prefixed
+from springpot.codegen.emit.tick import restart, step, step_dt
+from springpot.codegen.literals import literal, struct_text
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
+from springpot.runtime_c.paths import INCLUDE
+
+ABI_VERSION = 1
+
+
+def public_header(plan: Plan) -> str:
+    """sp.h with the scene's prefix and number type: it needs no other header but sp_notes.h."""
+    prefix = plan.scene.runtime.prefix
+    text = (INCLUDE / "sp.h").read_text()
+    text = _any_rate_part(text, plan.any_rate)
+    text = text.replace('#include "sp_real.h"\n', "").replace("sp_scene.h", f"{prefix}_scene.h")
+    text = re.sub(r"\bsp_real\b", plan.real, text)
+    text = re.sub(r"\bSP_H\b", f"{prefix.upper()}_H", text)
+    return prefixed(text, prefix)
+
+
+def _any_rate_part(text: str, kept: bool) -> str:
+    """The header with or without what only scenes that are exact at any rate have."""
+    begin, end = "/* springpot any rate begin */\n", "/* springpot any rate end */\n"
+    before, _, rest = text.partition(begin)
+    inside, _, after = rest.partition(end)
+    return before + (inside if kept else "") + after
+
+
+def scene_header(plan: Plan) -> str:
+    """Definition of the state, for whoever allocates it statically."""
+    prefix = plan.scene.runtime.prefix
+    guard = f"{prefix.upper()}_SCENE_H"
+    includes = "\n".join(f'#include "{header}"' for header in planned_headers(plan))
+    members = "\n".join(f"    {member.declaration};" for member in state_members(plan))
+    return (
+        f"#ifndef {guard}\n#define {guard}\n\n"
+        f'#include <stdint.h>\n\n#include "{prefix}.h"\n#include "sp_real.h"\n{includes}\n\n'
+        f"/* {plan.scene.name}: what one tick hands to the next. */\n"
+        f"struct {prefix}_state {{\n{members}\n}};\n\n"
+        "/* Fails where a header of another number type or version was included first. */\n"
+        f"typedef char {prefix}_state_is_as_planned"
+        f"[sizeof(struct {prefix}_state) == {state_bytes(plan)} ? 1 : -1];\n\n#endif\n"
+    )
+
+
+def scene_source(plan: Plan, manifest: str) -> str:
+    """Constants and the public functions. The tick reads like figure 12 of the paper."""
+    prefix = plan.scene.runtime.prefix
+    parts = [
+        f'#include <stddef.h>\n\n#include "{prefix}_scene.h"\n#include "{prefix}_tables.h"'
+        + (f'\n#include "{prefix}_regressor.h"' if plan.regressor is not None else ""),
+        _constants(plan),
+        restart(plan),
+        step(plan),
+        *([step_dt(plan)] if plan.any_rate else []),
+        _api(plan, manifest),
+    ]
+    return prefixed("\n\n".join(parts), prefix)
+
+
+def _constants(plan: Plan) -> str:
+    parts = [
+        struct_text("guard", "sp_guard_config", plan.guard),
+        struct_text("range", "sp_range_config", plan.range),
+        struct_text("output", "sp_output_config", plan.output),
+    ]
+    if plan.couple is not None:
+        parts.append(struct_text("couple", "sp_couple_config", plan.couple))
+    if plan.per_onset is not None:
+        parts.append(f"static const sp_real per_onset = {literal(plan.per_onset)};")
+    if plan.per_fade is not None:
+        parts.append(f"static const sp_real per_fade = {literal(plan.per_fade)};")
+    if plan.needs_device_velocity:
+        parts.append(f"static const sp_real greatest_mps = {literal(plan.greatest_mps)};")
+    if plan.smooth_alpha is not None:
+        parts.append(f"static const sp_real smooth_alpha = {literal(plan.smooth_alpha)};")
+        if plan.any_rate:
+            per_s = plan.dtype(1.0 / plan.scene.smoothing.time_constant_s)
+            parts.append(f"static const sp_real per_smooth_s = {literal(per_s)};")
+    return "\n".join(parts)
+
+
+def _api(plan: Plan, manifest: str) -> str:
+    needs = plan.needs_device_velocity
+    init = plan.regressor.init() if plan.regressor is not None else []
+    return filled(
+        "api.c",
+        plan,
+        NULLS=" || velocity_mps == NULL" if needs else "",
+        UNUSED="" if needs else "    (void)velocity_mps;\n",
+        VELOCITY="velocity_mps[i]" if needs else "(sp_real)0",
+        ABI=str(ABI_VERSION),
+        INIT="".join(f"        {line}\n" for line in init),
+        MANIFEST=manifest.replace("\\", "\\\\").replace('"', '\\"'),
+    )
+
+
+def declarations(folder: Path, prefix: str) -> str:
+    """Cut the C declarations of an emitted folder out of its headers, for cffi."""
+    parts = []
+    for header in ("sp_notes.h", f"{prefix}.h"):
+        text = (folder / header).read_text()
+        begin = text.index("/* springpot declarations begin */")
+        parts.append(text[begin : text.index("/* springpot declarations end */")])
+    return "\n".join(parts)

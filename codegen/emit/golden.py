@@ -1,0 +1,50 @@
+"""Golden motion: a short press that visits what the C can do, made without libm."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.stages.stage import Probe, Reals
+
+LEG_TICKS = 60
+_GLITCH_M = 0.5
+# Depths as shares of the trained range; below 0 is free air where there is contact.
+_STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
+
+
+def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
+    """Positions, m, in the scene's number type: smooth legs, with a glitch, a NaN and a jump."""
+    trained = plan.model.trained
+    base_m = 0.0 if plan.contact else trained.least_m
+    span_m = trained.greatest_m - base_m
+    ramp = np.arange(LEG_TICKS) / LEG_TICKS
+    smooth = ramp * ramp * (3.0 - 2.0 * ramp)
+    legs = [start + (end - start) * smooth for start, end in pairwise(_STATIONS)]
+    positions: NDArray[np.float32 | np.float64] = (base_m + span_m * np.concatenate(legs)).astype(
+        plan.dtype
+    )
+    positions[LEG_TICKS + 7] += plan.dtype(_GLITCH_M)
+    positions[2 * LEG_TICKS + 11] = np.nan
+    positions[7 * LEG_TICKS :] += plan.dtype(3.0 * float(plan.guard.jump_m))
+    return positions
+
+
+def golden_velocities(plan: Plan) -> NDArray[np.float32 | np.float64]:
+    """Backward differences of the golden positions, m/s: what a device would say."""
+    return backward_velocity(golden_positions(plan), plan.dt_s)
+
+
+def backward_velocity(
+    position_m: NDArray[np.float32 | np.float64], dt_s: float
+) -> NDArray[np.float32 | np.float64]:
+    """Backward differences, m/s, of the positions' type; 0 at the first."""
+    return np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
+
+
+def probe_inputs(probe: Probe, dtype: type[Any]) -> Reals:
+    """Made-up inputs: multiples of 1/128, exact in every number type."""
+    inputs: Reals = (37 * np.arange(probe.inputs) % 101).astype(dtype) / dtype(128)
+    return inputs

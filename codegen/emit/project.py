@@ -1,0 +1,60 @@
+"""What stands around the scene's C: self-test, example program, Makefile for a build by hand."""
+
+import re
+from importlib.resources import files
+
+from springpot.codegen.plan.plan import Plan
+
+_PUBLIC = "abi_version|state_size|manifest|init|reset|step|step_dt|run|idle|selftest|state"
+
+
+def prefixed(text: str, prefix: str) -> str:
+    """Give the public names of sp.h (and only those) the scene's prefix."""
+    return re.sub(rf"\bsp_({_PUBLIC})\b", rf"{prefix}_\1", text)
+
+
+def selftest_source(plan: Plan) -> str:
+    """C source of sp_selftest: golden vectors through the C, bits compared."""
+    velocity = "from_bits(golden_velocity[i])" if plan.needs_device_velocity else "(sp_real)0"
+    probe = plan.features.probe() if plan.features is not None else None
+    text = (
+        ""
+        if probe is None
+        else filled(
+            "probe.c", plan, INPUTS=str(probe.inputs), OUTPUTS=str(probe.outputs), CALL=probe.call
+        )
+    )
+    return filled(
+        "selftest.c",
+        plan,
+        VELOCITY=velocity,
+        TABLES=f'#include "{plan.scene.runtime.prefix}_tables.h"\n' if probe else "",
+        PROBE=text,
+        FIRST="    if (probe_differs()) {\n        return 1;\n    }\n" if probe else "",
+    )
+
+
+def example_main(plan: Plan) -> str:
+    """A program that renders positions from its standard input."""
+    return filled("main.c", plan)
+
+
+def example_makefile(plan: Plan) -> str:
+    """Makefile that builds the example and runs the self-test, without Python."""
+    return filled("Makefile", plan)
+
+
+def filled(template: str, plan: Plan, **places: str) -> str:
+    """Text of a template with @PLACES@ replaced, and in C the scene's prefix."""
+    text = (files("springpot.codegen.emit") / "templates" / template).read_text()
+    prefix = plan.scene.runtime.prefix
+    facts = {
+        "PREFIX": prefix,
+        "REAL": plan.real,
+        "BITS": "uint32_t" if plan.real == "float" else "uint64_t",
+        "DT": repr(plan.dt_s),
+        **places,
+    }
+    for place, value in facts.items():
+        text = text.replace(f"@{place}@", value)
+    return prefixed(text, prefix) if template.endswith(".c") else text

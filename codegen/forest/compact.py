@@ -1,0 +1,147 @@
+"""IR forest -> the 4-byte nodes of sp_forest.h, deciding exactly as scikit-learn does."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.configs import CompactForest, Real
+from springpot.codegen.forest.leaves import (
+    largest_float32_below,
+    leaf_quanta,
+    level_order,
+    used_features,
+)
+from springpot.codegen.model.ir import Forest
+
+# Facts of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
+SLOT_BITS = 4
+LEVELS = 4
+REST = 10  # the plain C walks this many trees at once, or a multiple
+VECTOR = 16  # lanes of the widest vector unit
+
+ENTRIES = 1 << LEVELS
+_GREATEST_RANK = 2**16 - 1
+_GREATEST_STEP = 2 ** (16 - SLOT_BITS) - 1
+_TOGETHER = 3  # levels that lie together below the first ones
+
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Order:
+    """place: (IR nodes,) in the table, of nodes at LEVELS or below it and of all leaves.
+
+    heap: position among the first levels. roots: (trees,). size: nodes in the table.
+    """
+
+    place: Ints
+    level: NDArray[np.int32]
+    tree: Ints
+    heap: Ints
+    roots: Ints
+    size: int
+
+
+def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactForest | None:
+    """Lay out `forest` with its used features as slots 1, 2, ...; None where 4 bytes do not do."""
+    columns = used_features(forest)
+    leaf = forest.feature < 0
+    slot = np.where(leaf, 0, np.searchsorted(columns, forest.feature) + 1)
+    thresholds, rank = _ranks(forest, columns)
+    order = _order(forest)
+    low = order.level >= LEVELS
+    step = np.where(leaf | ~low, 0, order.place[forest.left] - order.place)
+    if (
+        len(columns) >= 1 << SLOT_BITS
+        or rank.max(initial=0) > _GREATEST_RANK
+        or step.max(initial=0) > _GREATEST_STEP
+    ):
+        return None
+    quanta = leaf_quanta(forest)
+    stored = low | leaf
+    nodes = np.zeros((order.size, 2), dtype=np.uint16)
+    nodes[order.place[stored], 0] = (step << SLOT_BITS | slot)[stored]
+    nodes[order.place[stored], 1] = np.where(leaf, quanta.quanta, rank)[stored]
+    lanes = _lanes(len(order.roots))
+    top = np.zeros((ENTRIES - 1, lanes, 2), dtype=np.uint16)  # zeros send everything to the left
+    high = ~low & ~leaf
+    top[order.heap[high] - 1, order.tree[high], 0] = slot[high]
+    top[order.heap[high] - 1, order.tree[high], 1] = rank[high]
+    roots = np.full(lanes, order.size - 1, dtype=np.uint32)
+    roots[: len(order.roots)] = order.roots
+    return CompactForest(
+        top=top,
+        nodes=nodes,
+        roots=roots,
+        n_trees=len(order.roots),
+        thresholds=thresholds,
+        quantum_n=real(quanta.quantum_n),
+        bias_n=real(quanta.bias_n),
+        leaf_error_n=quanta.error_n,
+        longest_walk=int(order.level.max()),
+    )
+
+
+def work_at_most(forest: CompactForest) -> dict[str, int]:
+    """Greatest number of table entries that a tick reads: a static bound on its work.
+
+    thresholds: two ends of the neighbourhood, then a search among all, for each feature.
+    nodes: the longest way down each tree.
+    """
+    searches = [2 + len(below).bit_length() for below in forest.thresholds]
+    return {"thresholds": sum(searches), "nodes": forest.n_trees * (forest.longest_walk + 1)}
+
+
+def _ranks(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
+    """Sorted thresholds of each used feature, and each split's place among them.
+
+    Features that are rounded to whole steps are their own ranks: no thresholds are needed.
+    """
+    if forest.rounding is not None:
+        return (), np.clip(np.floor(forest.threshold), 0, _GREATEST_RANK).astype(np.int64)
+    split = largest_float32_below(forest.threshold)
+    rank = np.zeros(len(split), dtype=np.int64)
+    thresholds = []
+    for column in columns:
+        here = forest.feature == column
+        values, rank[here] = np.unique(split[here], return_inverse=True)
+        thresholds.append(values)
+    return tuple(thresholds), rank
+
+
+def _order(forest: Forest) -> _Order:
+    """First levels by heap position; below, three levels of a subtree together."""
+    before, level = level_order(forest)
+    heap = np.zeros(len(before), dtype=np.int64)
+    tree = np.zeros(len(before), dtype=np.int64)
+    heap[forest.roots], tree[forest.roots] = 1, np.arange(len(forest.roots))
+    block = np.arange(len(before))
+    for depth in range(int(level.max())):
+        inner = np.flatnonzero((level == depth) & (forest.feature >= 0))
+        for side, children in enumerate((forest.left[inner], forest.right[inner])):
+            tree[children] = tree[inner]
+            if depth < LEVELS:
+                heap[children] = 2 * heap[inner] + side
+            elif (depth + 1 - LEVELS) % _TOGETHER:
+                block[children] = block[inner]
+    parents = np.flatnonzero((level >= LEVELS) & (forest.feature >= 0))
+    parents = parents[np.lexsort((before[parents], before[block[parents]]))]
+    pairs = np.bincount(tree[parents], minlength=len(forest.roots))
+    roots = ENTRIES * np.arange(len(pairs)) + 2 * np.concatenate([[0], np.cumsum(pairs)[:-1]])
+    place = np.zeros(len(before), dtype=np.int64)
+    first = ENTRIES * (tree[parents] + 1) + 2 * np.arange(len(parents))
+    place[forest.left[parents]], place[forest.right[parents]] = first, first + 1
+    entering = level <= LEVELS
+    lowered = heap[entering] << (LEVELS - level[entering])
+    place[entering] = roots[tree[entering]] + lowered - ENTRIES
+    size = ENTRIES * len(pairs) + 2 * len(parents) + 1  # the last one is what padding ends at
+    return _Order(place, level, tree, heap, roots, size)
+
+
+def _lanes(n_trees: int) -> int:
+    """Trees and padding: whole groups of every way of walking."""
+    walked = -(-n_trees // REST) * REST
+    return -(-walked // VECTOR) * VECTOR

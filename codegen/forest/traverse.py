@@ -1,0 +1,90 @@
+"""Walks through node tables in numpy: what sp_forest.h and sp_forest_wide.h do."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.configs import CompactForest, ForestTable
+from springpot.codegen.forest.compact import ENTRIES, LEVELS
+from springpot.codegen.forest.compact import SLOT_BITS as COMPACT_SLOT_BITS
+from springpot.codegen.forest.wide import LEAF_SLOT, SLOT_BITS
+
+_CHUNK = 4096  # samples whose walk stays in the cache
+Ranks = NDArray[np.int32]
+
+
+def feature_ranks(
+    thresholds: tuple[NDArray[np.float32], ...], features: NDArray[np.float32]
+) -> Ranks:
+    """sp_bins.h: thresholds below each feature, shape (n, used features)."""
+    columns = [np.searchsorted(below, features[:, i]) for i, below in enumerate(thresholds)]
+    return np.stack(columns, axis=1).astype(np.int32) if columns else features.astype(np.int32)
+
+
+def compact_sums(forest: CompactForest, ranks: Ranks) -> NDArray[np.uint32]:
+    """sp_forest.h: quanta of each row of ranks (n, used features)."""
+    padded = np.concatenate([np.zeros((len(ranks), 1), dtype=np.int32), ranks], axis=1)
+    sums = np.zeros(len(ranks), dtype=np.uint32)
+    for begin in range(0, len(ranks), _CHUNK):
+        rows = slice(begin, begin + _CHUNK)
+        for tree in range(forest.n_trees):
+            sums[rows] += forest.nodes[_compact_leaves(forest, tree, padded[rows]), 1]
+    return sums
+
+
+def _compact_leaves(forest: CompactForest, tree: int, ranks: Ranks) -> NDArray[np.int64]:
+    flat, width = np.ascontiguousarray(ranks).ravel(), ranks.shape[1]
+    base = np.arange(len(ranks)) * width
+    heap = np.ones(len(ranks), dtype=np.int64)
+    for _ in range(LEVELS):
+        node = forest.top[heap - 1, tree]
+        heap = 2 * heap + (flat[base + node[:, 0]] > node[:, 1])
+    at = int(forest.roots[tree]) + heap - ENTRIES
+    walking = np.flatnonzero(forest.nodes[at, 0])
+    while len(walking):
+        here = at[walking]
+        step = forest.nodes[here, 0].astype(np.int64)
+        rank = flat[base[walking] + (step & ((1 << COMPACT_SLOT_BITS) - 1))]
+        here += (step >> COMPACT_SLOT_BITS) + (rank > forest.nodes[here, 1])
+        at[walking] = here
+        walking = walking[forest.nodes[here, 0] > 0]
+    return at
+
+
+def forest_leaves(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.int64]:
+    """Rows of the leaves reached: shape (n, padded trees)."""
+    leaves = np.empty((len(features), len(table.roots)), dtype=np.int64)
+    left = (table.link >> SLOT_BITS).astype(np.int64)
+    slot = (table.link & LEAF_SLOT).astype(np.int64)
+    inner = slot != LEAF_SLOT
+    n_columns = features.shape[1]
+    flat = np.ascontiguousarray(features).ravel()
+    for tree, root in enumerate(table.roots):
+        at = np.full(len(features), root, dtype=np.int64)
+        walking = np.arange(len(features)) if inner[root] else np.empty(0, dtype=np.int64)
+        while len(walking):
+            here = at[walking]
+            feature = flat[walking * n_columns + slot[here]]
+            here = left[here] + ~(feature <= table.value[here])
+            at[walking] = here
+            walking = walking[inner[here]]
+        leaves[:, tree] = at
+    return leaves
+
+
+def table_sums(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.uint32]:
+    """sp_forest_wide.h: quanta of each feature vector."""
+    sums = np.empty(len(features), dtype=np.uint32)
+    value = table.value.astype(np.uint32)
+    for begin in range(0, len(features), _CHUNK):
+        rows = slice(begin, begin + _CHUNK)
+        sums[rows] = value[forest_leaves(table, features[rows])].sum(axis=1, dtype=np.uint32)
+    return sums
+
+
+def forest_force(table: ForestTable | CompactForest, sums: NDArray[np.uint32]) -> NDArray[Any]:
+    """Force of each sum of quanta, N, in the scene's type."""
+    total: NDArray[Any] = sums.astype(type(table.quantum_n))
+    force_n: NDArray[Any] = table.bias_n + total * table.quantum_n
+    return force_n

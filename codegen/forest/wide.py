@@ -1,0 +1,59 @@
+"""IR forest -> the 8-byte nodes of sp_forest_wide.h: where sp_forest.h's are too small."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from springpot.codegen.configs import ForestTable, Real
+from springpot.codegen.errors import UsageError
+from springpot.codegen.forest.leaves import (
+    largest_float32_below,
+    leaf_quanta,
+    level_order,
+    used_features,
+)
+from springpot.codegen.model.ir import Forest
+
+# Facts of sp_forest_wide.h; a test compares them with the header.
+SLOT_BITS = 4
+LEAF_SLOT = (1 << SLOT_BITS) - 1
+LANES = 16
+
+
+def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
+    """Lay out `forest` with its used features as slots 0, 1, ... in ascending order.
+
+    Raises UsageError where a forest has more features or nodes than a node's link can name.
+    """
+    columns = used_features(forest)
+    if len(columns) > LEAF_SLOT:
+        raise UsageError(
+            f"a forest on {len(columns)} features: the C table holds {LEAF_SLOT}: train on fewer"
+        )
+    if len(forest.feature) >= 1 << (32 - SLOT_BITS):
+        raise UsageError(f"a forest of {len(forest.feature)} nodes does not fit 28 bits")
+    row, level = level_order(forest)
+    leaf = forest.feature < 0
+    slot = np.where(leaf, LEAF_SLOT, np.searchsorted(columns, forest.feature))
+    left = np.where(leaf, row, row[forest.left])
+    quanta = leaf_quanta(forest)
+    value = np.where(leaf, quanta.quanta, largest_float32_below(forest.threshold))
+    n_nodes = len(row)
+    padding = -len(forest.roots) % LANES
+    table_value = np.zeros(n_nodes + 1, dtype=np.float32)
+    table_link = np.full(n_nodes + 1, n_nodes << SLOT_BITS | LEAF_SLOT, dtype=np.uint32)
+    table_value[row] = value.astype(np.float32)
+    table_link[row] = (left.astype(np.uint32) << SLOT_BITS) | slot.astype(np.uint32)
+    roots = np.append(row[forest.roots], np.full(padding, n_nodes)).astype(np.uint32)
+    if padding == 0:
+        table_value, table_link = table_value[:-1], table_link[:-1]
+    return ForestTable(
+        value=table_value,
+        link=table_link,
+        roots=roots,
+        depth=int(level.max()) + 1,
+        quantum_n=real(quanta.quantum_n),
+        bias_n=real(quanta.bias_n),
+        leaf_error_n=quanta.error_n,
+        leaf=row,
+    )

@@ -1,0 +1,1 @@
+"""A fitted model as plain arrays: what the trainer hands on, its file, its stiffness scaled."""

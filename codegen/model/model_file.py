@@ -1,0 +1,119 @@
+"""Model files: one line of text with a checksum, then numpy arrays. Nothing in them executes.
+
+The first line is `springpot-model SCHEMA SHA256`; the checksum covers every byte after it. The
+rest is an npz: a JSON header and the arrays that it does not spell out.
+"""
+
+import hashlib
+import io
+import json
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.codegen.model import ir
+from springpot.codegen.model.ir import Model
+
+SCHEMA = 2  # 1: forests without rounding
+MAGIC = b"springpot-model"
+SUFFIX = ".spm"
+# The only types that a file can name.
+_PARTS = {
+    part.__name__: part
+    for part in (
+        ir.Model, ir.TrainedRange, ir.FirBank, ir.FastFirBank, ir.RecursiveBank, ir.Lags,
+        ir.PositionVelocity, ir.Forest, ir.Rounding, ir.Rbf, ir.Hammerstein,
+    )
+}  # fmt: skip
+
+
+def model_hash(model: Model) -> str:
+    """SHA-256 of everything in the model, independent of how a file packs it."""
+    header, arrays = _to_parts(model)
+    digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
+    for name in sorted(arrays):
+        values = np.ascontiguousarray(arrays[name])
+        digest.update(f"{name} {values.dtype.str} {values.shape}\n".encode())
+        digest.update(values.tobytes())
+    return digest.hexdigest()
+
+
+def write_model(path: Path, model: Model) -> str:
+    """Write the model aside, rename it into place, and return its hash."""
+    aside = path.with_name(path.name + ".part")
+    aside.write_bytes(model_bytes(model))
+    aside.replace(path)
+    return model_hash(model)
+
+
+def model_bytes(model: Model) -> bytes:
+    """Content of the model's file."""
+    header, arrays = _to_parts(model)
+    payload = io.BytesIO()
+    text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
+    np.savez_compressed(payload, allow_pickle=False, header=text, **arrays)
+    body = payload.getvalue()
+    return b"%s %d %s\n" % (MAGIC, SCHEMA, hashlib.sha256(body).hexdigest().encode()) + body
+
+
+def read_model(path: Path) -> Model:
+    """Read a model file. Raises DataError where it is damaged, of a later schema, or none."""
+    try:
+        first_line, _, body = path.read_bytes().partition(b"\n")
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+    words = first_line.split(b" ")
+    if len(words) != 3 or words[0] != MAGIC or not words[1].isdigit():
+        raise DataError(
+            f"{path}: not a springpot model: `springpot train --out FILE.spm` makes one"
+        )
+    if int(words[1]) > SCHEMA:
+        raise DataError(
+            f"{path}: model schema {int(words[1])}, this springpot reads up to {SCHEMA}: "
+            "upgrade springpot, or train again with this one"
+        )
+    if words[2] != hashlib.sha256(body).hexdigest().encode():
+        raise DataError(f"{path}: damaged (checksum differs): copy it again or train again")
+    with np.load(io.BytesIO(body), allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    model = _from_parts(json.loads(arrays.pop("header").tobytes()), arrays)
+    assert isinstance(model, Model)
+    return model
+
+
+Arrays = dict[str, np.ndarray[Any, Any]]
+
+
+def _to_parts(model: Model) -> tuple[Any, Arrays]:
+    arrays: Arrays = {}
+    return _packed(model, "model", arrays), arrays
+
+
+def _packed(value: Any, path: str, arrays: Arrays) -> Any:
+    """JSON of a part; its arrays go into `arrays` under their path."""
+    if is_dataclass(value):
+        names = [field.name for field in fields(value)]
+        inside = {name: _packed(getattr(value, name), f"{path}.{name}", arrays) for name in names}
+        return {"part": type(value).__name__, **inside}
+    if isinstance(value, np.ndarray):
+        arrays[path] = value
+        return {"array": path}
+    if isinstance(value, tuple):
+        return {"tuple": list(value)}
+    return dict(value) if path == "model.provenance" else value
+
+
+def _from_parts(value: Any, arrays: Arrays) -> Any:
+    if isinstance(value, dict) and "part" in value:
+        inside = {
+            name: item if name == "provenance" else _from_parts(item, arrays)
+            for name, item in value.items()
+            if name != "part"
+        }
+        return _PARTS[value["part"]](**inside)
+    if isinstance(value, dict):
+        return tuple(value["tuple"]) if "tuple" in value else arrays[value["array"]]
+    return value

@@ -1,0 +1,82 @@
+"""Limits of a scene: positions that are believed, forces that leave, when the watchdog falls."""
+
+from typing import Any
+
+from springpot.codegen.configs import GuardConfig, OutputConfig
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.ir import Model
+from springpot.codegen.scene import Scene
+
+# Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
+LEAST_JUMP_MPS = 1.0
+JUMP_PER_TRAINED_SPEED = 8.0
+FREE_M = 10.0  # a tool may wait this far from the surface
+LEAST_REACH_M = 0.1
+REACH_PER_DEPTH = 10.0
+RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
+LEAST_WATCHDOG_TICKS = 3
+RAMP_S = 0.05
+WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
+FORCE_MARGIN = 1.2
+# Greatest growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
+LEAST_SLEW_NPS = 1500.0
+SLEW_S = 0.004
+
+
+def watchdog_s_of(scene: Scene, dt_s: float) -> float:
+    """Time without a good sample after which the force falls to zero, s.
+
+    Raises UsageError where one bad sample would do.
+    """
+    watchdog_s = 1e-3 * (scene.guard.watchdog_ms or max(20.0, 3e3 * dt_s))
+    if watchdog_s < (LEAST_WATCHDOG_TICKS - 0.5) * dt_s:
+        raise UsageError(
+            f"guard.watchdog_ms = {1e3 * watchdog_s:g}: at {1 / dt_s:g} Hz give at least "
+            f"{1e3 * LEAST_WATCHDOG_TICKS * dt_s:g}, or one bad sample latches"
+        )
+    return watchdog_s
+
+
+def guard_config(
+    model: Model, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
+) -> GuardConfig:
+    """What positions are believed."""
+    trained = model.trained
+    deepest_m = max(abs(trained.least_m), abs(trained.greatest_m))
+    reach_m = max(LEAST_REACH_M, REACH_PER_DEPTH * deepest_m)
+    before_latch = int(watchdog_s / dt_s) - 1
+    return GuardConfig(
+        jump_m=real(dt_s * greatest_mps(model)),
+        least_m=real(-FREE_M if contact else -reach_m),
+        greatest_m=real(reach_m),
+        resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
+    )
+
+
+def greatest_mps(model: Model) -> float:
+    """Greatest believable speed of the hand, m/s."""
+    return max(LEAST_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.greatest_mps)
+
+
+def output_config(
+    model: Model, scene: Scene, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
+) -> OutputConfig:
+    """What forces leave. Raises DataError where the model never pushes out."""
+    trained = model.trained
+    peak_n = trained.greatest_n if contact else max(abs(trained.least_n), abs(trained.greatest_n))
+    greatest_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n
+    if greatest_n <= 0.0:
+        raise DataError(
+            f"the model's forces never push out (greatest {trained.greatest_n:g} N): turn the sign "
+            "round on import, for example --map force=COL:-1N, and train again"
+        )
+    least_n = 0.0 if contact else max(-greatest_n, min(0.0, FORCE_MARGIN * trained.least_n))
+    return OutputConfig(
+        least_n=real(least_n),
+        greatest_n=real(greatest_n),
+        slew_n=real(dt_s * max(LEAST_SLEW_NPS, greatest_n / SLEW_S)),
+        rise=real(min(1.0, dt_s / RAMP_S)),
+        fall_nps=real(greatest_n / WATCHDOG_FALL_S),
+        watchdog_s=real(watchdog_s),
+        dt_s=real(dt_s),
+    )

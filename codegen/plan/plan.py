@@ -1,0 +1,249 @@
+"""Plan: model and scene resolved into exactly what will be emitted, and what is left out."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from springpot.codegen.configs import (
+    CoupleConfig,
+    GuardConfig,
+    OutputConfig,
+    RangeConfig,
+    Real,
+)
+from springpot.codegen.coupling.auto import Choice, choose, series
+from springpot.codegen.coupling.gains import couple_config, refuse_unit_error
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.ir import Model, RecursiveBank
+from springpot.codegen.plan.limits import greatest_mps, guard_config, output_config, watchdog_s_of
+from springpot.codegen.plan.model_stages import LeftOut, ModelStages, lanes_of, model_stages
+from springpot.codegen.plan.stiffness import greatest_stiffness_npm, tangent_fallback
+from springpot.codegen.scene import Scene
+from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.stage import FeatureStage, RegressorStage
+from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
+
+RATES_HZ = (10.0, 8000.0)
+MOST_RECOVERY_S = 2.0
+FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Everything the emitted C contains. Fields that are None are units left out."""
+
+    scene: Scene
+    model: Model
+    real: Literal["float", "double"]
+    dt_s: float
+    guard: GuardConfig
+    range: RangeConfig
+    features: FeatureStage | None
+    regressor: RegressorStage | None
+    passive: HammersteinStage | None
+    excess: tuple[HammersteinStage, HammersteinStage] | None
+    per_onset: Real | None
+    per_fade: Real | None
+    velocity: ToolVelocityStage | None
+    couple: CoupleConfig | None
+    at_proxy: bool
+    greatest_mps: Real
+    smooth_alpha: Real | None
+    output: OutputConfig
+    left_out: tuple[LeftOut, ...]
+    accept_unsafe: bool
+    stiffness_npm: float
+    coupling: Choice
+    outside: str
+
+    @property
+    def dtype(self) -> type[Any]:
+        """Numpy type of sp_real."""
+        return np.float32 if self.real == "float" else np.float64
+
+    @property
+    def needs_device_velocity(self) -> bool:
+        """Whether sp_step reads its velocity argument."""
+        return self.couple is not None and self.velocity is None
+
+    @property
+    def recovery_ticks(self) -> int:
+        """Ticks of good input after which bad input is forgotten, to 2 % of the greatest force.
+
+        The guard's resynchronisation, the ramp, and the longest memory: a window's length, or four
+        time constants of a pole (none longer than MOST_RECOVERY_S counts: an object that creeps for
+        minutes has rightly rested elsewhere).
+        """
+        ramp = round(1.0 / float(self.output.rise))
+        memory_s = [len(getattr(self.features, "taps", ())) * self.dt_s]
+        passive = self.model.hammerstein
+        if passive is not None and len(passive.tau_s):
+            memory_s.append(4.0 * float(passive.tau_s.max()))
+        bank = getattr(self.model.features, "tau_s", None)
+        memory_s += [4.0 * float(bank.max())] if bank is not None else []
+        longest_s = min(max(memory_s), MOST_RECOVERY_S)
+        return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
+
+    @property
+    def any_rate(self) -> bool:
+        """Whether there is sp_step_dt: every stage is exact over a measured time step."""
+        runtime = self.scene.runtime
+        wanted = runtime.measured_step
+        if not (runtime.target == "host" if wanted is None else wanted):
+            return False
+        stages = [self.features, self.passive, *(self.excess or ()), self.velocity]
+        steps = [stage.measured for stage in stages if stage is not None]
+        return self.couple is None and None not in steps
+
+    @property
+    def contact(self) -> bool:
+        """Whether positions at or below 0 are free air."""
+        return self.per_onset is not None
+
+
+def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
+    """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together.
+
+    Raises UnsafeError for gains that are a unit error, unless they are accepted.
+    """
+    dtype: type[Any] = np.float32 if scene.runtime.number == "float32" else np.float64
+    dt_s = _time_step(model, scene)
+    watchdog_s = watchdog_s_of(scene, dt_s)
+    contact = (scene.guard.contact or model.contact) == "surface"
+    stages, outside = _stages(model, scene, dt_s, dtype)
+    trained = RangeConfig(
+        least_m=dtype(0.0 if contact else model.trained.least_m),
+        greatest_m=dtype(model.trained.greatest_m),
+    )
+    stiffness_npm = greatest_stiffness_npm(stages, model, trained, dtype)
+    choice = _coupling(scene, stiffness_npm, dt_s)
+    couple = None
+    if choice.coupling.mode != "off":
+        if not accept_unsafe:
+            refuse_unit_error(choice.coupling)
+        couple = couple_config(choice.coupling, dt_s, dtype)
+    estimates = couple is not None and scene.device.velocity == "estimate"
+    alpha = _smooth_alpha(scene, dt_s)
+    return Plan(
+        scene=scene,
+        model=model,
+        real="float" if dtype is np.float32 else "double",
+        dt_s=dt_s,
+        guard=guard_config(model, watchdog_s, dt_s, contact, dtype),
+        range=trained,
+        features=stages.features,
+        regressor=stages.regressor,
+        passive=stages.passive,
+        excess=stages.excess,
+        per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
+        per_fade=dtype(1.0 / _fade_m(trained)) if scene.guard.outside == "zero" else None,
+        velocity=tool_velocity_stage(dt_s, dtype) if estimates else None,
+        couple=couple,
+        at_proxy=choice.coupling.mode == "proxy",
+        greatest_mps=dtype(greatest_mps(model)),
+        smooth_alpha=None if alpha is None else dtype(alpha),
+        output=output_config(model, scene, watchdog_s, dt_s, contact, dtype),
+        left_out=(
+            *stages.left_out,
+            *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
+        ),
+        accept_unsafe=accept_unsafe,
+        stiffness_npm=stiffness_npm,
+        coupling=choice,
+        outside=outside,
+    )
+
+
+def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[ModelStages, str]:
+    """The model's stages, and what pushes back beyond the trained depth."""
+    stages = model_stages(model, scene, dt_s, dtype)
+    if scene.guard.outside != "fallback" or model.hammerstein is not None:
+        return stages, _outside_note(model, scene)
+    tangent = tangent_fallback(stages, model, dtype)
+    deep = hammerstein_stage(tangent, dt_s, dtype, "deep", lanes_of(scene))
+    return replace(stages, passive=deep), (
+        "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
+        f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
+    )
+
+
+def _time_step(model: Model, scene: Scene) -> float:
+    trained_hz = 1.0 / model.dt_s
+    if not RATES_HZ[0] * 0.999 <= trained_hz <= RATES_HZ[1] * 1.001:
+        raise UsageError(
+            f"the model was recorded at {trained_hz:g} Hz: a loop runs at {RATES_HZ[0]:g} to "
+            f"{RATES_HZ[1]:g} Hz: import the recordings with --resample-hz"
+        )
+    rate_hz = scene.runtime.rate_hz
+    if rate_hz is not None and (
+        model.features is None or isinstance(model.features, RecursiveBank)
+    ):
+        return 1.0 / rate_hz  # poles are exact at any rate
+    if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-3:
+        raise UsageError(
+            f"runtime.rate_hz = {rate_hz:g}: the model's features were fitted at {trained_hz:g} Hz "
+            f"and are not exact at another rate: remove the key, or train on recordings of "
+            f"{rate_hz:g} Hz"
+        )
+    return model.dt_s
+
+
+def _onset_m(model: Model, scene: Scene) -> float:
+    if scene.guard.onset_mm is not None:
+        return scene.guard.onset_mm * 1e-3
+    return 0.01 * model.trained.greatest_m
+
+
+def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:
+    stated = scene.coupling
+    if stated.mode == "auto":
+        smoothing = _smooth_alpha(scene, dt_s) or 1.0
+        return choose(stiffness_npm, dt_s, scene.device.delay_samples, smoothing, stated)
+    felt_npm = stiffness_npm
+    if stated.mode == "proxy":
+        felt_npm = series(stated.stiffness_npm, stiffness_npm)
+    return Choice(stated, f"{stated.mode}: stated in the scene", felt_npm)
+
+
+def _fade_m(trained: RangeConfig) -> float:
+    return FADE * (float(trained.greatest_m) - float(trained.least_m))
+
+
+def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
+    time_constant_s = scene.smoothing.time_constant_s
+    return None if time_constant_s == 0.0 else float(-np.expm1(-dt_s / time_constant_s))
+
+
+def _units_left_out(
+    contact: bool,
+    coupled: bool,
+    estimates: bool,
+    alpha: float | None,
+    dtype: type[Any],
+) -> list[LeftOut]:
+    size = np.dtype(dtype).itemsize
+    left_out = []
+    if not contact:
+        left_out.append(LeftOut("contact and onset", "the recordings never leave the object", size))
+    if not coupled:
+        # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
+        saved = 8 * size + 2 * size + 4
+        left_out.append(LeftOut("coupling", "coupling.mode is off", saved))
+    if not estimates:
+        why = "the device gives it" if coupled else "nothing in this scene needs a velocity"
+        left_out.append(LeftOut("velocity estimate", why, 4 * size))
+    if alpha is None:
+        left_out.append(LeftOut("smoothing", "smoothing.time_constant_s is 0", 2 * size))
+    return left_out
+
+
+def _outside_note(model: Model, scene: Scene) -> str:
+    if scene.guard.outside == "zero":
+        return (
+            "zero: stated in the scene; the force ends over the first "
+            f"{100 * FADE:g} % of the depth beyond the trained one"
+        )
+    if scene.guard.outside == "hold":
+        return "hold: stated in the scene; the force stays that of the greatest trained depth"
+    return "fallback: the passive model adds its share of the depth beyond the trained one"

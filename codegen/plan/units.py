@@ -1,0 +1,91 @@
+"""What a plan's units bring: headers, and the members of sp_state."""
+
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.stages.stage import (
+    DOUBLE,
+    REAL,
+    U32,
+    Measured,
+    Member,
+    RegressorStage,
+    Stage,
+)
+
+
+def stages(plan: Plan) -> list[Stage]:
+    """Stages that keep a state, in the order of a tick."""
+    excess = plan.excess or (None, None)
+    found: tuple[Stage | None, ...] = (plan.features, plan.passive, *excess, plan.velocity)
+    return [stage for stage in found if stage is not None]
+
+
+def measured_stages(plan: Plan) -> list[Measured]:
+    """The stages over a measured time step; none where one of them has a rate of its own."""
+    found = [stage.measured for stage in stages(plan)] if plan.any_rate else []
+    return [stage for stage in found if stage is not None]
+
+
+def measured_tables(plan: Plan) -> list[str]:
+    """Tables of those, once each: the two of the excess share theirs."""
+    return list(dict.fromkeys(table for stage in measured_stages(plan) for table in stage.tables))
+
+
+def planned_headers(plan: Plan) -> list[str]:
+    """Headers of the plan's units and of what they need, once each, in the order of a tick."""
+    parts: list[Stage | RegressorStage] = [*stages(plan)]
+    if plan.regressor is not None:
+        parts.append(plan.regressor)
+    headers = ["sp_number.h", "sp_guard.h", "sp_range.h"]
+    headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
+    headers += [header for part in parts for header in part.headers]
+    measured = measured_stages(plan)
+    headers += ["sp_measured.h"] if plan.any_rate else []
+    headers += [header for stage in measured for header in stage.headers]
+    headers += ["sp_contact.h"] if plan.contact else []
+    headers += ["sp_couple.h"] if plan.couple is not None else []
+    headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
+    return list(dict.fromkeys([*headers, "sp_output.h"]))
+
+
+def state_members(plan: Plan) -> list[Member]:
+    """Members of sp_state, in order."""
+    members = [Member("sp_guard_state guard", (REAL, REAL, U32, U32))]
+    members += [member for stage in stages(plan) for member in stage.members]
+    if plan.regressor is not None:
+        members += plan.regressor.members
+    if plan.needs_device_velocity:
+        members.append(Member("sp_real good_mps", (REAL,)))
+    if plan.couple is not None:
+        members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
+    if plan.smooth_alpha is not None:
+        members.append(Member("sp_real smoothed_n", (REAL,)))
+    return [*members, Member("sp_output_state output", (REAL, REAL, REAL, U32))]
+
+
+def state_bytes(plan: Plan) -> int:
+    """Size of sp_state: the members' sizes, each padded to its own alignment."""
+    return _layout(plan)[1]
+
+
+def member_offset(plan: Plan, name: str) -> int:
+    """Where the member `name` begins in sp_state, bytes. Raises KeyError."""
+    return _layout(plan)[0][name]
+
+
+def _layout(plan: Plan) -> tuple[dict[str, int], int]:
+    sizes = {REAL: plan.dtype(0).itemsize, U32: 4, DOUBLE: 8}
+    offsets = {}
+    total = 0
+    widest = 1
+    for member in state_members(plan):
+        align = max(sizes[scalar] for scalar in member.scalars)
+        size = sum(sizes[scalar] for scalar in member.scalars)
+        total = _padded(total, align)
+        offsets[member.declaration.split()[-1].split("[")[0]] = total
+        total += _padded(size, align)
+        widest = max(widest, align)
+    return offsets, _padded(total, widest)
+
+
+def _padded(size: int, align: int) -> int:
+    return -(-size // align) * align

@@ -1,0 +1,66 @@
+"""Features that are weighed sums of terms which all orders share: sp_weighted_sum.h."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.stages.stage import Probe, Reals, padded
+
+
+@dataclass(frozen=True, eq=False)
+class WeighedStage:
+    """orders of the lanes in use; weights: shape (terms, lanes).
+
+    terms, n_terms: what holds the terms in the C, and their number.
+    """
+
+    orders: tuple[float, ...]
+    weights: Reals
+
+    terms: ClassVar[str]
+    n_terms: ClassVar[str]
+
+    @property
+    def n_features(self) -> int:
+        """Orders kept."""
+        return len(self.orders)
+
+    @property
+    def room(self) -> int:
+        """Lanes."""
+        return int(self.weights.shape[1])
+
+    @property
+    def named(self) -> str:
+        """The orders, for a comment."""
+        return ", ".join(f"{order:g}" for order in self.orders)
+
+    def read(self) -> list[str]:
+        """All orders from the terms."""
+        return [f"sp_weighted_sum(weights, {self.terms}, {self.n_terms}, N_LANES, features);"]
+
+    def probe(self) -> Probe:
+        """Weights on made-up terms."""
+        rows, lanes = self.weights.shape
+        return Probe(
+            inputs=rows,
+            outputs=lanes,
+            call=f"sp_weighted_sum(weights, in, {self.n_terms}, N_LANES, sums);",
+            sums=self.weigh,
+        )
+
+    def weigh(self, terms: Reals) -> Reals:
+        """Terms (..., terms) by the weights, each lane's sum in order: (..., lanes)."""
+        total: Reals = np.zeros((*terms.shape[:-1], self.room), dtype=self.weights.dtype)
+        for k, row in enumerate(self.weights):
+            total += terms[..., k, None] * row
+        return total
+
+
+def in_lanes(weights: Reals, kept: NDArray[np.intp], dtype: type) -> Reals:
+    """The columns `kept`, padded with zeros to whole lanes."""
+    found: Reals = np.zeros((len(weights), padded(max(len(kept), 1))), dtype=dtype)
+    found[:, : len(kept)] = weights[:, kept]
+    return found

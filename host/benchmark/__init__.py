@@ -1,0 +1,1 @@
+"""Error against run time against bytes: points, front, picks, page."""

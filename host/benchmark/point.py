@@ -1,0 +1,185 @@
+"""One point of the benchmark: a model fitted, built, and measured on recordings it has not seen."""
+
+import os
+import tempfile
+import time
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import SpringpotError
+from springpot.codegen.model.ir import Model, RecursiveBank
+from springpot.codegen.model.model_file import model_bytes, model_hash
+from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
+from springpot.host.native.footprint import Footprint, measure_footprint
+from springpot.host.native.machine import cpu_s, machine_facts
+from springpot.host.native.replay import Replay, replayed_accuracy
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.toolchain import toolchain
+from springpot.host.native.trial_build import built
+from springpot.host.stability.small_signal import small_signal_map
+from springpot.host.validation.training import engine, window_s
+from springpot.trainer.recordings.recording import Recording
+
+if TYPE_CHECKING:
+    from springpot.trainer.models.fit import Fit
+    from springpot.trainer.models.training_set import TrainingSet
+    from springpot.trainer.selection.held_out import Split
+    from springpot.trainer.selection.sweep import Candidate
+
+NAME = "bench"
+HOT_REPEATS = 5
+_SIZES = ("n_nodes", "n_centers", "n_parameters", "pairs", "basis")
+
+
+@dataclass(frozen=True)
+class Data:
+    """Recordings to fit on, and to report on; the same ones wherever `key` is the same."""
+
+    key: str
+    training: tuple[Recording, ...] = field(compare=False)
+    validation: tuple[Recording, ...] = field(compare=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """What a worker needs for one point; `key` names its files."""
+
+    key: str
+    candidate: "Candidate"
+    data: Data
+    target: Target
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """What a worker hands back: facts as JSON values; the model's file, None where it failed."""
+
+    key: str
+    facts: dict[str, Any]
+    model: bytes | None
+
+
+def measure_point(job: Job) -> Point:
+    """Fit, cross-validate, build and measure. A refusal is a fact of the point, not an error."""
+    candidate = job.candidate
+    stated = {"key": job.key, "model": candidate.kind, "options": candidate.named_options()}
+    begin, cpu = time.perf_counter(), cpu_s()
+    try:
+        fit, facts = _fitted(job)
+        facts |= _measured(job, fit.model)
+    except SpringpotError as error:
+        return Point(job.key, stated | {"error": str(error)}, None)
+    spent = {
+        "point_s": time.perf_counter() - begin,
+        "point_cpu_s": cpu_s() - cpu,
+        "worker": f"{machine_facts()['processor']}, process {os.getpid()}",
+    }
+    return Point(job.key, stated | facts | spent, model_bytes(fit.model))
+
+
+def bench_scene(number: Number, target: Target = "host") -> Scene:
+    """The model and its guards, without a coupling: what the recordings can judge."""
+    return Scene(
+        schema=1,
+        name=NAME,
+        model="model.spm",
+        runtime=Runtime(number=number, target=target),
+        coupling=Coupling(mode="off"),
+    )
+
+
+def any_rate(model: Model) -> bool:
+    """Whether the model's features are the true ones at any sampling rate."""
+    return model.features is None or isinstance(model.features, RecursiveBank)
+
+
+def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
+    from springpot.trainer.kinds import fit_kind
+    from springpot.trainer.selection.held_out import cross_validated_rmse_n
+
+    candidate, options = job.candidate, job.candidate.options
+    whole, folds = _prepared(job.data, options.smooth_s, options.seed)
+    fit = fit_kind(candidate.kind, NAME, whole, options)
+    facts = {
+        "number": candidate.number,
+        "engine": engine(fit.model),
+        "window_s": window_s(fit.model),
+        "orders": list(getattr(fit.model.features, "orders", ())),
+        "any_rate": any_rate(fit.model),
+        "rows": fit.rows,
+        "feature_s": fit.feature_s,
+        "fit_s": fit.fit_s,
+        "search_s": fit.search_s,
+        "cv_rmse_n": cross_validated_rmse_n(candidate.kind, folds, options),
+        "hash": model_hash(fit.model),
+    }
+    return fit, facts | {name: fit.facts[name] for name in _SIZES if name in fit.facts}
+
+
+@lru_cache(maxsize=1)
+def _prepared(data: Data, smooth_s: float, seed: int) -> tuple["TrainingSet", tuple["Split", ...]]:
+    """All training recordings and their folds: a worker's points share them, and what is found."""
+    from springpot.trainer.models.training_set import training_set
+    from springpot.trainer.selection.held_out import splits
+
+    return training_set(data.training, smooth_s), splits(data.training, smooth_s, seed)
+
+
+def _measured(job: Job, model: Model) -> dict[str, Any]:
+    number = job.candidate.number
+    plan = make_plan(model, bench_scene(number), accept_unsafe=True)
+    size = footprint(make_plan(model, bench_scene(number, job.target), accept_unsafe=True))
+    with built(plan) as library:
+        return {
+            **prediction(plan, library, job.data.validation),
+            "tick_ns_hot": hot_ns(plan, library, job.data.validation),
+            "flash_bytes": size.flash_bytes if size else None,
+            "stack_bytes": size.stack_bytes if size else None,
+            "ram_bytes": state_bytes(plan),
+            "left_out": [vars(item) for item in plan.left_out],
+            **small_signal_map(plan, library, 0).as_dict(),
+        }
+
+
+def prediction(
+    plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]
+) -> dict[str, Any]:
+    """Error of the C on recordings, each from a fresh state."""
+    found = replayed_accuracy(Replay(library), recordings)
+    return {
+        "rmse_n": found.rmse_n,
+        "rmse_percent_of_peak": found.rmse_percent_of_peak,
+        "mean_recording_rmse_n": found.mean_recording_rmse_n,
+        "mean_recording_rmse_interval_n": found.interval_n and list(found.interval_n),
+        "p99_abs_error_n": found.p99_abs_error_n,
+        "max_abs_error_n": found.max_abs_error_n,
+        "ape_below_jnd": found.ape_below_jnd,
+    }
+
+
+def hot_ns(plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]) -> float:
+    """Median time of a tick on the longest recording, in a tight loop; the least of five.
+
+    The sweep keeps all cores busy, and may not be alone on them.
+    """
+    longest = max(recordings, key=lambda recording: len(recording.position_m))
+    position = longest.position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    return min(Replay(library).hot_ns(position, velocity) for _ in range(HOT_REPEATS))
+
+
+def footprint(plan: Plan) -> Footprint | None:
+    """Sizes of a plan's C on its target; None where no compiler for it is installed."""
+    tools = toolchain(plan.scene.runtime.target)
+    if tools is None:
+        return None
+    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
+        for name, text in emit_files(plan).items():
+            (Path(folder) / name).write_text(text)
+        return measure_footprint(Path(folder), f"{plan.scene.runtime.prefix}_scene.c", tools)

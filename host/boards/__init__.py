@@ -1,0 +1,1 @@
+"""Microcontrollers: boards, firmware, emulator, replay through a board."""

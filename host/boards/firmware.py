@@ -1,0 +1,103 @@
+"""Firmware: an emitted scene, the protocol and a board's port, built for that board."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from springpot.codegen.emit.project import prefixed
+from springpot.codegen.errors import BudgetError
+from springpot.codegen.literals import literal
+from springpot.codegen.plan.plan import Plan
+from springpot.host.boards.boards import Board, compiler_of
+from springpot.host.emission.emission import read_emission
+from springpot.host.native.compiler import CompilerError
+from springpot.host.native.scene_library import scene_prefix
+from springpot.runtime_c.paths import PORT_MCU, PORT_WIRE, flags
+
+_COMMON = ("sp_firmware.c", "sp_port.c", "sp_transducer.c")
+_WIRE = ("sp_wire.c", "sp_wire.h", "sp_wire_messages.h")
+_NAME = "firmware.elf"
+
+
+def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) -> Path:
+    """Build the firmware of an emitted folder into `out`, with all its sources beside it.
+
+    Raises UsageError without a compiler, BudgetError where it does not fit the board.
+    """
+    plan, _ = read_emission(folder)
+    _copy(folder, out)
+    for name in (*_COMMON, *_headers(), *board.sources):
+        _port_file(name, plan, out)
+    for name in _WIRE:
+        shutil.copyfile(PORT_WIRE / name, out / name)
+    (out / "sp_facts.h").write_text(_facts(plan, folder))
+    return _linked(board, out, (*_COMMON, "sp_wire.c", *board.sources), strict)
+
+
+def build_batch(folder: Path, board: Board, out: Path) -> Path:
+    """Build the program that makes calls out of a file, for the emulator (sp_batch.c)."""
+    plan, _ = read_emission(folder)
+    _copy(folder, out)
+    for name in ("sp_batch.c", "sp_port.c", "sp_transducer.c", *_headers(), *board.sources):
+        _port_file(name, plan, out)
+    return _linked(board, out, ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources))
+
+
+def _headers() -> list[str]:
+    return [file.name for file in PORT_MCU.glob("*.h")]
+
+
+def _copy(folder: Path, out: Path) -> None:
+    out.mkdir(parents=True, exist_ok=True)
+    for file in [*folder.glob("*.h"), *folder.glob("*_scene.c"), *folder.glob("*_selftest.c")]:
+        shutil.copyfile(file, out / file.name)
+
+
+def _port_file(name: str, plan: Plan, out: Path) -> None:
+    """One file of the port, with the scene's prefix where it speaks of the scene."""
+    prefix = plan.scene.runtime.prefix
+    text = (PORT_MCU / name).read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
+    (out / name).write_text(prefixed(text, prefix))
+
+
+def _facts(plan: Plan, folder: Path) -> str:
+    """What the protocol says of the scene."""
+    digest = bytes.fromhex(json.loads((folder / "manifest.json").read_text())["hash"])
+    items = ", ".join(f"{byte}" for byte in digest)
+    greatest_n = max(float(plan.output.greatest_n), -float(plan.output.least_n))
+    return (
+        "/* What the firmware tells the host of its scene. */\n"
+        "#ifndef SP_FACTS_H\n#define SP_FACTS_H\n\n"
+        f"#define SP_FACTS_DT_S {_float(plan.dt_s)}\n"
+        f"#define SP_FACTS_WATCHDOG_S {_float(float(plan.output.watchdog_s))}\n"
+        f"#define SP_FACTS_GREATEST_N {_float(greatest_n)}\n"
+        f"#define SP_FACTS_HASH {{{{{items}}}}}\n\n#endif\n"
+    )
+
+
+def _float(value: float) -> str:
+    return literal(np.float32(value))
+
+
+def _linked(board: Board, out: Path, sources: tuple[str, ...], strict: bool = False) -> Path:
+    tools = compiler_of(board)
+    prefix = scene_prefix(out)
+    files = [f"{prefix}_scene.c", f"{prefix}_selftest.c", *sources]
+    command = [
+        tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
+        "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
+        *(str(out / file) for file in files), "-lm", "-lc", "-lgcc", "-o", str(out / _NAME),
+    ]  # fmt: skip
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode == 0:
+        return out / _NAME
+    if "overflowed by" in result.stderr:
+        over = next(line for line in result.stderr.splitlines() if "overflowed by" in line)
+        raise BudgetError(
+            f"{board.name}: the firmware does not fit ({over.split(': ')[-1]}): give the "
+            "scene a [budget] and `springpot emit --fit`"
+        )
+    raise CompilerError(f"{tools.compiler} refused the firmware: {result.stderr.strip()[:600]}")

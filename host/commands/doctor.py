@@ -1,0 +1,28 @@
+"""`springpot doctor`."""
+
+import json
+import sys
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from springpot.host.console.output import json_option
+from springpot.host.devices.doctor import examine
+
+
+@click.command()
+@json_option
+def doctor(as_json: bool) -> None:
+    """Show what this machine offers, and what to do where something is missing."""
+    findings = examine()
+    if as_json:
+        click.echo(json.dumps({"findings": [finding.as_dict() for finding in findings]}))
+    else:
+        table = Table("what", "", "seen", "what to do", box=None, pad_edge=False)
+        for finding in findings:
+            mark = "ok" if finding.found else "--"
+            table.add_row(finding.what, mark, finding.seen, finding.do)
+        Console(file=sys.stdout).print(table)
+    if not next(finding for finding in findings if finding.what == "C compiler").found:
+        sys.exit(1)

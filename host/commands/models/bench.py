@@ -1,0 +1,90 @@
+"""`springpot bench`: error against run time against bytes, the front, and what to pick."""
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from springpot.codegen.scene import Target
+from springpot.host.benchmark.labels import label, point_line
+from springpot.host.benchmark.store import RESULT
+from springpot.host.commands.models.train import KINDS
+from springpot.host.commands.recordings.check import say_quality
+from springpot.host.console.options import SEED
+from springpot.host.console.output import json_option, print_result, say
+from springpot.trainer.recordings.recording_file import read_recordings
+
+
+@click.command()
+@click.option(
+    "--recording", "recordings", multiple=True, required=True, type=click.Path(), metavar="REC",
+    help="Recording or folder to train on; may be repeated.",
+)  # fmt: skip
+@click.option(
+    "--validate", "validation", multiple=True, type=click.Path(), metavar="REC",
+    help="Recording or folder to report on; default: a fifth of the others is set aside.",
+)  # fmt: skip
+@click.option(
+    "--target", type=click.Choice(["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
+    default="cortex-m4f", show_default=True, help="Board whose flash is counted.",
+)  # fmt: skip
+@click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("bench"), show_default=True,
+    help="Folder of the results; what is there is not computed again.",
+)  # fmt: skip
+@click.option(
+    "--model", "kinds", multiple=True, type=click.Choice([k for k in KINDS if k != "auto"]),
+    help="Kind to sweep; may be repeated; default: all.",
+)  # fmt: skip
+@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to sweep on.")
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@json_option
+def bench(
+    recordings: tuple[str, ...],
+    validation: tuple[str, ...],
+    target: Target,
+    out: Path,
+    kinds: tuple[str, ...],
+    dask: str | None,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Measure every kind and size of model on your recordings; mark the front; pick."""
+    from springpot.host.benchmark.run import Bench, run_bench
+    from springpot.trainer.selection.held_out import set_aside
+
+    training = read_recordings(map(Path, recordings))
+    say_quality(training)
+    if validation:
+        testing = read_recordings(map(Path, validation))
+    else:
+        training, testing = set_aside(training, seed)
+        say(f"set aside for validation: {', '.join(item.name for item in testing)}")
+    asked = Bench(tuple(training), tuple(testing), target, seed, kinds, dask)
+    result = run_bench(asked, out, shlex.join(["springpot", *sys.argv[1:]]))
+    print_result(result, as_json, bench_rows(result, out))
+
+
+def bench_rows(result: dict[str, Any], out: Path) -> dict[str, str]:
+    """A person's view: the picks, the front, and where the rest is."""
+    by_key = {point["key"]: point for point in result["points"]}
+    rows = {}
+    for name, found in result["picks"].items():
+        rows[f"pick {name}"] = (
+            f"{point_line(by_key[found['point']])}: {found['why']}"
+            if found["point"]
+            else found["why"]
+        )
+    front = [point for point in result["points"] if point["pareto"]]
+    for point in sorted(front, key=lambda p: p["tick_ns_hot"]):
+        rows.setdefault(f"front {point['tick_ns_hot']:.0f} ns", point_line(point))
+    for point in result["refused"]:
+        rows[f"refused {label(point)}"] = point["error"]
+    rows["points"] = (
+        f"{len(result['points'])}, {result['computed']} of them computed now in "
+        f"{result['wall_s']:.0f} s"
+    )
+    rows["written"] = f"{out / RESULT}; `springpot report {out}` makes the page"
+    return rows

@@ -1,0 +1,150 @@
+"""`springpot train`: fit one model."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.model_file import SUFFIX, write_model
+from springpot.host.commands.recordings.check import say_quality
+from springpot.host.console.options import NOT_NEGATIVE, PERCENT, POSITIVE, SEED, FiniteRange
+from springpot.host.console.output import (
+    json_option,
+    paths_argument,
+    print_result,
+    progress_console,
+    say,
+)
+from springpot.host.validation.training import training_result, training_rows, validated
+from springpot.trainer.paper import PAPER_SMOOTH_S
+from springpot.trainer.recordings.recording_file import read_recordings
+
+if TYPE_CHECKING:
+    from springpot.trainer.models.fit import Engine
+
+KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybrid", "boosted",
+         "springpot")  # fmt: skip
+
+
+@click.command()
+@paths_argument("recordings")
+@click.option(
+    "--model",
+    "kind",
+    type=click.Choice(KINDS),
+    required=True,
+    help="Model kind; auto: the one of least cross-validated error.",
+)
+@click.option(
+    "--validate",
+    "validation",
+    multiple=True,
+    type=click.Path(),
+    metavar="REC",
+    help="Recording or folder to report the error on; may be repeated.",
+)
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Model file to write.")
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@click.option(
+    "--fraction",
+    type=FiniteRange(0, 1, min_open=True),
+    help="Share of rows used; default 0.2 from 20 000 rows on, all below.",
+)
+@click.option(
+    "--window-s",
+    type=POSITIVE,
+    help="Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",
+)
+@click.option(
+    "--smooth-s",
+    type=NOT_NEGATIVE,
+    default=PAPER_SMOOTH_S,
+    show_default=True,
+    help="Zero-phase moving average of the training data, s; 0 for none.",
+)
+@click.option("--smooth-validation", is_flag=True, help="Smooth the validation data as well.")
+@click.option(
+    "--select",
+    type=click.Choice(["cv", "paper"]),
+    default="cv",
+    show_default=True,
+    help="rbf-fd, --within: by cross-validation, or on the validation recordings.",
+)
+@click.option(
+    "--centers",
+    type=click.Choice(["farthest", "greedy"]),
+    default="farthest",
+    show_default=True,
+    help="rbf-fd, rbf-pv: how centers are chosen.",
+)
+@click.option(
+    "--engine",
+    type=click.Choice(["fir", "fir-fast", "recursive"]),
+    help="Fractional filters: the paper's taps, the same from a few exponentials, or exponentials "
+    "that are exact at any rate; default fir, recursive where the window is long.",
+)
+@click.option(
+    "--round-features",
+    is_flag=True,
+    help="rf-fd, rf-history, boosted: trees on features in 16-bit steps; faster, no search.",
+)
+@click.option(
+    "--within",
+    type=PERCENT,
+    metavar="P%",
+    help="rf-fd: the smallest forest whose error is at most P % above that of the paper's size; "
+    "judged as --select says.",
+)
+@click.option(
+    "--monotone", is_flag=True, help="boosted: the force never falls as a derivative rises."
+)
+@json_option
+def train(
+    recordings: tuple[str, ...],
+    kind: str,
+    validation: tuple[str, ...],
+    out: Path,
+    seed: int,
+    fraction: float | None,
+    window_s: float | None,
+    smooth_s: float,
+    smooth_validation: bool,
+    select: Literal["cv", "paper"],
+    centers: Literal["farthest", "greedy"],
+    engine: "Engine | None",
+    round_features: bool,
+    within: float | None,
+    monotone: bool,
+    as_json: bool,
+) -> None:
+    """Fit a model on RECORDINGS (files or folders)."""
+    if out.suffix != SUFFIX:
+        raise UsageError(f"--out {out}: model files end in {SUFFIX}: give a name like x{SUFFIX}")
+    from springpot.trainer.kinds import fit_model
+    from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
+
+    options = FitOptions(
+        seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s, select=select,
+        centers=centers, engine=engine, round_features=round_features,
+        within=within, monotone=monotone,
+    )  # fmt: skip
+    training = read_recordings(map(Path, recordings))
+    testing = read_recordings(map(Path, validation))
+    say_quality(training)
+    with progress_console.status(f"fitting {kind} on {len(training)} recordings"):
+        fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
+    for warning in fit.warnings:
+        say(f"warning: {warning}")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    result: dict[str, Any] = {"out": str(out), "hash": write_model(out, fit.model)}
+    result = training_result(fit, options) | result
+    found = None
+    if testing:
+        found = validated(fit.model, testing, smooth_s if smooth_validation else 0.0)
+        result |= {
+            "rmse_n": found.rmse_n,
+            "rmse_percent_of_peak": found.rmse_percent_of_peak,
+            "mean_recording_rmse_n": found.mean_recording_rmse_n,
+        }
+    print_result(result, as_json, training_rows(fit, out, result, found, len(testing)))

@@ -1,0 +1,87 @@
+"""`springpot check`: what is wrong with recordings, and what that means for a model."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from springpot.host.console.output import json_option, paths_argument, say
+from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recordings
+
+
+@click.command()
+@paths_argument("recordings")
+@json_option
+def check(recordings: tuple[str, ...], as_json: bool) -> None:
+    """Report the quality of RECORDINGS (files or folders); refusals end with status 3."""
+    report = check_recordings(read_recordings(map(Path, recordings)))
+    if as_json:
+        click.echo(json.dumps(as_result(report), allow_nan=False))
+    else:
+        _print(report)
+    report.refuse()
+
+
+def as_result(report: QualityReport) -> dict[str, Any]:
+    """For JSON."""
+    return {
+        "refused": report.refused,
+        "findings": [finding.facts() for finding in report.findings],
+        "recordings": report.recordings,
+        **report.figures,
+    }
+
+
+def say_quality(recordings: Sequence[Recording]) -> QualityReport:
+    """Say every warning on standard error; raise DataError where there is a refusal."""
+    report = check_recordings(recordings)
+    for finding in report.findings:
+        if finding.severity == "warning":
+            say(finding.line)
+    report.refuse()
+    return report
+
+
+def _print(report: QualityReport) -> None:
+    table = Table("recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad", box=None)
+    for figures in report.recordings:
+        table.add_row(*_row(figures))
+    Console(width=140).print(table)
+    speeds = [f"{speed * 1e3:.3g}" for speed in report.figures["distinct_speeds_mps"]]
+    click.echo(f"speeds of pressing, mm/s: {', '.join(speeds) or 'none'}")
+    floor_n = report.figures["noise_floor_n"]
+    if floor_n is not None:
+        click.echo(f"noise floor, from repeats: {floor_n:.3g} N (no model's error can be below)")
+    skew_s, doubt_s = report.figures["skew_s"], report.figures["skew_uncertainty_s"]
+    if skew_s is None:
+        click.echo("delay of force behind position: cannot be told from these; loss not quoted")
+    else:
+        click.echo(
+            f"delay of force behind position: {skew_s * 1e3:.2g} +- {doubt_s * 1e3:.2g} ms, if the "
+            "loss angle goes with the logarithm of frequency"
+        )
+    for finding in report.findings:
+        click.echo(finding.line)
+
+
+def _row(figures: dict[str, Any]) -> list[str]:
+    (low_m, high_m), (low_n, high_n) = figures["position_m"], figures["force_n"]
+    row = [
+        figures["name"],
+        f"{figures['rate_hz']:.6g}",
+        f"{figures['duration_s']:.4g}",
+        f"{low_m * 1e3:.4g} .. {high_m * 1e3:.4g}",
+        f"{low_n:.4g} .. {high_n:.4g}",
+    ]
+    cycles = figures["cycles"]
+    if cycles is None:
+        return [*row, "-", "-", "-"]
+    loss = cycles["loss"]
+    quoted = f"{loss['angle_rad']:.3f} +- {loss['angle_uncertainty_rad']:.2g}" if loss else "-"
+    return [*row, f"{cycles['frequency_hz']:.3g}", f"{cycles['stiffness_npm'] * 1e-3:.4g}", quoted]

@@ -1,0 +1,27 @@
+"""`springpot export`: recordings as CSV or MAT files."""
+
+from pathlib import Path
+
+import click
+
+from springpot.codegen.errors import UsageError
+from springpot.host.console.output import json_option, paths_argument, print_result
+from springpot.trainer.recordings.formats.exporting import ExportFormat, export_recording
+from springpot.trainer.recordings.recording_file import read_recordings
+
+
+@click.command("export")
+@paths_argument("recordings")
+@click.option("--to", "form", type=click.Choice(["csv", "mat"]), required=True, help="Format.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
+@json_option
+def export_(recordings: tuple[str, ...], form: ExportFormat, out: Path, as_json: bool) -> None:
+    """Write RECORDINGS (files or folders) as files that other programs read."""
+    found = read_recordings(map(Path, recordings))
+    names = [recording.name for recording in found]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise UsageError(f"two recordings are named {twice[0]}: export them into two folders")
+    files = [str(export_recording(out, recording, form)) for recording in found]
+    rows = {recording.name: file for recording, file in zip(found, files, strict=True)}
+    print_result({"out": str(out), "files": files}, as_json, rows)

@@ -1,0 +1,158 @@
+"""`springpot import`: files from outside -> a folder of recordings."""
+
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+import click
+import numpy as np
+
+from springpot.codegen.errors import UsageError
+from springpot.host.commands.recordings.check import say_quality
+from springpot.host.console.options import NOT_NEGATIVE, FiniteRange
+from springpot.host.console.output import say
+from springpot.trainer.recordings.conditioning import Conditioning
+from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
+from springpot.trainer.recordings.formats.decimals import DecimalMark
+from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.recording import SUFFIX, Recording, Zero
+from springpot.trainer.recordings.recording_file import store_recording
+
+
+class _AutoOrNumber(click.ParamType[Any]):
+    name = "auto|N"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float | str:
+        if value == "auto":
+            return "auto"
+        try:
+            number = float(value)
+        except ValueError:
+            number = np.nan
+        if not np.isfinite(number):
+            self.fail(f"{value!r} is neither auto nor a force in N", param, ctx)
+        return number
+
+
+AUTO_OR_N = _AutoOrNumber()
+
+
+@click.command("import")
+@click.argument(
+    "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
+)
+@click.option("--map", "map_text", metavar=EXAMPLE, help="COL: a header or a number from 1.")
+@click.option(
+    "--zero",
+    type=click.Choice(["none", "first", "min"]),
+    default="none",
+    show_default=True,
+    help="Subtract nothing, the first sample or the smallest one, from each channel.",
+)
+@click.option("--resample-hz", type=float, help="Interpolate to this rate.")
+@click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
+@click.option("--dbc", type=click.Path(path_type=Path), help="Database of a CAN log.")
+@click.option("--block", metavar="KIND", help="Mach-1: only such blocks, for instance Sinusoid.")
+@click.option(
+    "--position-delay-s", type=FiniteRange(), default=0.0, help="Of the position's sensor."
+)
+@click.option("--force-delay-s", type=FiniteRange(), default=0.0, help="Of the force's sensor.")
+@click.option("--align", is_flag=True, help="Take the stated delays out, not only note them.")
+@click.option(
+    "--mass-kg", type=NOT_NEGATIVE, default=0.0, help="Beyond the load cell: inertia is removed."
+)
+@click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
+@click.option(
+    "--contact-force",
+    type=AUTO_OR_N,
+    metavar="auto|N",
+    help="Put position 0 where force passes this; auto: just above the noise.",
+)
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def import_(
+    files: tuple[Path, ...],
+    map_text: str | None,
+    zero: Zero,
+    resample_hz: float | None,
+    decimal: DecimalMark | None,
+    dbc: Path | None,
+    block: str | None,
+    position_delay_s: float,
+    force_delay_s: float,
+    align: bool,
+    mass_kg: float,
+    tare: float | Literal["auto"] | None,
+    contact_force: float | Literal["auto"] | None,
+    out: Path,
+    as_json: bool,
+) -> None:
+    """Turn CSV, MAT, HDF5, Mach-1 text files, CAN logs and journals into recordings.
+
+    One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
+    refused, nothing is written.
+    """
+    mapping = parse_map(map_text) if map_text else None
+    conditioning = Conditioning(
+        position_delay_s, force_delay_s, align, mass_kg, tare, contact_force
+    )
+    options = ImportOptions(dbc, block, decimal, conditioning)
+    recordings, guesses = [], []
+    for file in files:
+        result = import_file(file, mapping, zero, resample_hz, options)
+        say(result.guess)
+        recordings += result.recordings
+        guesses.append(result.guess)
+    report = say_quality(recordings)
+    written = _write(out, recordings)
+    rows = [_summary(path, recording) for path, recording in written]
+    if as_json:
+        result_ = {"out": str(out), "recordings": rows, "guess": "\n".join(guesses)}
+        findings = [finding.facts() for finding in report.findings]
+        click.echo(json.dumps(result_ | {"findings": findings}))
+        return
+    for row in rows:
+        (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]
+        click.echo(
+            f"{row['file']}  {row['samples']} samples at {row['rate_hz']:.6g} Hz, "
+            f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N"
+        )
+
+
+def _write(out: Path, recordings: list[Recording]) -> list[tuple[Path, Recording]]:
+    """Write all recordings, or none of them where one file exists already."""
+    files: dict[Path, Recording] = {}
+    for recording in recordings:
+        path = out / f"{recording.name}{SUFFIX}"
+        if path in files:
+            raise UsageError(
+                f"{path}: both {files[path].source} and {recording.source} would be written there: "
+                "import them into two folders"
+            )
+        if path.exists():
+            raise UsageError(f"{path}: exists already: remove it or choose another --out")
+        files[path] = recording
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for path, recording in files.items():
+            store_recording(path, recording, overwrite=False)
+    except FileExistsError as error:
+        raise UsageError(
+            f"{error.filename2 or out}: came into being meanwhile: choose another --out"
+        ) from None
+    except OSError as error:
+        raise UsageError(f"{out}: cannot write here ({error}): choose another --out") from None
+    return list(files.items())
+
+
+def _summary(path: Path, recording: Recording) -> dict[str, Any]:
+    return {
+        "name": recording.name,
+        "file": str(path),
+        "samples": len(recording.position_m),
+        "rate_hz": recording.rate_hz,
+        "position_m": [float(recording.position_m.min()), float(recording.position_m.max())],
+        "force_n": [float(recording.force_n.min()), float(recording.force_n.max())],
+    }

@@ -1,0 +1,113 @@
+"""The command `springpot record`: an object's protocol on a device, one recording a press."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from springpot.host.console.options import POSITIVE
+from springpot.host.recording.indentation import Limits, PressedDevice
+from springpot.host.recording.protocols import load_protocol
+from springpot.host.recording.session import PressQuality, open_device, record_session
+from springpot.host.session.terminal import progress_line, stopping_on_sigterm
+
+
+@click.command()
+@click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
+@click.option(
+    "--protocol", required=True, help="paper, validation, extended, or a FILE.toml of profiles."
+)
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write to.")
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**31 - 1),
+    default=0,
+    help="Of random commands, and of a simulated device's noise unless its URL has a seed.",
+)
+@click.option("--object", "object_name", help="What lies under a real device: for file names.")
+@click.option("--max-force-n", type=POSITIVE, help="Stop beyond this; default 1.3 x the command.")
+@click.option(
+    "--max-depth-mm", type=POSITIVE, default=30.0, show_default=True, help="Stop beyond this depth."
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def record(
+    url: str,
+    protocol: str,
+    out: Path,
+    seed: int,
+    object_name: str | None,
+    max_force_n: float | None,
+    max_depth_mm: float,
+    as_json: bool,
+) -> None:
+    """Drive a device under force control and write one recording for each profile.
+
+    On a real device, the key q and Ctrl-C stop with zero force.
+    """
+    limits = Limits(max_force_n, max_depth_mm / 1e3)
+    device = open_device(url, seed, object_name or "object", limits)
+    profiles = load_protocol(protocol, seed)
+    label = protocol if not protocol.endswith(".toml") else Path(protocol).stem
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.0f}/{task.total:.0f} s"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    ) as progress:
+        total_s = sum(len(profile.command_n) for profile in profiles) / 1000
+        task = progress.add_task(device.object_name, total=total_s)
+
+        def on_press(quality: PressQuality) -> None:
+            progress.update(task, description=quality.name, advance=quality.duration_s)
+
+        if isinstance(device, PressedDevice):
+            device.on_progress = lambda now: progress.update(
+                task, description=progress_line(now, "q stop")
+            )
+        with stopping_on_sigterm():
+            qualities = record_session(device, url, label, profiles, out, on_press)
+    click.echo(_as_json(out, qualities) if as_json else _as_text(out, qualities), nl=False)
+
+
+def _as_json(out: Path, qualities: Sequence[PressQuality]) -> str:
+    recordings = [
+        {
+            "name": quality.name,
+            "file": str(quality.file),
+            "samples": quality.samples,
+            "duration_s": quality.duration_s,
+            "max_depth_m": quality.max_depth_m,
+            "max_force_n": quality.max_force_n,
+            "max_command_n": quality.max_command_n,
+            "tracking_rms_n": quality.tracking_rms_n,
+        }
+        for quality in qualities
+    ]
+    duration_s = sum(quality.samples for quality in qualities) / 1000
+    result = {"out": str(out), "recordings": recordings, "duration_s": duration_s}
+    return json.dumps(result, indent=2) + "\n"
+
+
+def _as_text(out: Path, qualities: Sequence[PressQuality]) -> str:
+    table = Table("recording", "s", "depth mm", "force N", "of", "tracking error N rms", box=None)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for quality in qualities:
+        table.add_row(
+            quality.name,
+            f"{quality.duration_s:.2f}",
+            f"{quality.max_depth_m * 1e3:.2f}",
+            f"{quality.max_force_n:.2f}",
+            f"{quality.max_command_n:.2f}",
+            f"{quality.tracking_rms_n:.3f}",
+        )
+    console = Console(width=100)
+    with console.capture() as capture:
+        console.print(table)
+    return f"{capture.get()}{len(qualities)} recordings in {out}\n"

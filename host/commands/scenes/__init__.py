@@ -1,0 +1,1 @@
+"""Commands that emit, check, validate and run scenes."""

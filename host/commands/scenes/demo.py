@@ -1,0 +1,39 @@
+"""`springpot demo`."""
+
+from pathlib import Path
+
+import click
+
+from springpot.host.commands.scenes.demo_job import run_demo
+from springpot.host.commands.scenes.emit import emission_result, emission_rows
+from springpot.host.commands.scenes.validate import (
+    fail_on_mismatch,
+    validation_result,
+    validation_rows,
+)
+from springpot.host.console.output import json_option, print_result
+
+
+@click.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True)
+@click.option("--object", "object_name", default="ecoflex-00-30", show_default=True)
+@json_option
+def demo(out: Path, object_name: str, as_json: bool) -> None:
+    """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
+    done = run_demo(out, object_name)
+    result = {
+        "object": object_name,
+        "report": str(done.report),
+        "seconds": done.seconds,
+        "emit": emission_result(done.emission),
+        "validate": validation_result(done.validation),
+    }
+    rows = {
+        "object": f"{object_name}, simulated",
+        "training": f"{done.fit.rows} rows, fit {done.fit.fit_s:.2f} s",
+        **emission_rows(done.emission),
+        **validation_rows(done.validation),
+        "report": str(done.report),
+    }
+    print_result(result, as_json, rows)
+    fail_on_mismatch(out / "c", done.validation)

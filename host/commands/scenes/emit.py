@@ -1,0 +1,152 @@
+"""`springpot emit` and `springpot build`: C source, and the library made of it."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from springpot.codegen.errors import UsageError
+from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
+from springpot.host.benchmark.picks import Budget
+from springpot.host.console.options import POSITIVE
+from springpot.host.console.output import json_option, print_result, say
+from springpot.host.emission.budget_fit import emit_fitting
+from springpot.host.emission.emission import Emission
+from springpot.host.emission.scene_file import model_path, read_scene
+from springpot.host.native.scene_library import build_scene
+from springpot.trainer.recordings.recording_file import read_recordings
+
+
+@click.command(name="emit")
+@click.option("--scene", "scene_file", type=click.Path(path_type=Path), help="Scene file.")
+@click.option(
+    "--model",
+    "model_file",
+    type=click.Path(path_type=Path),
+    help="Model file; default: the scene's.",
+)
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@click.option(
+    "--accept-unsafe",
+    is_flag=True,
+    help="Emit although a hand would find it unstable, for replay; the manifest says so.",
+)
+@click.option(
+    "--recording",
+    "recordings",
+    multiple=True,
+    type=click.Path(),
+    metavar="REC",
+    help="What smaller versions are measured on, where the scene does not fit its budget.",
+)
+@click.option("--fit", is_flag=True, help="Leave out what costs least until the budget is met.")
+@click.option(
+    "--bench", "bench_folder", type=click.Path(path_type=Path), default=Path("bench"),
+    show_default=True, help="Benchmark that --pick and the budgets choose from.",
+)  # fmt: skip
+@click.option("--pick", "picked", metavar="NAME", help="Emit a pick of the benchmark: pc-1khz.")
+@click.option("--budget-us", type=POSITIVE, help="Emit its best stable model within this tick.")
+@click.option("--flash", type=click.IntRange(1), help="... within these bytes of flash.")
+@click.option("--ram", type=click.IntRange(1), help="... within these bytes of RAM.")
+@json_option
+def emit_(
+    scene_file: Path | None,
+    model_file: Path | None,
+    out: Path,
+    accept_unsafe: bool,
+    recordings: tuple[str, ...],
+    fit: bool,
+    bench_folder: Path,
+    picked: str | None,
+    budget_us: float | None,
+    flash: int | None,
+    ram: int | None,
+    as_json: bool,
+) -> None:
+    """Emit the C source of a scene, or of a benchmark's choice (a scene's keys then rule it)."""
+    scene = None if scene_file is None else read_scene(scene_file)
+    budget = Budget("chosen", "chosen", tick_us=budget_us, flash_bytes=flash, ram_bytes=ram)
+    stated = budget_us is not None or flash is not None or ram is not None
+    if picked is not None or stated:
+        if (picked is not None and stated) or model_file is not None:
+            raise UsageError("--pick, a budget, --model: each names a model: give one of them")
+        found = (
+            choose_pick(bench_folder, picked, accept_unsafe)
+            if picked
+            else choose_within(bench_folder, budget)
+        )
+        scene, model_file = scene_of(bench_folder, *found, scene)
+    elif scene is None or scene_file is None:
+        raise UsageError("nothing to emit: give --scene FILE, or --pick NAME --bench DIR")
+    else:
+        model_file = model_file or model_path(scene, scene_file)
+    measured = read_recordings(map(Path, recordings)) if recordings else []
+    emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit)
+    for notice in emission.notices:
+        say(notice)
+    print_result(emission_result(emission), as_json, emission_rows(emission))
+
+
+def emission_result(emission: Emission) -> dict[str, Any]:
+    """Keys of `emit --json`."""
+    manifest, footprint = emission.manifest, emission.footprint
+    return {
+        "out": str(emission.folder),
+        "hash": emission.hash,
+        "flash_bytes": footprint.flash_bytes if footprint else None,
+        "ram_bytes": emission.ram_bytes,
+        "stack_bytes": footprint.stack_bytes if footprint else None,
+        "instructions": manifest.get("instructions"),
+        "units": manifest["units"],
+        "left_out": manifest["left_out"],
+        "orders": manifest["orders"],
+        "coupling": manifest["coupling"],
+        "outside": manifest["outside"],
+        "accept_unsafe": manifest["accept_unsafe"],
+        "stability": emission.check.as_dict() if emission.check else None,
+        "write_s": emission.write_s,
+        "compile_s": emission.compile_s,
+    }
+
+
+def emission_rows(emission: Emission) -> dict[str, str]:
+    """A person's view of an emission."""
+    footprint = emission.footprint
+    stack = footprint.stack_bytes if footprint else None
+    left_out = emission.manifest["left_out"]
+    rows = {
+        "C source": str(emission.folder),
+        "flash": f"{footprint.flash_bytes} bytes" if footprint else "unknown",
+        "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
+        "units": ", ".join(emission.manifest["units"]),
+        "coupling": emission.manifest["coupling"]["why"],
+        "stiffness felt": f"{1e-3 * emission.manifest['coupling']['felt_stiffness_npm']:.3g} N/mm",
+        "outside": emission.manifest["outside"],
+        "stability": _stability(emission),
+        "hash": emission.hash,
+    }
+    if bound := emission.manifest.get("instructions"):
+        rows["instructions"] = f"at most {bound['tick']} a tick, {bound['restart']} at a restart"
+    for item in left_out:
+        rows[f"left out: {item['what']}"] = f"{item['why']}, {item['bytes']} bytes"
+    return rows
+
+
+def _stability(emission: Emission) -> str:
+    found = emission.check
+    if found is None:
+        return "not checked"
+    active, cells = found.model_map.active(False)
+    return f"spectral radius {found.spectral_radius:.4f}, {active} of {cells} cells active"
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@json_option
+def build(folder: Path, as_json: bool) -> None:
+    """Build an emitted FOLDER's shared library in the cache; print its path."""
+    library = build_scene(folder)
+    if as_json:
+        print_result({"library": str(library)}, True, {})
+    else:
+        click.echo(library)

@@ -1,0 +1,36 @@
+"""`springpot firmware`: a scene and the serial protocol, built for a board."""
+
+from pathlib import Path
+
+import click
+
+from springpot.host.boards.boards import BOARDS, board_of
+from springpot.host.boards.firmware import build_firmware
+from springpot.host.commands.scenes.run import emitted_folder
+from springpot.host.console.output import json_option, print_result
+
+
+@click.command()
+@click.option(
+    "--scene",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Scene file, or a folder that `springpot emit` wrote.",
+)
+@click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@json_option
+def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
+    """Build a board's firmware; all its sources lie beside it."""
+    board = board_of(name)
+    with emitted_folder(scene) as folder:
+        program = build_firmware(folder, board, out)
+    run = (
+        f"{' '.join([board.emulator, '-M', board.name, *board.options])} -nographic -monitor none "
+        f"-chardev pty,id=c0 -serial chardev:c0 -kernel {program}"
+    )
+    print_result(
+        {"firmware": str(program), "board": board.name, "target": board.target},
+        as_json,
+        {"firmware": str(program), "emulate": run},
+    )

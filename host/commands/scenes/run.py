@@ -1,0 +1,123 @@
+"""`springpot run`: render a scene on a device, in real time, with a log."""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+from springpot.codegen.errors import UsageError
+from springpot.host.console.options import POSITIVE
+from springpot.host.console.output import json_option, print_result, progress_console, say
+from springpot.host.emission.emission import SCENE_COPY, emit
+from springpot.host.emission.scene_file import model_path, read_scene
+from springpot.host.session.runner import RECONNECT_S, LoopKind
+from springpot.host.session.session import Session
+from springpot.host.session.terminal import stopping_on_sigterm, watch
+from springpot.trainer.recordings.recording import SUFFIX
+
+
+@click.command()
+@click.option(
+    "--scene",
+    "scene",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Scene file, or a folder that `springpot emit` wrote.",
+)
+@click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
+@click.option("--seconds", type=POSITIVE, help="How long; by default until q or Ctrl-C.")
+@click.option("--log", type=click.Path(path_type=Path), help=f"File to write, ending in {SUFFIX}.")
+@click.option("--max-force-n", type=POSITIVE, help="End the session beyond this force, N.")
+@click.option("--max-depth-mm", type=POSITIVE, help="End the session beyond this depth, mm.")
+@click.option(
+    "--reconnect-s",
+    type=POSITIVE,
+    default=RECONNECT_S,
+    show_default=True,
+    help="How long to wait for a device that was unplugged.",
+)
+@click.option(
+    "--loop",
+    type=click.Choice(["c", "python"]),
+    default="c",
+    show_default=True,
+    help="Who keeps the time.",
+)
+@json_option
+def run(
+    scene: Path,
+    url: str,
+    seconds: float | None,
+    log: Path | None,
+    max_force_n: float | None,
+    max_depth_mm: float | None,
+    reconnect_s: float,
+    loop: LoopKind,
+    as_json: bool,
+) -> None:
+    """Render a scene on a device. Keys: q stop, p pause, r reset; Ctrl-C stops too."""
+    if log is not None and log.suffix != SUFFIX:
+        raise UsageError(f"{log}: a log is a recording: give it a name ending in {SUFFIX}")
+    with emitted_folder(scene) as folder, stopping_on_sigterm():
+        session = Session(
+            folder,
+            url,
+            log,
+            seconds=seconds or 0.0,
+            max_force_n=max_force_n,
+            max_depth_m=None if max_depth_mm is None else max_depth_mm / 1e3,
+            loop=loop,
+            reconnect_s=reconnect_s,
+            tell=_say_above,
+        )
+        try:
+            with session:
+                session.start()
+                watch(session.running)
+        except KeyboardInterrupt:
+            say("interrupted: zero force was sent")
+        result = session.result()
+    print_result(result, as_json, _rows(result))
+    if session.error is not None:
+        raise session.error
+
+
+def _say_above(line: str) -> None:
+    progress_console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+@contextmanager
+def emitted_folder(scene: Path) -> Iterator[Path]:
+    """The folder itself, or that of a scene file emitted for this session."""
+    if (scene / SCENE_COPY).exists():
+        yield scene
+        return
+    if scene.is_dir():
+        raise UsageError(f"{scene}: not an emitted folder: `springpot emit --out` makes one")
+    described = read_scene(scene)
+    with tempfile.TemporaryDirectory(prefix="springpot-run-") as scratch:
+        folder = Path(scratch) / "c"
+        for told in emit(described, model_path(described, scene), folder).notices:
+            say(told)
+        yield folder
+
+
+def _rows(result: dict[str, Any]) -> dict[str, str]:
+    late, tick = result["lateness_us"], result["tick_us"]
+    return {
+        "stopped": result["stopped"],
+        "ticks": f"{result['ticks']} of {result['expected_ticks']}, {result['late']} late",
+        "lateness": f"{late['p50']:.0f} us, 99 % below {late['p99']:.0f}, worst {late['max']:.0f}"
+        f" (the hypervisor took {result['steal_ms']:.0f} ms)",
+        "tick": f"{tick['p50']:.1f} us, 99 % below {tick['p99']:.1f}",
+        "samples": f"{result['samples']} came, {result['stale_samples']} ticks without a new one",
+        "lost": f"{result['sequence_gaps']} frames missing, {result['crc_errors']} damaged, "
+        f"{result['ring_dropped']} rows dropped",
+        "watchdog": f"{result['watchdog_trips']} trips"
+        + (", latched" if result["latched"] else ""),
+        "scheduler": result["scheduler"],
+        "log": result["log"] or "none",
+    }

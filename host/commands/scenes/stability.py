@@ -1,0 +1,66 @@
+"""`springpot stability`: will a hand find the scene stable, and faithful."""
+
+from pathlib import Path
+
+import click
+
+from springpot.codegen.model.model_file import read_model
+from springpot.codegen.plan.plan import make_plan
+from springpot.host.console.output import json_option, print_result, progress_console
+from springpot.host.emission.scene_file import model_path, read_scene
+from springpot.host.stability.check import Stability, refuse_unstable, stability
+
+
+@click.command(name="stability")
+@click.option("--scene", "scene_file", type=click.Path(path_type=Path), required=True)
+@click.option(
+    "--model",
+    "model_file",
+    type=click.Path(path_type=Path),
+    help="Model file; default: the scene's.",
+)
+@click.option(
+    "--report", type=click.Path(path_type=Path), help="HTML page to write, with a picture of each."
+)
+@json_option
+def stability_(
+    scene_file: Path, model_file: Path | None, report: Path | None, as_json: bool
+) -> None:
+    """Spectral radius, small-signal maps, and a closed loop with three hands."""
+    scene = read_scene(scene_file)
+    model = read_model(model_file or model_path(scene, scene_file))
+    plan = make_plan(model, scene, accept_unsafe=True)
+    with progress_console.status("eleven cases, three hands, two delays"):
+        found = stability(plan)
+    if report is not None:
+        from springpot.host.stability.report import write_stability_report
+
+        write_stability_report(found, report)
+    print_result(found.as_dict(), as_json, stability_rows(found))
+    refuse_unstable(plan)
+
+
+def stability_rows(found: Stability) -> dict[str, str]:
+    """A person's view: the verdict, then a line for each case, the worst of its hands."""
+    checked = found.check
+    inside, outside = checked.model_map.active(False), checked.model_map.active(True)
+    rows = {
+        "verdict": found.as_dict()["recommendation"],
+        "spectral radius": f"{checked.spectral_radius:.4f}",
+        "active cells, model": f"{inside[0]} of {inside[1]}, beyond the trained depth "
+        f"{outside[0]} of {outside[1]}",
+        "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "
+        f"object {1e-3 * found.stiff.coupling.felt_npm:.3g} N/mm",
+    }
+    for outcome in found.outcomes:
+        name = f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"
+        rows[name] = ", ".join(
+            [
+                "bounded" if outcome.bounded else "NOT BOUNDED",
+                f"{1e3 * outcome.max_depth_m:.2f} mm",
+                f"{outcome.max_force_n:.2f} N",
+                f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz",
+                f"{outcome.fidelity_percent:.1f} % unlike the model",
+            ]
+        )
+    return rows

@@ -1,0 +1,88 @@
+"""`springpot validate`: replay recordings through the C."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from springpot.codegen.errors import MismatchError
+from springpot.host.console.output import json_option, print_result, progress_console
+from springpot.host.validation.store import store_validation
+from springpot.host.validation.validation import Validation, validate
+from springpot.trainer.recordings.recording_file import read_recordings
+
+
+@click.command(name="validate")
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option(
+    "--recording",
+    "recordings",
+    multiple=True,
+    required=True,
+    type=click.Path(),
+    metavar="REC",
+    help="Recording or folder; may be repeated.",
+)
+@click.option(
+    "--device", "url", help="A board that renders the scene, such as serial:///dev/ttyACM0."
+)
+@json_option
+def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_json: bool) -> None:
+    """Replay recordings through the C of an emitted FOLDER."""
+    found = read_recordings(map(Path, recordings))
+    with progress_console.status(f"replaying {len(found)} recordings"):
+        validation = validate(folder, found, device=url)
+    result = validation_result(validation)
+    store_validation(folder, validation, found, result)
+    print_result(result, as_json, validation_rows(validation))
+    fail_on_mismatch(folder, validation)
+
+
+def fail_on_mismatch(folder: Path, validation: Validation) -> None:
+    """Raise MismatchError where C and reference differed in a tick."""
+    if validation.mismatches:
+        raise MismatchError(
+            f"{folder}: C and its numpy reference differ in {validation.mismatches} of "
+            f"{validation.accuracy.samples} ticks: check the compiler (CC, `springpot doctor`)"
+        )
+
+
+def validation_result(validation: Validation) -> dict[str, Any]:
+    """Keys of `validate --json`."""
+    found = validation.accuracy
+    return {
+        "samples": found.samples,
+        "ramped_samples": found.ramped,
+        "rmse_n": found.rmse_n,
+        "rmse_percent_of_peak": found.rmse_percent_of_peak,
+        "mean_recording_rmse_n": found.mean_recording_rmse_n,
+        "mean_recording_rmse_interval_n": found.interval_n,
+        "max_abs_error_n": found.max_abs_error_n,
+        "p99_abs_error_n": found.p99_abs_error_n,
+        "ape_below_jnd": found.ape_below_jnd,
+        "mismatches": validation.mismatches,
+        "notes": validation.notes,
+        "tick_ns": validation.ticks.as_dict(),
+        "hash": validation.manifest["hash"],
+    }
+
+
+def validation_rows(validation: Validation) -> dict[str, str]:
+    """A person's view of a validation."""
+    found, ticks = validation.accuracy, validation.ticks
+    interval = found.interval_n
+    spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
+    below = found.ape_below_jnd
+    return {
+        "samples": str(found.samples)
+        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
+        "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
+        "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
+        "greatest error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
+        "below the JND above 2 N": "no such sample" if below is None else f"{100 * below:.1f} %",
+        "C against reference": f"{validation.mismatches} ticks differ",
+        "notes": ", ".join(f"{name} {count}" for name, count in validation.notes.items() if count)
+        or "none",
+        "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
+        "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
+    }

@@ -1,0 +1,1 @@
+"""Devices by URL: serial, ODrive, virtual ones; what this machine offers."""

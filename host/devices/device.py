@@ -1,0 +1,45 @@
+"""What every opened device offers to a session."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from springpot.host.native.loop_library import LoopLibrary
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a session asks of a device.
+
+    presses: the loop drives the tool into an object, to record it.
+    hash: of the scene, for boards that render it themselves. greatest_n: of the scene's force.
+    m_per_turn .. max_torque_nm: the transmission of a motor drive.
+    """
+
+    rate_hz: float
+    watchdog_s: float
+    greatest_n: float
+    hash: str = ""
+    presses: bool = False
+    surface_m: float = 0.0
+    m_per_turn: float | None = None
+    sign: int = 1
+    zero_turns: float = 0.0
+    max_torque_nm: float | None = None
+
+
+class Device(Protocol):
+    """A device that was opened, checked and started: it sends samples and takes forces."""
+
+    comes_back: bool  # can be unplugged and plugged in again
+
+    def link(self, library: LoopLibrary) -> Any:
+        """Return the C link (sp_link *); from then on only the loop reads and writes."""
+        ...
+
+    def stop(self) -> None:
+        """After the loop: no force, acknowledged where the device can. Raises nothing."""
+        ...
+
+    def close(self) -> None:
+        """Free the port."""
+        ...

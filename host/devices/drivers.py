@@ -1,0 +1,25 @@
+"""Open the device of a URL: a dictionary of four schemes."""
+
+from collections.abc import Callable
+
+from springpot.host.devices.device import Device, Wanted
+from springpot.host.devices.odrive_device import OdriveDevice
+from springpot.host.devices.serial_device import SerialDevice
+from springpot.host.devices.url import Address, parse_device
+from springpot.host.devices.virtual import ReplayDevice, SimulatedDevice
+
+_DRIVERS: dict[str, Callable[[Address, Wanted], Device]] = {
+    "sim": SimulatedDevice,
+    "replay": ReplayDevice,
+    "serial": SerialDevice,
+    "odrive": OdriveDevice,
+}
+
+
+def open_device(url: str, wanted: Wanted) -> Device:
+    """Open, check and start a device; its motor gives no force yet.
+
+    Raises UsageError for a wrong URL, DeviceError with one line for whatever else is wrong.
+    """
+    address = parse_device(url)
+    return _DRIVERS[address.scheme](address, wanted)

@@ -1,0 +1,212 @@
+"""ODrive motor drives: slcan and socketcan in the C loop, python-can in the Python loop."""
+
+import contextlib
+import math
+import struct
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
+from springpot.host.devices.device import Wanted
+from springpot.host.devices.odrive import (
+    CLOSED_LOOP,
+    ENCODER,
+    HEARTBEAT,
+    TORQUES,
+    Drive,
+    identifier,
+    parse_heartbeat,
+)
+from springpot.host.devices.serial_port import refuse_slow_adapter
+from springpot.host.devices.url import Address
+from springpot.host.native.loop_library import LoopLibrary
+
+BITRATE = 1_000_000
+_KEYS = ("node", "bitrate", "port", "m_per_turn", "sign", "zero_turns", "max_torque_nm",
+         "surface_mm")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """From turns and Nm of the motor to m and N of the tool."""
+
+    m_per_turn: float
+    sign: float
+    zero_turns: float
+    surface_m: float
+    max_torque_nm: float
+
+    def position_m(self, turns: float) -> float:
+        """Penetration for a position of the motor."""
+        return self.sign * (turns - self.zero_turns) * self.m_per_turn - self.surface_m
+
+    def torque_nm(self, force_n: float) -> float:
+        """Torque for a force that pushes the tool out."""
+        return -self.sign * force_n * self.m_per_turn / (2 * math.pi)
+
+    @property
+    def greatest_n(self) -> float:
+        """Force at the greatest torque."""
+        return self.max_torque_nm * 2 * math.pi / self.m_per_turn
+
+
+class OdriveDevice:
+    """One axis: opened, its watchdog proved, in torque control."""
+
+    comes_back = True
+
+    def __init__(self, address: Address, wanted: Wanted) -> None:
+        """Open and arm it. Raises UsageError for a missing transmission, DeviceError otherwise."""
+        address.refuse_others(_KEYS)
+        self.address = address
+        self.node = int(address.number("node", 0, 0, 63))
+        bitrate = int(address.number("bitrate", BITRATE, 1e4, 1e6))
+        self.transmission = _transmission(address, wanted)
+        refuse_slow_bus(address.url, bitrate, wanted.rate_hz)
+        if address.interface == "slcan":
+            refuse_slow_adapter(address.place, wanted.rate_hz)
+        self.bus = open_bus(address, bitrate)
+        self.only_python = self.bus.fd < 0
+        self.drive = Drive(self.bus, self.node, address.url)
+        self._kept: Any = None
+        try:
+            self.drive.make_ready()
+        except BaseException:
+            self.bus.close()
+            raise
+
+    def link(self, library: LoopLibrary) -> Any:
+        """Return the C link, or the Python one for an interface without a descriptor."""
+        if self.only_python:
+            return CanLink(self.drive, self.transmission)
+        train = self.transmission
+        settings = library.ffi.new(
+            "sp_odrive *",
+            {
+                "node": self.node,
+                "slcan": int(self.address.interface == "slcan"),
+                "with_torque": int(self.drive.family == "0.6"),
+                "m_per_turn": train.m_per_turn,
+                "sign": train.sign,
+                "zero_turns": train.zero_turns,
+                "surface_m": train.surface_m,
+                "max_torque_nm": train.max_torque_nm,
+            },
+        )
+        self._kept = library.memory(library.c.sp_link_odrive_size())
+        return library.c.sp_link_odrive_init(self._kept, self.bus.fd, settings)
+
+    def stop(self) -> None:
+        """No torque, axis idle."""
+        with contextlib.suppress(DeviceError):  # gone: its watchdog does it
+            self.drive.rest()
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self.bus.close()
+
+
+class CanLink:
+    """A link of Python on a bus of python-can; methods as in sp_link.h."""
+
+    made = False
+
+    def __init__(self, drive: Drive, transmission: Transmission) -> None:
+        self._drive, self._transmission = drive, transmission
+        self.position_m = self.velocity_mps = self.arrived_s = 0.0
+        self.measured_n = math.nan
+        self.samples = self.crc_errors = self.sequence_gaps = self.unsent = self.device_error = 0
+        self._tripped = False
+        self.ready = 0
+
+    def listen(self, until_s: float) -> int:
+        """Take all that is there; wait for the first sample until then."""
+        fresh = 0
+        try:
+            while (frame := self._drive.bus.receive(0.0 if fresh else until_s)) is not None:
+                fresh += self._take(*frame)
+        except DeviceError:
+            return -1
+        return -2 if self._tripped else fresh
+
+    def write(self, force_n: float) -> int:
+        """Send a force."""
+        torque_nm = self._transmission.torque_nm(force_n)
+        if not abs(torque_nm) <= self._transmission.max_torque_nm * (1 + 1e-6):
+            return -2
+        try:
+            self._drive.torque(torque_nm)
+        except DeviceError:
+            return -1
+        return 0
+
+    def reset(self) -> None:
+        """Arm it again; the loop goes on sending meanwhile."""
+        self.ready, self._tripped = 0, False
+        drive = self._drive
+        with contextlib.suppress(DeviceError):  # the next read finds out
+            drive.ask_for_torque_control()
+
+    def _take(self, found: int, data: bytes) -> int:
+        node = self._drive.node
+        if len(data) < 8 or found >> 5 != node:
+            return 0
+        if found == identifier(node, HEARTBEAT):
+            beat = parse_heartbeat(data, self._drive.family)
+            self.device_error = beat.error
+            wrong = beat.error != 0 or beat.failed or beat.state != CLOSED_LOOP
+            self._tripped = bool(self.ready) and wrong
+            self.ready = int(self.ready or not wrong)
+        elif found == identifier(node, TORQUES) and self._drive.family == "0.6":
+            train = self._transmission
+            torque_nm = struct.unpack("<ff", data)[1]
+            self.measured_n = train.sign * torque_nm * 2 * math.pi / train.m_per_turn
+        elif found == identifier(node, ENCODER):
+            turns, turns_per_s = struct.unpack("<ff", data)
+            train = self._transmission
+            self.position_m = train.position_m(turns)
+            self.velocity_mps = train.sign * turns_per_s * train.m_per_turn
+            self.arrived_s = time.monotonic()
+            self.samples += 1
+            return 1
+        return 0
+
+
+def refuse_slow_bus(url: str, bitrate: int, rate_hz: float) -> None:
+    """Raise DeviceError where position and torque frames of each tick do not fit."""
+    needed = 2 * STUFFED_BITS * rate_hz
+    if needed > bitrate:
+        raise DeviceError(
+            f"{url}: {bitrate / 1e3:g} kbit/s carry {bitrate / (2 * STUFFED_BITS):.0f} exchanges "
+            f"a second, {rate_hz:g} Hz need {needed / 1e3:.0f} kbit/s: set drive and ?bitrate= to "
+            "1000000, or lower runtime.rate_hz"
+        )
+
+
+def _transmission(address: Address, wanted: Wanted) -> Transmission:
+    m_per_turn = address.number("m_per_turn", wanted.m_per_turn or 0.0, 0, 100)
+    max_torque_nm = address.number("max_torque_nm", wanted.max_torque_nm or 0.0, 0, 1e4)
+    for key, value in (("m_per_turn", m_per_turn), ("max_torque_nm", max_torque_nm)):
+        if not value > 0:
+            raise UsageError(
+                f"{address.url}: {key} is not known: set device.{key} in the scene, or ?{key}="
+            )
+    sign = address.number("sign", wanted.sign, -1, 1)
+    if sign not in (-1, 1):
+        raise UsageError(f"{address.url}: sign={sign:g}: give 1 or -1")
+    found = Transmission(
+        m_per_turn=m_per_turn,
+        sign=sign,
+        zero_turns=address.number("zero_turns", wanted.zero_turns, -1e6, 1e6),
+        surface_m=address.number("surface_mm", 1e3 * wanted.surface_m, -1e5, 1e5) / 1e3,
+        max_torque_nm=max_torque_nm,
+    )
+    if found.greatest_n < wanted.greatest_n * (1 - 1e-6):
+        raise DeviceError(
+            f"{address.url}: {max_torque_nm:g} Nm give {found.greatest_n:.3g} N and the scene up "
+            f"to {wanted.greatest_n:g} N: set guard.max_force_n = {found.greatest_n:.3g}, or "
+            "device.max_torque_nm"
+        )
+    return found

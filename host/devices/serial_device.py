@@ -1,0 +1,171 @@
+"""springpot serial: open, compare versions, model and rates, start; then the loop takes over."""
+
+import contextlib
+import time
+from collections.abc import Callable
+from typing import Any
+
+import serial
+
+from springpot.codegen.errors import DeviceError
+from springpot.host.devices.device import Wanted
+from springpot.host.devices.serial_port import open_port, refuse_slow_adapter, refuse_slow_line
+from springpot.host.devices.url import Address
+from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
+from springpot.host.native.loop_library import LoopLibrary
+
+BAUD = 921600
+_ASK_S, _AGAIN_S = 2.0, 0.05
+_REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
+
+
+class SerialDevice:
+    """A simple device (position in, force out), or a board that renders by itself."""
+
+    comes_back = True
+
+    def __init__(self, address: Address, wanted: Wanted) -> None:
+        """Open and start it. Raises DeviceError with one line for whatever is wrong."""
+        address.refuse_others(("baud", "surface_mm", "feed"))
+        self.address, self.wanted = address, wanted
+        baud = int(address.number("baud", BAUD, 1200, 12e6))
+        frame_bytes = max(messages()[name].wire_bytes for name in ("sample", "force"))
+        refuse_slow_line(address.place, baud, wanted.rate_hz, frame_bytes)
+        refuse_slow_adapter(address.place, wanted.rate_hz)
+        self.port: serial.Serial = open_port(address.place, baud)
+        self.sender, self.receiver = Sender(), Receiver()
+        self._link_memory: Any = None
+        try:
+            self.hello = self._hello()
+            self._check(self.hello)
+            self.command("PRESS" if wanted.presses else "START")
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def renders(self) -> bool:
+        """Whether the board renders the scene itself."""
+        return bool(self.hello["role"] == constant("RENDERS"))
+
+    def link(self, library: LoopLibrary) -> Any:
+        """Return the C link; Python no longer reads the port."""
+        self._link_memory = library.memory(library.c.sp_link_serial_size())
+        surface_m = self.address.number("surface_mm", 1e3 * self.wanted.surface_m, -1e4, 1e4) / 1e3
+        return library.c.sp_link_serial_init(
+            self._link_memory,
+            self.port.fd,
+            surface_m,
+            self.wanted.watchdog_s,
+            self.wanted.rate_hz,
+            self.sender.sequence,
+        )
+
+    def stop(self) -> None:
+        """No force, acknowledged; a device that is gone has its own watchdog for that."""
+        with contextlib.suppress(DeviceError, OSError):
+            self.sender.sequence += 1 << 20  # beyond those that the loop sent
+            self.command("STOP", patience_s=0.3)
+
+    def close(self) -> None:
+        """Free the port."""
+        self.port.close()
+
+    def command(self, action: str, patience_s: float = _ASK_S) -> None:
+        """Send a command until it is acknowledged. Raises DeviceError where it is not."""
+        sent: list[int] = []
+
+        def send() -> bytes:
+            sent.append(self.sender.sequence)
+            return self.sender.encode(
+                "command",
+                action=constant(action),
+                watchdog_s=self.wanted.watchdog_s,
+                rate_hz=self.wanted.rate_hz,
+            )
+
+        def is_answer(frame: Frame) -> bool:
+            return frame.name == "ack" and frame.values["command"] in sent
+
+        ack = self._ask(send, is_answer, patience_s)
+        if ack is None:
+            raise DeviceError(
+                f"{self.address.url}: {action} was not acknowledged within {patience_s:g} s: "
+                "restart the device"
+            )
+        if refused := ack["refused"]:
+            raise DeviceError(
+                f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')} "
+                f"({self.wanted.rate_hz:g} Hz, watchdog {1e3 * self.wanted.watchdog_s:g} ms): "
+                "change runtime.rate_hz or guard.watchdog_ms in the scene"
+            )
+
+    def frames(self) -> list[Frame]:
+        """Frames that have come since the last call (before the loop takes over)."""
+        try:
+            return list(self.receiver.feed(self.port.read(4096)))
+        except (OSError, serial.SerialException, TypeError) as error:
+            raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
+
+    def send(self, name: str, **values: Any) -> None:
+        """Send one message (before the loop takes over, or to a board that renders)."""
+        self._write(self.sender.encode(name, **values))
+
+    def _write(self, content: bytes) -> None:
+        try:
+            self.port.write(content)
+        except (OSError, serial.SerialException) as error:
+            raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
+
+    def _ask(
+        self, send: Callable[[], bytes], is_answer: Callable[[Frame], bool], patience_s: float
+    ) -> dict[str, Any] | None:
+        until = time.monotonic() + patience_s
+        next_send = 0.0
+        while time.monotonic() < until:
+            if time.monotonic() >= next_send:
+                self._write(send())
+                next_send = time.monotonic() + _AGAIN_S
+            for frame in self.frames():
+                if is_answer(frame):
+                    return frame.values
+            time.sleep(0.0005)
+        return None
+
+    def _hello(self) -> dict[str, Any]:
+        hello = self._ask(
+            lambda: self.sender.encode("ask", layout=layout()),
+            lambda frame: frame.name == "hello",
+            _ASK_S,
+        )
+        if hello is not None:
+            return hello
+        url = self.address.url
+        if self.receiver.other_versions:
+            raise DeviceError(
+                f"{url}: speaks protocol version {self.receiver.other_version}, this springpot "
+                f"version {constant('VERSION')}: flash the firmware of this springpot"
+            )
+        if self.receiver.crc_errors > 3:
+            raise DeviceError(f"{url}: only damaged frames come: check ?baud= and the cable")
+        raise DeviceError(
+            f"{url}: no answer in {_ASK_S:g} s: is it a springpot device, and running?"
+        )
+
+    def _check(self, hello: dict[str, Any]) -> None:
+        url, wanted = self.address.url, self.wanted
+        if hello["layout"] != layout():
+            raise DeviceError(
+                f"{url}: its messages are laid out otherwise ({hello['layout']:08x}, here "
+                f"{layout():08x}): flash the firmware of this springpot"
+            )
+        if self.renders and hello["model"].hex() != wanted.hash:
+            raise DeviceError(
+                f"{url}: the board renders model {hello['model'].hex()[:12]}, the scene is "
+                f"{wanted.hash[:12] or 'none'}: flash the scene, or give the one that it renders"
+            )
+        if not self.renders and hello["greatest_n"] < wanted.greatest_n * (1 - 1e-6):
+            raise DeviceError(
+                f"{url}: gives at most {hello['greatest_n']:g} N and the scene up to "
+                f"{wanted.greatest_n:g} N: set guard.max_force_n = {hello['greatest_n']:g}"
+            )

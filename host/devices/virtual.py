@@ -1,0 +1,81 @@
+"""Devices without hardware: a simulated hand (sim://) and a recording (replay://)."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import DataError
+from springpot.host.devices.device import Wanted
+from springpot.host.devices.url import Address
+from springpot.host.native.loop_library import LoopLibrary
+from springpot.host.simulation.bench import SimulatedHand, parse_url
+from springpot.trainer.recordings.recording_file import read_recording
+
+# What the hand intends; its spring and the rendered force decide how deep it comes.
+_INTENDED_M, _PRESSES_HZ = 0.02, 0.5
+
+
+class SimulatedDevice:
+    """A hand that presses into whatever the scene renders."""
+
+    comes_back = False
+
+    def __init__(self, address: Address, wanted: Wanted) -> None:
+        """Take the hand of the URL. Raises UsageError for a wrong one."""
+        simulated = parse_url(address.url)
+        self._hand = SimulatedHand(
+            simulated.hand, noisy=True, seed=simulated.seed, delay_samples=simulated.delay_samples
+        )
+        self._dt_s = 1 / wanted.rate_hz
+        self._memory: Any = None
+
+    def link(self, library: LoopLibrary) -> Any:
+        """Return the C link."""
+        self._memory = library.memory(library.c.sp_link_sim_size())
+        tool = library.ffi.cast("void *", int(self._hand.address))
+        return library.c.sp_link_sim_init(self._memory, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
+
+    def stop(self) -> None:
+        """Nothing to do."""
+
+    def close(self) -> None:
+        """Nothing to do."""
+
+
+class ReplayDevice:
+    """The positions of a recording, one a tick; its end ends the session."""
+
+    comes_back = False
+
+    def __init__(self, address: Address, wanted: Wanted) -> None:
+        """Read it. Raises DataError where it cannot be read or has another rate."""
+        address.refuse_others(())
+        recording = read_recording(Path(address.place))
+        if abs(recording.dt_s * wanted.rate_hz - 1) > 1e-3:
+            raise DataError(
+                f"{address.place} is sampled at {recording.rate_hz:g} Hz, the scene runs at "
+                f"{wanted.rate_hz:g} Hz: import it with --resample-hz {wanted.rate_hz:g}"
+            )
+        self._position_m = np.ascontiguousarray(recording.position_m)
+        self._velocity_mps = np.ascontiguousarray(
+            backward_velocity(self._position_m, recording.dt_s)
+        )
+        self._memory: Any = None
+
+    def link(self, library: LoopLibrary) -> Any:
+        """Return the C link."""
+        self._memory = library.memory(library.c.sp_link_replay_size())
+        return library.c.sp_link_replay_init(
+            self._memory,
+            len(self._position_m),
+            library.ffi.from_buffer("double[]", self._position_m),
+            library.ffi.from_buffer("double[]", self._velocity_mps),
+        )
+
+    def stop(self) -> None:
+        """Nothing to do."""
+
+    def close(self) -> None:
+        """Nothing to do."""

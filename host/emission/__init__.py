@@ -1,0 +1,1 @@
+"""Emitted folders: scene files, writing aside and renaming, budgets."""

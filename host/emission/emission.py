@@ -1,0 +1,229 @@
+"""Emission: files written aside, built, self-tested, and only then renamed into place."""
+
+import hashlib
+import json
+import shutil
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
+from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model_file import read_model
+from springpot.codegen.plan.instructions import instruction_bound
+from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.scene import Budget, Scene
+from springpot.host.emission.scene_file import scene_from_json, scene_to_json
+from springpot.host.native.compiler import NoCompilerError
+from springpot.host.native.footprint import Footprint, measure_footprint
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.toolchain import package_of, toolchain
+from springpot.host.stability.check import Check, check, refuse_unstable
+
+# What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
+MODEL_COPY = "from/model.spm"
+SCENE_COPY = "from/scene.json"
+SEALS = "from/files.json"
+# What validation, report and a build by hand put beside it.
+_OWN_LATER = {"validation", "report.html", "example"}
+
+
+@dataclass(frozen=True)
+class Emission:
+    """What was emitted. footprint, compile_s, check: None without a compiler; notices say why."""
+
+    folder: Path
+    plan: Plan
+    manifest: dict[str, Any]
+    hash: str
+    footprint: Footprint | None
+    ram_bytes: int
+    write_s: float
+    compile_s: float | None
+    check: Check | None
+    notices: tuple[str, ...]
+
+
+def emit(scene: Scene, model_file: Path, folder: Path, accept_unsafe: bool = False) -> Emission:
+    """Emit `scene` into `folder`, replacing an earlier emission there.
+
+    Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
+    the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
+    find it unstable, unless that is accepted: the manifest then says so.
+    """
+    _refuse_foreign(folder)
+    model = read_model(model_file)
+    plan = make_plan(model, scene, accept_unsafe)
+    if not accept_unsafe:
+        refuse_unstable(plan)
+    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as scratch:
+        aside = Path(scratch) / "new"
+        begin = time.perf_counter()
+        write_emission(plan, scene, model_file, aside)
+        write_s = time.perf_counter() - begin
+        emission = _built(plan, aside, folder, write_s)
+        if folder.exists():
+            folder.rename(Path(scratch) / "old")
+        aside.rename(folder)
+    return emission
+
+
+def read_emission(folder: Path) -> tuple[Plan, Model]:
+    """Read back the plan of an emitted folder from what it was made from."""
+    if not (folder / SCENE_COPY).exists():
+        raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
+    model = read_model(folder / MODEL_COPY)
+    scene = scene_from_json((folder / SCENE_COPY).read_text(), str(folder / SCENE_COPY))
+    accepted = json.loads((folder / "manifest.json").read_text()).get("accept_unsafe", False)
+    return make_plan(model, scene, accepted), model
+
+
+def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
+    """Write a plan's files into a new folder, with what they were made from."""
+    (folder / "from").mkdir(parents=True)
+    for name, text in emit_files(plan).items():
+        (folder / name).write_text(text)
+    (folder / SCENE_COPY).write_text(scene_to_json(scene))
+    shutil.copyfile(model_file, folder / MODEL_COPY)
+    _seal(folder)
+
+
+def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
+    notices = _unchecked(plan.scene)
+    footprint = compile_s = checked = None
+    try:
+        begin = time.perf_counter()
+        library = SceneLibrary(aside)
+        compile_s = time.perf_counter() - begin
+        if differs := library.selftest():
+            raise MismatchError(
+                f"{plan.scene.name}: the built C differs from its numpy reference at golden tick "
+                f"{differs - 1}: nothing was emitted; report the compiler ({library.path})"
+            )
+        footprint, notice = _footprint(plan, aside)
+        notices += [notice] if notice else []
+        checked = check(plan, library)
+        notices += _activity(checked)
+    except NoCompilerError as error:
+        notices.append(f"not built, sizes unknown: {error}")
+    facts = json.loads((aside / "manifest.json").read_text())
+    emission = Emission(
+        folder=folder,
+        plan=plan,
+        manifest=facts,
+        hash=facts["hash"],
+        footprint=footprint,
+        ram_bytes=state_bytes(plan),
+        write_s=write_s,
+        compile_s=compile_s,
+        check=checked,
+        notices=tuple(notices),
+    )
+    _check_budget(emission)
+    return emission
+
+
+def _activity(checked: Check) -> list[str]:
+    """A warning where the model gives energy back; never a refusal."""
+    inside, outside = checked.model_map.active(False), checked.model_map.active(True)
+    if not inside[0] and not outside[0]:
+        return []
+    return [
+        f"the model gives energy back in {inside[0]} of {inside[1]} small-signal cells, and in "
+        f"{outside[0]} of {outside[1]} beyond the trained depth: `springpot stability` shows what "
+        "a hand makes of it"
+    ]
+
+
+def _footprint(plan: Plan, folder: Path) -> tuple[Footprint | None, str | None]:
+    target = plan.scene.runtime.target
+    tools = toolchain(target)
+    if tools is None:
+        return None, f"no compiler for {target}: sizes unknown: install {package_of(target)}"
+    source = f"{plan.scene.runtime.prefix}_scene.c"
+    return measure_footprint(folder, source, tools), None
+
+
+def over_budget(emission: Emission, budget: Budget) -> str:
+    """All sizes that are over the budget, with the budget's; nothing where all fit.
+
+    Raises BudgetError where a size that has a budget cannot be measured.
+    """
+    found = emission.footprint
+    bound = instruction_bound(emission.plan)
+    over = []
+    for what, unit, has, may in (
+        ("flash", "bytes", found.flash_bytes if found else None, budget.flash_bytes),
+        ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
+        ("stack", "bytes", found.stack_bytes if found else None, budget.stack_bytes),
+        ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
+    ):
+        if may is None:
+            continue
+        if has is None:
+            raise BudgetError(
+                f"{what}: cannot be told: {'; '.join(emission.notices)}: remove the budget's key"
+            )
+        if has > may:
+            over.append(f"{what}: {has} {unit}, the scene's budget is {may}")
+    return "; ".join(over)
+
+
+def _check_budget(emission: Emission) -> None:
+    if over := over_budget(emission, emission.plan.scene.budget):
+        raise BudgetError(over)
+
+
+def _refuse_foreign(folder: Path) -> None:
+    """Refuse to replace a folder in which anything is not as springpot wrote it."""
+    if folder.is_file():
+        raise UsageError(f"{folder}: is a file: give a folder to --out")
+    if folder.exists() and any(folder.iterdir()):
+        if not (folder / SEALS).exists():
+            raise UsageError(
+                f"{folder}: holds files that springpot did not emit: give --out an empty or new "
+                "folder"
+            )
+        known = json.loads((folder / SEALS).read_text())
+        for file in sorted(folder.rglob("*")):
+            name = str(file.relative_to(folder))
+            if file.is_dir() or name == SEALS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
+                continue
+            if known.get(name) != hashlib.sha256(file.read_bytes()).hexdigest():
+                raise UsageError(
+                    f"{file}: not as springpot emitted it: move your changes out of {folder}, or "
+                    "give --out another folder"
+                )
+    folder.parent.mkdir(parents=True, exist_ok=True)
+
+
+def _seal(folder: Path) -> None:
+    files = [file for file in folder.rglob("*") if file.is_file()]
+    seals = {
+        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+    }
+    (folder / SEALS).write_text(json.dumps(seals, indent=2, sort_keys=True) + "\n")
+
+
+def _unchecked(scene: Scene) -> list[str]:
+    """Keys of the scene that this version reads but does not act on."""
+    told = []
+    if scene.budget.tick_us is not None:
+        told.append("budget.tick_us is not checked at emission: `springpot validate` measures it")
+    if scene.budget.tick_instructions is not None and scene.runtime.measured_step:
+        told.append(
+            "budget.tick_instructions is of sp_step: sp_step_dt takes more, and is not bounded"
+        )
+    if scene.device.surface_mm:
+        told.append("device.surface_mm is for drivers: the C counts positions from the surface")
+    if scene.runtime.number == "float64" and scene.runtime.target != "host":
+        told.append(
+            f"float64 on {scene.runtime.target}: doubles run in software there, and the flash of "
+            "their library is not counted"
+        )
+    return told

@@ -1,0 +1,1 @@
+"""What a material scientist takes from a fitted springpot."""

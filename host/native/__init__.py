@@ -1,0 +1,1 @@
+"""The compiled C on this machine: compilers, builds, loading, replay, sizes."""

@@ -1,0 +1,124 @@
+"""Find a C compiler and build shared libraries on first use, into a cache keyed by content."""
+
+import hashlib
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from springpot.codegen.errors import SpringpotError
+from springpot.runtime_c.paths import flags
+
+
+class CompilerError(SpringpotError):
+    """A C compiler that refuses our sources."""
+
+
+class NoCompilerError(CompilerError):
+    """No C compiler at all."""
+
+
+def cache_folder() -> Path:
+    """Folder of built libraries: $XDG_CACHE_HOME/springpot, else ~/.cache/springpot."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "springpot"
+
+
+@cache
+def find_compiler() -> str:
+    """Return the path of $CC, gcc, clang or cc, the first that exists.
+
+    Raises NoCompilerError with what to install where there is none.
+    """
+    asked = os.environ.get("CC")
+    if asked:
+        found = shutil.which(asked)
+        if found is None:
+            raise NoCompilerError(f"CC={asked}: no such compiler on PATH: unset CC or install it")
+        return found
+    for name in ("gcc", "clang", "cc"):
+        if found := shutil.which(name):
+            return found
+    raise NoCompilerError(
+        "no C compiler on PATH (looked for gcc, clang, cc): install one, "
+        "for example with `apt-get install gcc`, or set CC"
+    )
+
+
+@cache
+def compiler_version(compiler: str) -> str:
+    """First line of `compiler --version`."""
+    result = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False)
+    return (result.stdout or result.stderr).splitlines()[0].strip()
+
+
+def run_compiler(arguments: Sequence[str]) -> None:
+    """Run the compiler; raise CompilerError with its first error line where it fails."""
+    compiler = find_compiler()
+    result = subprocess.run([compiler, *arguments], capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        lines = [line for line in result.stderr.splitlines() if "error" in line]
+        first = lines[0] if lines else result.stderr.strip()[-300:]
+        raise CompilerError(f"{compiler} refused the sources: {first}")
+
+
+def shared_library(
+    sources: Sequence[Path], include: Sequence[Path], extra_flags: Sequence[str] = ()
+) -> Path:
+    """Build `sources` into one shared library, or return the one built before.
+
+    The key covers every source, every header in the `include` folders, compiler, flags and
+    machine. The library is written aside and renamed into place: concurrent builds are safe.
+    """
+    build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
+    library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
+    seal = library.with_suffix(".sha256")
+    if _sealed(library, seal):
+        return library
+    try:
+        library.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CompilerError(
+            f"{library.parent}: {error.strerror}: set XDG_CACHE_HOME to a folder that you can write"
+        ) from None
+    with tempfile.TemporaryDirectory(dir=library.parent) as aside:
+        built = Path(aside) / library.name
+        run_compiler(
+            [
+                *build_flags,
+                *(f"-I{folder}" for folder in include),
+                *map(str, sources),
+                "-o",
+                str(built),
+                "-lm",
+            ]
+        )
+        if not built.exists():
+            raise CompilerError(f"{find_compiler()} wrote no library: set CC to a C compiler")
+        digest = hashlib.sha256(built.read_bytes()).hexdigest()
+        built.with_suffix(".sha256").write_text(digest)
+        built.replace(library)
+        built.with_suffix(".sha256").replace(seal)
+    return library
+
+
+def _sealed(library: Path, seal: Path) -> bool:
+    """Whether the library is there as it was built: a damaged one would crash the process."""
+    try:
+        return hashlib.sha256(library.read_bytes()).hexdigest() == seal.read_text()
+    except OSError:
+        return False
+
+
+def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence[str]) -> str:
+    headers = [header for folder in include for header in sorted(folder.glob("*.h"))]
+    digest = hashlib.sha256()
+    for file in [*sources, *headers]:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    facts = [compiler_version(find_compiler()), *build_flags, platform.machine(), platform.system()]
+    digest.update("\0".join(facts).encode())
+    return digest.hexdigest()[:32]

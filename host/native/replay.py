@@ -1,0 +1,164 @@
+"""Replay of positions through a scene's C, and the time its ticks take."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import cffi
+import numpy as np
+
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import SpringpotError
+from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
+from springpot.host.native.compiler import shared_library
+from springpot.host.native.scene_library import Reals, SceneLibrary
+from springpot.host.session.log import INPUT
+from springpot.runtime_c.paths import INCLUDE, PORT_TESTBENCH
+from springpot.trainer.recordings.recording import Recording
+
+COLD_BYTES = 8 << 20
+_HOT_TICKS = 500
+_BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
+
+
+@dataclass(frozen=True, eq=False)
+class TickTimes:
+    """Time of one tick, ns: hot (in a tight loop), and paced with cold caches (all: paced_ns)."""
+
+    hot_median: float
+    p50: float
+    p99: float
+    p999: float
+    max: float
+    paced_ns: Reals = field(repr=False)
+
+    def as_dict(self) -> dict[str, float]:
+        """Keys of the command line's `tick_ns`."""
+        names = ("hot_median", "p50", "p99", "p999", "max")
+        return {name: getattr(self, name) for name in names}
+
+
+class Replay:
+    """Runs one scene's sp_step from C, tick by tick."""
+
+    def __init__(self, library: SceneLibrary) -> None:
+        self._library = library
+        self._real = "float" if library.dtype is np.float32 else "double"
+        self._ffi, self._port = load_port(self._real)
+        self._step = self._ffi.cast("void *", library.address("step"))
+
+    @property
+    def dtype(self) -> type[Any]:
+        """Numpy type of the scene's numbers."""
+        return self._library.dtype
+
+    def run(self, position_m: Reals, velocity_mps: Reals) -> tuple[Reals, Reals]:
+        """Forces (N) and notes of each tick from a fresh state; shapes (n,)."""
+        position, velocity = self._converted(position_m), self._converted(velocity_mps)
+        force = np.empty_like(position)
+        notes = np.empty(len(position), dtype=np.int32)
+        state = self._library.new_state()
+        self._port.sp_replay(
+            self._step, self._ffi.cast("void *", state.address), len(position),
+            self._reals(position), self._reals(velocity), self._reals(force),
+            self._ffi.from_buffer("int32_t[]", notes),
+        )  # fmt: skip
+        return force, notes
+
+    def repeat(self, calls: Mapping[str, Reals]) -> tuple[Reals, Reals]:
+        """Make the calls of a session's log again, from a fresh state: forces (N) and notes, (n,).
+
+        calls: the channels of the log, see `session_log`. Rows without a call stay 0.
+        """
+        made = np.ascontiguousarray(calls["call"], dtype=np.int32)
+        force = np.zeros(len(made), dtype=self._library.dtype)
+        notes = np.zeros(len(made), dtype=np.int32)
+        state = self._library.new_state()
+        inputs = [self._converted(calls[name]) for name in (INPUT, "velocity_mps", "dt_s")]
+        pointer = self._ffi.cast
+        addresses = [pointer("void *", self._library.address(f)) for f in ("step", "idle", "reset")]
+        self._port.sp_replay_calls(
+            *addresses, pointer("void *", state.address), len(made),
+            self._ffi.from_buffer("int32_t[]", made), *map(self._reals, inputs),
+            self._reals(force), self._ffi.from_buffer("int32_t[]", notes),
+        )  # fmt: skip
+        return force, notes
+
+    def tick_times(
+        self, position_m: Reals, velocity_mps: Reals, dt_s: float, paced_s: float
+    ) -> TickTimes:
+        """Time ticks hot over all samples, and paced at the scene's rate for `paced_s`."""
+        hot = self.hot_ns(position_m, velocity_mps)
+        paced = self._paced_ns(position_m, velocity_mps, dt_s, paced_s)
+        p50, p99, p999 = np.percentile(paced, [50, 99, 99.9])
+        return TickTimes(
+            hot_median=hot,
+            p50=float(p50),
+            p99=float(p99),
+            p999=float(p999),
+            max=float(paced.max()),
+            paced_ns=paced,
+        )
+
+    def hot_ns(self, position_m: Reals, velocity_mps: Reals) -> float:
+        """Median time of a tick in a tight loop over all samples, ns."""
+        state = self._library.new_state()
+        state.run(position_m, velocity_mps)
+        state.reset()
+        times = []
+        for begin in range(0, len(position_m), _HOT_TICKS):
+            rows = slice(begin, begin + _HOT_TICKS)
+            clock = time.perf_counter_ns()
+            state.run(position_m[rows], velocity_mps[rows])
+            times.append((time.perf_counter_ns() - clock) / len(position_m[rows]))
+        return float(np.median(times))
+
+    def _paced_ns(
+        self, position_m: Reals, velocity_mps: Reals, dt_s: float, paced_s: float
+    ) -> Reals:
+        ticks = max(100, round(paced_s / dt_s))
+        rows = np.arange(ticks) % len(position_m)
+        position = self._converted(position_m[rows])
+        velocity = self._converted(velocity_mps[rows])
+        cold = np.zeros(COLD_BYTES, dtype=np.uint8)
+        tick_ns = np.empty(ticks)
+        state = self._library.new_state()
+        error = self._port.sp_pace(
+            self._step, self._ffi.cast("void *", state.address), ticks,
+            self._reals(position), self._reals(velocity), min(dt_s, paced_s / ticks),
+            self._ffi.from_buffer("uint8_t[]", cold), COLD_BYTES,
+            self._ffi.from_buffer("double[]", tick_ns),
+        )  # fmt: skip
+        if error != 0:
+            raise SpringpotError(f"the monotonic clock failed (error {error}) while timing ticks")
+        return tick_ns
+
+    def _converted(self, values: Reals) -> Reals:
+        return np.ascontiguousarray(values, dtype=self._library.dtype)
+
+    def _reals(self, values: Reals) -> Any:
+        return self._ffi.from_buffer(f"{self._real}[]", values)
+
+
+@cache
+def load_port(real: str) -> tuple[cffi.FFI, Any]:
+    """sp_replay.h for scenes of `real` ("float" or "double"), built and loaded once."""
+    header = (PORT_TESTBENCH / "sp_replay.h").read_text()
+    ffi = cffi.FFI()
+    text = header[header.index(_BEGIN) : header.index(_END)]
+    ffi.cdef(f"typedef {real} sp_real;\n{text}")
+    path = shared_library([PORT_TESTBENCH / "sp_replay.c"], [INCLUDE / real, PORT_TESTBENCH])
+    return ffi, ffi.dlopen(str(path))
+
+
+def replayed_accuracy(replay: Replay, recordings: Sequence[Recording]) -> Accuracy:
+    """Error of the C on recordings, each from a fresh state, behind the start-up ramp."""
+    forces, ramps = [], []
+    for recording in recordings:
+        position = recording.position_m.astype(replay.dtype)
+        force_n, notes = replay.run(position, backward_velocity(position, recording.dt_s))
+        forces.append(force_n.astype(np.float64))
+        ramps.append(start_up_ramp(notes))
+    return accuracy([recording.force_n for recording in recordings], forces, ramps)

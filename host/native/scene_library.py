@@ -1,0 +1,138 @@
+"""An emitted scene as a loaded library: the C API from Python, number for number."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import cffi
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.emit.glue import ABI_VERSION, declarations
+from springpot.codegen.errors import DataError, UsageError
+from springpot.host.native.compiler import CompilerError, shared_library
+
+Reals = NDArray[Any]
+
+
+def scene_prefix(folder: Path) -> str:
+    """Prefix of the C names in an emitted folder. Raises DataError where it is none."""
+    sources = sorted(folder.glob("*_scene.c"))
+    if len(sources) != 1:
+        raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
+    return sources[0].name.removesuffix("_scene.c")
+
+
+def build_scene(folder: Path) -> Path:
+    """Build an emitted folder's shared library, or return the one built before."""
+    prefix = scene_prefix(folder)
+    sources = [folder / f"{prefix}_scene.c", folder / f"{prefix}_selftest.c"]
+    return shared_library(sources, [folder])
+
+
+class SceneLibrary:
+    """One scene's C, loaded; `new_state` gives it memory."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = build_scene(folder)
+        self._prefix = scene_prefix(folder)
+        self._ffi = cffi.FFI()
+        self._ffi.cdef(declarations(folder, self._prefix))
+        try:
+            self._lib = self._ffi.dlopen(str(self.path))
+        except OSError as error:
+            raise CompilerError(f"{self.path}: cannot be loaded here ({error}): check CC") from None
+        found = self.function("abi_version")()
+        if found != ABI_VERSION:
+            raise DataError(
+                f"{folder}: C API version {found}, this springpot has {ABI_VERSION}: emit again"
+            )
+        self.manifest: dict[str, Any] = json.loads(self._ffi.string(self.function("manifest")()))
+        self.dtype: type[Any] = np.float32 if self.manifest["number"] == "float32" else np.float64
+        self.state_bytes: int = self.function("state_size")()
+
+    def function(self, name: str) -> Any:
+        """Return the C function `name` (without prefix)."""
+        return getattr(self._lib, f"{self._prefix}_{name}")
+
+    def address(self, name: str) -> int:
+        """Address of the C function `name`, for C that calls it."""
+        return int(self._ffi.cast("uintptr_t", self.function(name)))
+
+    def selftest(self) -> int:
+        """0, or 1 + the first golden tick whose bits differ."""
+        return int(self.function("selftest")())
+
+    def new_state(self) -> "SceneState":
+        """Return a state, initialised."""
+        return SceneState(self, self._ffi)
+
+
+class SceneState:
+    """One state of a scene; not for two threads at once."""
+
+    def __init__(self, library: SceneLibrary, ffi: cffi.FFI) -> None:
+        self._library = library
+        self._ffi = ffi
+        self._memory = ffi.new("double[]", -(-library.state_bytes // 8))
+        prefix = library._prefix
+        self._state = ffi.cast(f"{prefix}_state *", self._memory)
+        self._real = "float" if library.dtype is np.float32 else "double"
+        self._force = ffi.new(f"{self._real}[1]")
+        library.function("init")(self._state)
+
+    @property
+    def address(self) -> int:
+        """Address of the state, for C that calls sp_step."""
+        return int(self._ffi.cast("uintptr_t", self._state))
+
+    def real_at(self, offset: int) -> float:
+        """The number that the state holds at `offset` bytes: for tests of what a tick remembers."""
+        memory = self._ffi.cast("char *", self._memory) + offset
+        return float(self._ffi.cast(f"{self._real} *", memory)[0])
+
+    def reset(self) -> None:
+        """Forget the past; unlatch the watchdog."""
+        self._library.function("reset")(self._state)
+
+    def step(self, position_m: float, velocity_mps: float = 0.0) -> tuple[float, int]:
+        """One tick: force (N) and notes."""
+        notes = self._library.function("step")(self._state, position_m, velocity_mps, self._force)
+        return self._force[0], notes
+
+    def step_dt(
+        self, dt_s: float, position_m: float, velocity_mps: float = 0.0
+    ) -> tuple[float, int]:
+        """One tick over a measured dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
+        step = self._library.function("step_dt")
+        notes = step(self._state, dt_s, position_m, velocity_mps, self._force)
+        if notes < 0:
+            raise UsageError(f"dt_s = {dt_s}: give a time step above 0 and up to 1 s")
+        return self._force[0], notes
+
+    def idle(self, dt_s: float) -> tuple[float, int]:
+        """No sample came for dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
+        notes = self._library.function("idle")(self._state, dt_s, self._force)
+        if notes < 0:
+            raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
+        return self._force[0], notes
+
+    def run(self, position_m: Reals, velocity_mps: Reals | None = None) -> tuple[Reals, int]:
+        """A batch: forces, shape (n,), N, and all notes. Inputs are rounded to the scene's type."""
+        position = np.ascontiguousarray(position_m, dtype=self._library.dtype)
+        if velocity_mps is not None and len(velocity_mps) != len(position):
+            raise UsageError(f"{len(position)} positions and {len(velocity_mps)} velocities")
+        force = np.empty_like(position)
+        velocity = self._ffi.NULL
+        if velocity_mps is not None:
+            held = np.ascontiguousarray(velocity_mps, dtype=self._library.dtype)
+            velocity = self._pointer(held)
+        notes = self._library.function("run")(
+            self._state, len(position), self._pointer(position), velocity, self._pointer(force)
+        )
+        if notes < 0:
+            raise UsageError("this scene reads the device's velocity: give velocity_mps")
+        return force, notes
+
+    def _pointer(self, values: Reals) -> Any:
+        return self._ffi.from_buffer(f"{self._real}[]", values)

@@ -1,0 +1,53 @@
+"""C compilers of the targets: found or not, and the flags that each needs."""
+
+import shutil
+from dataclasses import dataclass
+
+from springpot.host.native.compiler import find_compiler
+
+
+@dataclass(frozen=True)
+class Toolchain:
+    """A compiler, its size tool, and the flags of one target."""
+
+    compiler: str
+    size: str
+    flags: tuple[str, ...]
+
+
+_ARM = ("-mthumb", "-mfloat-abi=hard")
+_CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
+    "cortex-m4f": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16")),
+    "cortex-m7": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m7", "-mfpu=fpv5-d16")),
+    "rv32imafc": (
+        "riscv64-unknown-elf-",
+        (
+            "-march=rv32imafc",
+            "-misa-spec=2.2",  # F and the counters without naming zicsr: the library's own choice
+            "-mabi=ilp32f",
+            "-mcmodel=medany",
+            "-mno-relax",
+            "--specs=picolibc.specs",
+        ),
+    ),
+}
+
+
+def toolchain(target: str) -> Toolchain | None:
+    """Return the target's toolchain, or None where it is not installed.
+
+    Raises CompilerError for the host without any compiler.
+    """
+    if target == "host":
+        size = shutil.which("size")
+        return Toolchain(find_compiler(), size, ()) if size else None
+    prefix, flags = _CROSS[target]
+    compiler, size = shutil.which(prefix + "gcc"), shutil.which(prefix + "size")
+    if compiler is None or size is None:
+        return None
+    return Toolchain(compiler, size, flags)
+
+
+def package_of(target: str) -> str:
+    """System package that holds the target's compiler."""
+    return "gcc-arm-none-eabi" if target.startswith("cortex") else "gcc-riscv64-unknown-elf"

@@ -1,0 +1,1 @@
+"""The paper's protocol, tables, figures and claims."""

@@ -1,0 +1,197 @@
+"""The paper's protocol on one object after the other: record, fit, emit, build, validate."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.codegen.model.model_file import write_model
+from springpot.codegen.scene import Coupling, Scene
+from springpot.host.emission.emission import emit
+from springpot.host.recording.protocols import RATE_HZ, load_protocol
+from springpot.host.recording.session import open_device
+from springpot.host.validation.validation import Validation, validate
+from springpot.trainer.recordings.recording import Recording, Samples
+
+if TYPE_CHECKING:
+    from springpot.trainer.models.fit import Fit
+
+PAPER_KINDS = ("rf-fd", "rbf-fd", "rbf-pv")
+KINDS = (*PAPER_KINDS, "hammerstein", "hybrid")
+_TRAINING_SEED, _VALIDATION_SEED = 1, 2
+_BESIDE = 2  # compilers, and validations, at a time
+
+
+@dataclass(frozen=True)
+class Work:
+    """How much is done. The defaults are the paper's; smaller ones are for trials.
+
+    presses: every so many training presses is used. signals: validation signals.
+    """
+
+    kinds: tuple[str, ...] = KINDS
+    trees: int = 100
+    presses: int = 1
+    signals: int = 10
+    paced_s: float = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """Recordings of one object. commands_n: the commanded force of each training recording."""
+
+    name: str
+    training: tuple[Recording, ...]
+    validation: tuple[Recording, ...]
+    commands_n: tuple[Samples, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """One model of one object: its fit, its emitted folder, and its validation through the C."""
+
+    fit: "Fit"
+    folder: Path
+    validation: Validation
+
+    @property
+    def modelling_s(self) -> float:
+        """Features and training, s, as the paper counts it: without a search."""
+        return self.fit.feature_s + self.fit.fit_s
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectResult:
+    """All models of one object, by kind."""
+
+    data: Data
+    models: Mapping[str, Modelled]
+
+    @property
+    def depth_m(self) -> float:
+        """Greatest depth of the training recordings."""
+        return float(max(recording.position_m.max() for recording in self.data.training))
+
+    def rmse_n(self, kind: str) -> float:
+        """RMSE averaged over the validation recordings (figure 9)."""
+        return self.models[kind].validation.accuracy.mean_recording_rmse_n
+
+
+def simulated(name: str, variant: str, work: Work) -> Data:
+    """Record the paper's protocols on a simulated object. Raises UsageError for unknown names."""
+    url = f"sim://{name}?variant={variant}"
+    training = load_protocol("paper", _TRAINING_SEED)[:: work.presses]
+    signals = load_protocol("validation", _VALIDATION_SEED)[: work.signals]
+    recordings = []
+    for seed, profiles in ((_TRAINING_SEED, training), (_VALIDATION_SEED, signals)):
+        device = open_device(url, seed)
+        recordings.append(
+            tuple(
+                Recording(f"{name}-{profile.name}", *device.press(profile.command_n), 1 / RATE_HZ,
+                          source=url, details={"command": dict(profile.facts)})
+                for profile in profiles
+            )
+        )  # fmt: skip
+    commands_n = tuple(profile.command_n for profile in training)
+    return Data(name, recordings[0], recordings[1], commands_n)
+
+
+@dataclass(frozen=True, eq=False)
+class Checking:
+    """An object whose models are fitted and built, while processes still validate them."""
+
+    data: Data
+    fits: Mapping[str, "Fit"]
+    folders: Sequence[Path]
+    validations: Sequence[Future[Validation]]
+
+    def result(self) -> ObjectResult:
+        """Wait for the validations."""
+        models = {
+            kind: Modelled(fit, folder, validation.result())
+            for (kind, fit), folder, validation in zip(
+                self.fits.items(), self.folders, self.validations, strict=True
+            )
+        }
+        return ObjectResult(self.data, models)
+
+
+def validators() -> ProcessPoolExecutor:
+    """Processes that validate: the reference is Python."""
+    return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
+
+
+def begin_object(data: Data, folder: Path, work: Work, pool: ProcessPoolExecutor) -> Checking:
+    """Fit every kind, emit and build its C into `folder`, and let `pool` validate that.
+
+    Raises DataError where the recordings do not fit together.
+    """
+    fits = _fits(data, work)
+    with ThreadPoolExecutor(_BESIDE) as compilers:
+        folders = list(compilers.map(lambda kind: _emit(kind, fits[kind], data.name, folder), fits))
+    checks = [pool.submit(validate, each, data.validation, work.paced_s) for each in folders]
+    return Checking(data, fits, folders, checks)
+
+
+def in_a_line(result: ObjectResult) -> str:
+    """Errors of all models."""
+    errors = ", ".join(f"{kind} {result.rmse_n(kind):.3f}" for kind in result.models)
+    return f"{result.data.name}: RMSE {errors} N"
+
+
+def plain_scene(name: str, mode: str = "off") -> Scene:
+    """A scene of the model alone, or with the paper's coupling."""
+    return Scene(
+        schema=1,
+        name=name,
+        model="model.spm",
+        coupling=Coupling(mode="tool" if mode == "tool" else "off"),
+    )
+
+
+def model_facts(model: Modelled) -> dict[str, Any]:
+    """Keys of one model in `reproduce.json`."""
+    found = model.validation.accuracy
+    return {
+        "rmse_n": found.mean_recording_rmse_n,
+        "rmse_interval_n": list(found.interval_n or ()),
+        "p99_abs_error_n": found.p99_abs_error_n,
+        "max_abs_error_n": found.max_abs_error_n,
+        "ape_below_jnd": found.ape_below_jnd,
+        "modelling_s": model.modelling_s,
+        "search_s": model.fit.search_s,
+        "tick_ns": model.validation.ticks.hot_median,
+        "tick_paced_ns": model.validation.ticks.p50,
+        "mismatches": model.validation.mismatches,
+    }
+
+
+def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
+    """Objects from the softest, the one pressed deepest, to the hardest."""
+    return sorted(results, key=lambda result: -result.depth_m)
+
+
+def _fits(data: Data, work: Work) -> dict[str, "Fit"]:
+    """All kinds, on one training set: what several hold is fitted once."""
+    from springpot.trainer.kinds import fit_kind
+    from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
+    from springpot.trainer.models.training_set import training_set
+
+    options = FitOptions(trees=work.trees)
+    prepared = training_set(data.training, options.smooth_s)
+    return {
+        kind: fit_kind(
+            kind, data.name, prepared, options, data.validation if kind == "rbf-fd" else ()
+        )
+        for kind in work.kinds
+    }
+
+
+def _emit(kind: str, fit: "Fit", name: str, folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    model_file = folder / f"{kind}.spm"
+    write_model(model_file, fit.model)
+    # For replay: the paper's figures are of the model, whatever a hand would make of it.
+    return emit(plain_scene(name), model_file, folder / kind, accept_unsafe=True).folder

@@ -1,0 +1,1 @@
+"""Pressing an object under force control: protocols, indentation, one recording a press."""

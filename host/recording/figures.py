@@ -1,0 +1,132 @@
+"""Figures of recordings: time series, loops, spectra, stiffness and loss against frequency."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from springpot.trainer.recordings.quality.report import QualityReport
+from springpot.trainer.recordings.recording import Recording
+
+POSITION, FORCE, DOUBT = "#2e6f95", "#d1495b", "#888888"
+_MOST_POINTS = 6000
+_MOST_SHOWN = 12
+STYLE: Any = {
+    "font.size": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.hashsalt": "springpot",
+}
+
+
+def time_series(recordings: Sequence[Recording], report: QualityReport) -> Figure:
+    """Position and force against time, one recording behind the other."""
+    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    begin_s = 0.0
+    for recording in recordings:
+        step = _stride(len(recording.position_m) * len(recordings))
+        time_s = begin_s + np.arange(len(recording.position_m))[::step] * recording.dt_s
+        upper.plot(time_s, recording.position_m[::step] * 1e3, color=POSITION, lw=0.8)
+        lower.plot(time_s, recording.force_n[::step], color=FORCE, lw=0.8)
+        begin_s += recording.duration_s
+        for axes in (upper, lower):
+            axes.axvline(begin_s, color=DOUBT, lw=0.4)
+    upper.set_ylabel("position, mm")
+    lower.set_ylabel("force, N")
+    lower.set_xlabel("time, s (recordings one behind the other)")
+    return figure
+
+
+def loops(recordings: Sequence[Recording], report: QualityReport) -> Figure:
+    """Force against position: a colour a rate, a line style an amplitude."""
+    figure = Figure(figsize=(6.4, 4.6), layout="constrained")
+    axes = figure.subplots()
+    rates = [_rate_hz(facts) for facts in report.recordings]
+    travels = [float(np.ptp(recording.position_m)) for recording in recordings]
+    distinct = sorted({round(np.log2(travel) * 2) for travel in travels if travel > 0})
+    styles = ("-", "--", ":", "-.")
+    low, high = min(rates), max(*rates, min(rates) * 1.001)
+    for k, (recording, rate, travel) in enumerate(zip(recordings, rates, travels, strict=True)):
+        step = _stride(len(recording.position_m))
+        share = np.log(rate / low) / np.log(high / low)
+        amplitude = distinct.index(round(np.log2(travel) * 2)) if travel > 0 else 0
+        axes.plot(
+            recording.position_m[::step] * 1e3, recording.force_n[::step], lw=0.8,
+            color=mpl.colormaps["viridis"](0.9 * share), ls=styles[amplitude % len(styles)],
+            label=f"{rate:.3g} Hz, {travel * 1e3:.3g} mm" if k < _MOST_SHOWN else None,
+        )  # fmt: skip
+    axes.set_xlabel("position, mm")
+    axes.set_ylabel("force, N")
+    axes.legend(frameon=False, fontsize=7, loc="upper left")
+    return figure
+
+
+def spectra(recordings: Sequence[Recording], report: QualityReport) -> Figure:
+    """Amplitude spectra of position and force."""
+    figure = Figure(figsize=(6.4, 4.6), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    for recording in recordings[:_MOST_SHOWN]:
+        for axes, samples, scale, colour in (
+            (upper, recording.position_m, 1e3, POSITION),
+            (lower, recording.force_n, 1.0, FORCE),
+        ):
+            frequency_hz, amplitude = _amplitudes(samples, recording.dt_s)
+            axes.loglog(frequency_hz, amplitude * scale, color=colour, lw=0.6, alpha=0.7)
+    upper.set_ylabel("position, mm")
+    lower.set_ylabel("force, N")
+    lower.set_xlabel("frequency, Hz")
+    return figure
+
+
+def dynamics(recordings: Sequence[Recording], report: QualityReport) -> Figure:
+    """Stiffness and loss angle of the cyclic recordings; loss only with its uncertainty."""
+    figure = Figure(figsize=(6.4, 4.6), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    cyclic = [facts["cycles"] for facts in report.recordings if facts["cycles"]]
+    frequency_hz = [facts["frequency_hz"] for facts in cyclic]
+    upper.semilogx(frequency_hz, [f["stiffness_npm"] * 1e-3 for f in cyclic], "o", color=POSITION)
+    quoted = [facts for facts in cyclic if facts["loss"]]
+    if quoted:
+        lower.errorbar(
+            [facts["frequency_hz"] for facts in quoted],
+            [facts["loss"]["angle_rad"] for facts in quoted],
+            yerr=[facts["loss"]["angle_uncertainty_rad"] for facts in quoted],
+            fmt="o", color=FORCE, ecolor=DOUBT, elinewidth=0.8,
+        )  # fmt: skip
+    else:
+        why = "loss is not quoted: the channels' alignment is not known" if cyclic else "no cycles"
+        lower.text(0.5, 0.5, why, ha="center", transform=lower.transAxes, color=DOUBT)
+    upper.set_ylabel("stiffness, N/mm")
+    lower.set_ylabel("loss angle, rad")
+    lower.set_xlabel("frequency, Hz (bars: what the alignment leaves open)")
+    return figure
+
+
+FIGURES = {"time": time_series, "loops": loops, "spectra": spectra, "dynamics": dynamics}
+
+
+def _rate_hz(facts: dict[str, Any]) -> float:
+    cycles = facts["cycles"]
+    return float(cycles["frequency_hz"] if cycles else 1.0 / facts["duration_s"])
+
+
+def _amplitudes(
+    samples: NDArray[np.float64], dt_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    window = np.hanning(len(samples))
+    spectrum = np.abs(np.fft.rfft((samples - samples.mean()) * window)) * 2.0 / window.sum()
+    frequency_hz = np.fft.rfftfreq(len(samples), dt_s)
+    # Peaks must survive the thinning: keep the greatest of each group.
+    step = _stride(len(spectrum))
+    whole = (len(spectrum) - 1) // step * step
+    grouped = spectrum[1 : whole + 1].reshape(-1, step)
+    kept = np.argmax(grouped, axis=1) + np.arange(len(grouped)) * step + 1
+    return frequency_hz[kept], np.maximum(spectrum[kept], 1e-15)
+
+
+def _stride(samples: int) -> int:
+    return max(1, -(-samples // _MOST_POINTS))

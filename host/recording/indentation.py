@@ -1,0 +1,159 @@
+"""A real device that presses an object under force control, for recording: the loop of a session
+with a force controller (runtime_c/port/posix/sp_press.h) in place of a scene."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.errors import DeviceError, SpringpotError
+from springpot.codegen.reference.tick import LATCHED
+from springpot.host.console.keys import reading_keys
+from springpot.host.devices.device import Wanted
+from springpot.host.devices.url import parse_device
+from springpot.host.native.loop_library import COLUMN, NONE, Rows, loop_library
+from springpot.host.recording.protocols import RATE_HZ
+from springpot.host.session.loop import LoopSettings
+from springpot.host.session.runner import Progress, Running
+from springpot.host.session.step_functions import Engine
+
+Samples = NDArray[np.float64]
+
+_WATCHDOG_S = 0.02
+_HEADROOM = 1.2  # of the motor over the command, for the controller
+_REST_S = 0.5  # between two presses
+_MORE_TICKS = 50  # so that none of the command's is missing when clocks differ
+# Force control through a link with a period of delay: gentler than that of the simulated device.
+_GAINS = {"p_gain": 1.0, "d_gain_s": 0.01, "d_time_s": 0.0015}
+_OPEN = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Beyond them a press stops; max_force_n None: 1.3 x the greatest command."""
+
+    max_force_n: float | None = None
+    max_depth_m: float = 0.03
+
+
+class PressedDevice:
+    """Presses with commanded forces; each press starts the device anew."""
+
+    def __init__(self, url: str, object_name: str, limits: Limits) -> None:
+        self.object_name = object_name
+        self._url, self._limits = url, limits
+        self.on_progress: Callable[[Progress], None] = lambda _progress: None
+
+    def press(
+        self,
+        command_n: Samples,
+        on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+    ) -> tuple[Samples, Samples]:
+        """Drive one press; command_n: (n,), N, one value each ms. Returns position_m and force_n.
+
+        Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
+        """
+        greatest_n = float(np.max(np.abs(command_n)))
+        rows = _Taken(len(command_n), on_samples)
+        # A drive's torque is its own command: fed back, it would only chase itself.
+        gains = _OPEN if parse_device(self._url).scheme == "odrive" else _GAINS
+        engine = press_engine(command_n, _HEADROOM * greatest_n, gains)
+        settings = LoopSettings(
+            period_s=1 / RATE_HZ,
+            seconds=(len(command_n) + _MORE_TICKS) / RATE_HZ + 1.0,
+            max_force_n=self._limits.max_force_n or 1.3 * greatest_n,
+            max_depth_m=self._limits.max_depth_m,
+        )
+        wanted = Wanted(RATE_HZ, _WATCHDOG_S, _HEADROOM * greatest_n, presses=True)
+        running = Running(engine, self._url, wanted, settings, log=rows, reconnect_s=0.0)
+        try:
+            running.start()
+            self._watch(running, rows)
+        finally:
+            running.close()
+        _, error = running.why()
+        if error is not None and not rows.full:
+            raise error
+        if not rows.full:
+            raise SpringpotError(f"{self._url}: the press was stopped before its end")
+        time.sleep(_REST_S)
+        return rows.position_m, rows.force_n
+
+    def _watch(self, running: Running, rows: "_Taken") -> None:
+        with reading_keys() as keys:
+            for progress in running.watch(0.05):
+                self.on_progress(progress)
+                if set(keys.pressed()) & set("q \x1b"):
+                    raise KeyboardInterrupt
+                if rows.unmeasured:
+                    raise DeviceError(
+                        f"{self._url}: measures no force: recording needs a load cell, or an "
+                        "ODrive of firmware 0.6 that sends its torques (0x1C)"
+                    )
+                if progress.state.watchdog_trips and not rows.full:
+                    raise DeviceError(
+                        f"{self._url}: silent for {1e3 * _WATCHDOG_S:g} ms while pressing, force "
+                        "zero, stopped: check cable, rate and power"
+                    )
+                if rows.full:
+                    running.stop()
+
+
+class _Taken:
+    """Rows of one press, from the first call on."""
+
+    def __init__(self, n: int, on_samples: Callable[[Samples, Samples], None]) -> None:
+        self._n, self._on_samples = n, on_samples
+        self.position_m, self.force_n = np.empty(0), np.empty(0)
+        self.unmeasured = False
+
+    @property
+    def full(self) -> bool:
+        """Whether every tick of the command is there."""
+        return len(self.position_m) == self._n
+
+    def append(self, rows: Rows) -> None:
+        """Take the next rows."""
+        rows = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
+        rows = rows[: self._n - len(self.position_m)]
+        position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["measured_n"]]
+        if not np.isfinite(force_n).all():
+            self.unmeasured = True
+            return
+        if len(rows):
+            self.position_m = np.concatenate((self.position_m, position_m))
+            self.force_n = np.concatenate((self.force_n, force_n))
+            self._on_samples(position_m, force_n)
+
+
+def press_engine(command_n: Samples, max_force_n: float, gains: Mapping[str, float]) -> Engine:
+    """A force controller that follows command_n, one value a tick."""
+    library = loop_library("double")
+    command_n = np.ascontiguousarray(command_n, dtype=np.float64)
+    settings: dict[str, Any] = {
+        "command_n": library.ffi.from_buffer("double[]", command_n),
+        "n": len(command_n),
+        "dt_s": 1 / RATE_HZ,
+        "max_force_n": max_force_n,
+        "watchdog_s": _WATCHDOG_S,
+        "latched_note": LATCHED,
+        **gains,
+    }
+    press = library.ffi.new("sp_press *", settings)
+
+    def address(what: Any) -> int:
+        return int(library.ffi.cast("uintptr_t", what))
+
+    c = library.c
+    return Engine(
+        library=library,
+        step=address(c.sp_press_step),
+        idle=address(c.sp_press_idle),
+        reset=address(c.sp_press_reset),
+        state=address(press),
+        measured_n=address(library.ffi.addressof(press, "measured_n")),
+        kept=(press, command_n),
+    )

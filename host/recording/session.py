@@ -1,0 +1,123 @@
+"""A recording session: drive a device through a protocol, one recording and its quality a press."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.errors import UsageError
+from springpot.host.devices.url import parse_device
+from springpot.host.recording.indentation import Limits, PressedDevice
+from springpot.host.recording.protocols import RATE_HZ, Profile
+from springpot.host.simulation.bench import SimulatedBench, parse_url
+from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.journal_reader import journal_of
+from springpot.trainer.recordings.recording import SUFFIX, Recording
+
+Samples = NDArray[np.float64]
+
+
+class ForceControlled(Protocol):
+    """A device that can follow a force command."""
+
+    @property
+    def object_name(self) -> str:
+        """Name of the object under the device, as part of file names."""
+        ...
+
+    def press(
+        self, command_n: Samples, on_samples: Callable[[Samples, Samples], None] = ...
+    ) -> tuple[Samples, Samples]:
+        """Drive one press from rest; command (n,), N, each ms; return position_m, force_n (n,).
+
+        on_samples: called with the newest of both, each (k,), several times a second.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class PressQuality:
+    """How well one press followed its command."""
+
+    name: str
+    file: Path
+    samples: int
+    duration_s: float
+    max_depth_m: float
+    max_force_n: float
+    max_command_n: float
+    tracking_rms_n: float
+
+
+def open_device(
+    url: str, default_seed: int = 0, object_name: str = "object", limits: Limits | None = None
+) -> ForceControlled:
+    """Open the device of a URL; `default_seed` seeds a simulated one whose URL has no seed.
+
+    object_name, limits: of what lies under a device that is not simulated.
+    Raises DeviceError for a scheme that no driver serves, UsageError for a wrong URL.
+    """
+    scheme = parse_device(url).scheme
+    if scheme == "sim":
+        return SimulatedBench(parse_url(url, default_seed))
+    if scheme == "replay":
+        raise UsageError(f"{url}: a recording cannot be pressed: give a device, or sim://OBJECT")
+    return PressedDevice(url, object_name, limits or Limits())
+
+
+def record_session(
+    device: ForceControlled,
+    source: str,
+    protocol: str,
+    profiles: Sequence[Profile],
+    out: Path,
+    on_press: Callable[[PressQuality], None],
+) -> list[PressQuality]:
+    """Record every profile into the folder `out`, calling `on_press` after each.
+
+    source, protocol: what `details` and names say of the origin.
+    Raises UsageError, before anything moves, where a recording would be overwritten.
+    """
+    names = [f"{device.object_name}-{protocol}-{profile.name}" for profile in profiles]
+    files = [out / f"{name}{SUFFIX}" for name in names]
+    for file in files:
+        if file.exists():
+            raise UsageError(f"{file}: exists and is not overwritten: give another --out")
+        if journal_of(file).exists():
+            raise UsageError(
+                f"{journal_of(file)}: left behind by a crash, or still being recorded: give "
+                "another --out; `springpot import` turns a journal into a recording"
+            )
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
+    qualities = []
+    for name, file, profile in zip(names, files, profiles, strict=True):
+        details = {"protocol": protocol, "command": dict(profile.facts)}
+        with JournalWriter(file, name, 1 / RATE_HZ, source, details) as journal:
+            position_m, force_n = device.press(profile.command_n, journal.append)
+            journal.finish()
+        recording = Recording(
+            name, position_m, force_n, 1 / RATE_HZ, source=source, details=details
+        )
+        qualities.append(_quality(file, recording, profile))
+        on_press(qualities[-1])
+    return qualities
+
+
+def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality:
+    error_n = recording.force_n - profile.command_n
+    return PressQuality(
+        name=recording.name,
+        file=file,
+        samples=len(recording.force_n),
+        duration_s=recording.duration_s,
+        max_depth_m=float(recording.position_m.max()),
+        max_force_n=float(recording.force_n.max()),
+        max_command_n=float(profile.command_n.max()),
+        tracking_rms_n=float(np.sqrt(np.mean(error_n**2))),
+    )

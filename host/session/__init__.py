@@ -1,0 +1,1 @@
+"""A real-time session: the loop, its supervisor, its log, how it ended."""

@@ -1,0 +1,224 @@
+"""The loop as a session sees it: the C thread of runtime_c/port/posix."""
+
+import os
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from springpot.codegen.errors import DeviceError
+from springpot.codegen.reference.tick import LATCHED
+from springpot.host.devices.device import Device
+from springpot.host.native.loop_library import Rows, empty_rows
+from springpot.host.session.step_functions import Engine
+
+_RING_S = 16.0  # of rows that wait while Python does something else
+_PRIORITY = 80
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """period_s: of a tick. seconds: 0, until it is stopped. Beyond the limits the loop ends."""
+
+    period_s: float
+    seconds: float = 0.0
+    max_force_n: float = float("inf")
+    max_depth_m: float = float("inf")
+    real_time: bool = True
+
+
+@dataclass(frozen=True)
+class LoopState:
+    """What sp_loop_look tells; counts since the start, flags, link counters."""
+
+    ticks: int = 0
+    late: int = 0
+    stale: int = 0
+    ring_dropped: int = 0
+    watchdog_trips: int = 0
+    disconnects: int = 0
+    resets: int = 0
+    newest_row: int = 0
+    elapsed_s: float = 0.0
+    latched: int = 0
+    tripped: int = 0
+    kept_trip: int = 0
+    connected: int = 1
+    paused: int = 0
+    reason: int = 0
+    over: int = 0
+    got: int = 0
+
+
+@dataclass(frozen=True)
+class LinkCounts:
+    """What came over all links of a session."""
+
+    samples: int = 0
+    crc_errors: int = 0
+    sequence_gaps: int = 0
+    unsent: int = 0
+    device_error: int = 0
+
+
+class Loop(Protocol):
+    """A loop that runs beside Python's main thread, in C or as a thread of Python."""
+
+    name: str
+
+    def start(self, device: Device) -> None:
+        """Begin ticking on an opened device."""
+        ...
+
+    def attach(self, device: Device) -> None:
+        """Go on with a device that came back."""
+        ...
+
+    def ask_stop(self) -> None:
+        """End with zero force."""
+        ...
+
+    def pause(self, paused: bool) -> None:
+        """Zero force, and no calls until it is resumed."""
+        ...
+
+    def reset(self) -> None:
+        """Reset the scene, and a device that tripped."""
+        ...
+
+    def look(self) -> LoopState:
+        """Counters and flags."""
+        ...
+
+    def counts(self) -> LinkCounts:
+        """Counters of the links."""
+        ...
+
+    def drain(self) -> Rows:
+        """Rows since the last call."""
+        ...
+
+    def flight(self, seconds: float) -> Rows:
+        """The last rows again, after the end."""
+        ...
+
+    def join(self) -> None:
+        """Wait for the end."""
+        ...
+
+
+class CLoop:
+    """A thread of C on absolute deadlines; Python only watches."""
+
+    name = "C thread"
+
+    def __init__(self, engine: Engine, settings: LoopSettings) -> None:
+        self._engine, self._settings = engine, settings
+        self._library = engine.library
+        self._c, self._ffi = engine.library.c, engine.library.ffi
+        self._loop = self._ffi.cast(
+            "sp_loop *", memory := engine.library.memory(self._c.sp_loop_size())
+        )
+        capacity = 1 << max(10, int(_RING_S / settings.period_s - 1).bit_length())
+        self._ring = empty_rows(capacity)
+        self._chunk = empty_rows(capacity)
+        self._state = self._ffi.new("sp_loop_state *")
+        self._links: list[Any] = []
+        self._kept: list[Any] = [memory]
+        self._running = False
+
+    def start(self, device: Device) -> None:
+        """Start the thread. Raises DeviceError where the system gives none."""
+        engine, settings = self._engine, self._settings
+        pointer = self._ffi.cast
+        config = self._ffi.new(
+            "sp_loop_config *",
+            {
+                "step": pointer("void *", engine.step),
+                "idle": pointer("void *", engine.idle),
+                "reset": pointer("void *", engine.reset),
+                "state": pointer("void *", engine.state),
+                "measured_n": pointer("double *", engine.measured_n),
+                "period_s": settings.period_s,
+                "seconds": settings.seconds,
+                "max_force_n": settings.max_force_n,
+                "max_depth_m": settings.max_depth_m,
+                "latched_note": LATCHED,
+                "priority": _PRIORITY if settings.real_time else 0,
+                "cpu": _spare_cpu(),
+                "rows": self._library.rows(self._ring),
+                "capacity": len(self._ring),
+            },
+        )
+        error = self._c.sp_loop_start(self._loop, config, self._adopt(device))
+        if error:
+            raise DeviceError(
+                f"no thread for the loop: {os.strerror(error)}: free memory or limits"
+            )
+        self._running = True
+
+    def attach(self, device: Device) -> None:
+        """Go on with a device that came back; the scene is reset once."""
+        self._c.sp_loop_attach(self._loop, self._adopt(device))
+
+    def ask_stop(self) -> None:
+        """End with zero force."""
+        if self._running:
+            self._c.sp_loop_ask_stop(self._loop)
+
+    def pause(self, paused: bool) -> None:
+        """Zero force, and no calls until it is resumed; then the scene is reset."""
+        self._c.sp_loop_pause(self._loop, int(paused))
+
+    def reset(self) -> None:
+        """Reset the scene, and a device that tripped."""
+        self._c.sp_loop_reset(self._loop)
+
+    def look(self) -> LoopState:
+        """Counters and flags."""
+        if not self._links:
+            return LoopState()
+        self._c.sp_loop_look(self._loop, self._state)
+        return LoopState(
+            **{name: getattr(self._state, name) for name in LoopState.__dataclass_fields__}
+        )
+
+    def counts(self) -> LinkCounts:
+        """Counters of all links that this session had."""
+        return LinkCounts(
+            **{
+                name: sum(getattr(link, name) for link in self._links)
+                for name in LinkCounts.__dataclass_fields__
+            }
+        )
+
+    def drain(self) -> Rows:
+        """Rows since the last call."""
+        if not self._links:
+            return empty_rows()
+        rows = self._library.rows(self._chunk)
+        count = self._c.sp_loop_drain(self._loop, rows, len(self._chunk))
+        return self._chunk[:count].copy()
+
+    def flight(self, seconds: float) -> Rows:
+        """The last rows again, after the end."""
+        newest = self.look().newest_row
+        count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
+        places = [(newest - count + k) % len(self._ring) for k in range(count)]
+        return self._ring[places]
+
+    def join(self) -> None:
+        """Wait for the end of the thread: at most a period and what the device takes."""
+        if self._running:
+            self._c.sp_loop_join(self._loop)
+            self._running = False
+
+    def _adopt(self, device: Device) -> Any:
+        link = device.link(self._library)
+        self._links.append(link)
+        self._kept.append(device)
+        return link
+
+
+def _spare_cpu() -> int:
+    """The last processor that this process may use, or -1 where there is only one."""
+    cpus = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    return cpus[-1] if len(cpus) > 1 else -1

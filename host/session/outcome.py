@@ -1,0 +1,88 @@
+"""How a session went, for people and programs: why it stopped, what the system had granted."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.errors import SpringpotError
+from springpot.host.native.loop_library import (
+    COLUMN,
+    GOT_CPU,
+    GOT_FIFO,
+    GOT_LOCKED,
+    GOT_SLACK,
+    Stop,
+)
+from springpot.host.session.loop import LoopSettings, LoopState
+
+
+def why_stopped(
+    state: LoopState, row: Any, settings: LoopSettings
+) -> tuple[str, SpringpotError | None]:
+    """One line: why the loop ended and what to do; the error, where it was one.
+
+    row: the newest, shape (columns,).
+    """
+    match state.reason:
+        case Stop.FORCE:
+            measured_n = float(np.nan_to_num(abs(row[COLUMN["measured_n"]])))
+            force_n = max(abs(float(row[COLUMN["returned_n"]])), measured_n)
+            return _stopped(
+                f"the force reached {force_n:.3g} N, the limit is {settings.max_force_n:g} N: "
+                "raise --max-force-n, or press less"
+            )
+        case Stop.DEPTH:
+            depth_mm = 1e3 * float(row[COLUMN["position_m"]])
+            return _stopped(
+                f"the tool came {depth_mm:.3g} mm deep, the limit is "
+                f"{1e3 * settings.max_depth_m:g} mm: raise --max-depth-mm, or press less"
+            )
+        case Stop.MISUSE:
+            return _stopped("the scene refused its arguments: report this")
+        case Stop.TIME:
+            line = f"ran for {settings.seconds:g} s"
+        case Stop.ENDED:
+            line = "the replay has no more samples"
+        case _:
+            line = "stopped by the user"
+    if state.latched or state.tripped:
+        line += "; the watchdog had tripped and the force was zero: `reset` takes it back"
+    return line, None
+
+
+def _stopped(what: str) -> tuple[str, SpringpotError]:
+    line = f"stopped: {what}"
+    return line, SpringpotError(line)
+
+
+def granted(loop_name: str, got: int) -> str:
+    """What the system granted a C loop; got: SP_GOT_ bits."""
+    named = [
+        name
+        for bit, name in (
+            (GOT_LOCKED, "memory locked"),
+            (GOT_CPU, "own CPU"),
+            (GOT_SLACK, "1 ns timer slack"),
+        )
+        if got & bit
+    ]
+    policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
+    return ", ".join([loop_name, policy, *named])
+
+
+def steal_ms() -> float:
+    """Time that the hypervisor took from this machine since it started, ms of all processors."""
+    try:
+        fields = Path("/proc/stat").read_text().split("\n", 1)[0].split()
+        return 10.0 * int(fields[8])
+    except (OSError, IndexError, ValueError):
+        return 0.0
+
+
+def spread_us(seconds: Any) -> dict[str, float]:
+    """Percentiles and the greatest of seconds (n,), us."""
+    seconds = seconds if len(seconds) else np.zeros(1)
+    p50, p99, p999 = np.percentile(seconds, [50, 99, 99.9])
+    spread = {"p50": p50, "p99": p99, "p999": p999, "max": seconds.max()}
+    return {name: round(1e6 * float(value), 3) for name, value in spread.items()}

@@ -1,0 +1,229 @@
+"""A loop on a device with its log: what rendering and recording have in common."""
+
+import contextlib
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
+from springpot.host.console.output import say
+from springpot.host.devices.device import Device, Wanted
+from springpot.host.devices.drivers import open_device
+from springpot.host.devices.serial_device import SerialDevice
+from springpot.host.native.loop_library import (
+    COLUMN,
+    GOT_FIFO,
+    IDLE,
+    NONE,
+    Rows,
+    empty_rows,
+)
+from springpot.host.session.board_loop import BoardLoop
+from springpot.host.session.log import flight_seconds
+from springpot.host.session.loop import CLoop, LinkCounts, Loop, LoopSettings, LoopState
+from springpot.host.session.outcome import granted, why_stopped
+from springpot.host.session.python_loop import PythonLoop
+from springpot.host.session.step_functions import Engine
+from springpot.host.session.supervisor import DeviceMinder
+
+LoopKind = Literal["c", "python"]
+RECONNECT_S = 10.0
+_PUMP_S = 0.02
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a person watches: rate_hz over the last moment, the newest row, counters."""
+
+    elapsed_s: float
+    rate_hz: float
+    depth_m: float
+    force_n: float
+    age_s: float
+    state: LoopState
+
+
+class RowTaker(Protocol):
+    """Where the rows of a loop go."""
+
+    def append(self, rows: Rows) -> None:
+        """Take the next rows."""
+        ...
+
+
+class Running:
+    """A loop on a device with its log: what rendering and recording have in common."""
+
+    def __init__(
+        self,
+        engine: Engine,
+        url: str,
+        wanted: Wanted,
+        settings: LoopSettings,
+        log: RowTaker | None = None,
+        kind: LoopKind = "c",
+        reconnect_s: float = RECONNECT_S,
+        tell: Callable[[str], None] = say,
+    ) -> None:
+        self._settings, self._log, self._tell = settings, log, tell
+        device = open_device(url, wanted)
+        self._loop = _loop_for(device, engine, settings, kind)
+        self._minder = DeviceMinder(self._loop, device, url, wanted, reconnect_s, tell, self._fail)
+        self.error: SpringpotError | None = None
+        self._pump: threading.Thread | None = None
+        self._latest = empty_rows(1)
+        self._lateness: list[Any] = []
+        self._ticks_s: list[Any] = []
+        self._stopped = False
+
+    def start(self) -> None:
+        """Start the loop."""
+        if self._pump is not None:
+            raise UsageError("this session was started already: make a new one")
+        self._loop.start(self._minder.device)
+        self._minder.saw_sample()
+        self._pump = threading.Thread(target=self._run_pump, daemon=True)
+        self._pump.start()
+
+    def pause(self) -> None:
+        """Zero force until `resume`; the device stays in use."""
+        self._loop.pause(True)
+
+    def resume(self) -> None:
+        """Go on: the scene is reset, the force rises from zero."""
+        self._loop.pause(False)
+
+    def reset(self) -> None:
+        """Forget the past and unlatch, also in the device; the force rises from zero."""
+        self._loop.reset()
+
+    def stop(self) -> None:
+        """End with zero force, and wait for that."""
+        if self._stopped:
+            return
+        if self._pump is not None:
+            self._loop.ask_stop()
+            self._loop.join()
+            self._pump.join()
+        self._minder.device.stop()
+        self._stopped = True
+
+    def close(self) -> None:
+        """Stop, and free the port; an impatient second Ctrl-C does not get in between."""
+        try:
+            while not self._stopped:
+                with contextlib.suppress(KeyboardInterrupt):
+                    self.stop()
+        finally:
+            self._minder.device.close()
+
+    @property
+    def over(self) -> bool:
+        """Whether the loop has ended by itself."""
+        return bool(self._pump is not None and not self._pump.is_alive())
+
+    @property
+    def state(self) -> LoopState:
+        """Counters and flags of the loop."""
+        return self._loop.look()
+
+    @property
+    def counts(self) -> LinkCounts:
+        """Counters of the links."""
+        return self._loop.counts()
+
+    def watch(self, every_s: float = 0.1) -> Iterator[Progress]:
+        """Yield progress until the loop ends."""
+        before, before_s = 0, 0.0
+        while not self.over:
+            time.sleep(every_s)
+            state, row = self.state, self._latest[-1]
+            passed_s = max(1e-9, state.elapsed_s - before_s)
+            yield Progress(
+                elapsed_s=state.elapsed_s,
+                rate_hz=(state.ticks - before) / passed_s,
+                depth_m=float(row[COLUMN["position_m"]]),
+                force_n=float(row[COLUMN["sent_n"]]),
+                age_s=float(row[COLUMN["age_s"]]),
+                state=state,
+            )
+            before, before_s = state.ticks, state.elapsed_s
+
+    def why(self) -> tuple[str, SpringpotError | None]:
+        """One line: why it stopped and what to do; the error, where it was one."""
+        if self.error is not None:
+            return str(self.error), self.error
+        return why_stopped(self.state, self._latest[-1], self._settings)
+
+    def flight(self) -> Rows:
+        """The last seconds of rows, after the end."""
+        return self._loop.flight(flight_seconds())
+
+    def lateness_s(self) -> Any:
+        """Lateness of every tick, (n,)."""
+        return np.concatenate(self._lateness) if self._lateness else np.zeros(1)
+
+    def ticks_s(self) -> Any:
+        """Time of every call, (n,)."""
+        return np.concatenate(self._ticks_s) if self._ticks_s else np.zeros(1)
+
+    def scheduler(self) -> str:
+        """Who keeps the time, and what the system granted for it."""
+        if isinstance(self._loop, CLoop):
+            return granted(self._loop.name, self.state.got)
+        return self._loop.name + (", SCHED_OTHER" if isinstance(self._loop, PythonLoop) else "")
+
+    def _run_pump(self) -> None:
+        told = False
+        while True:
+            over = bool(self._loop.look().over)
+            try:
+                self._take(self._loop.drain())
+            except SpringpotError as error:
+                self._fail(error)
+            except OSError as error:
+                self._fail(DeviceError(f"the log cannot go on ({error}): stopped, force zero"))
+            if over:
+                return
+            state = self._loop.look()
+            if state.ticks and not told:
+                told = True
+                self._tell_refused(state)
+            self._minder.mind(state)
+            time.sleep(_PUMP_S)
+
+    def _take(self, rows: Rows) -> None:
+        if not len(rows):
+            return
+        self._latest = rows[-1:]
+        self._lateness.append(rows[:, COLUMN["lateness_s"]].astype(np.float32))
+        called = (rows[:, COLUMN["call"]].astype(int) & (IDLE | NONE)) == 0
+        self._ticks_s.append(rows[called, COLUMN["tick_s"]].astype(np.float32))
+        if np.isfinite(rows[:, COLUMN["age_s"]]).any():
+            self._minder.saw_sample()
+        if self._log is not None and self.error is None:
+            self._log.append(rows)
+
+    def _fail(self, error: SpringpotError) -> None:
+        if self.error is None:
+            self.error = error
+        self._loop.ask_stop()
+
+    def _tell_refused(self, state: LoopState) -> None:
+        if isinstance(self._loop, CLoop) and self._settings.real_time and not state.got & GOT_FIFO:
+            self._tell(
+                "the system refused SCHED_FIFO, ticks may be late: `springpot doctor` says how to "
+                "allow it"
+            )
+
+
+def _loop_for(device: Device, engine: Engine, settings: LoopSettings, kind: LoopKind) -> Loop:
+    """A board that renders keeps its own time; a device without a C link needs the Python loop."""
+    if isinstance(device, SerialDevice) and device.renders:
+        return BoardLoop(device, settings)
+    only_python = getattr(device, "only_python", False)
+    return (PythonLoop if only_python or kind == "python" else CLoop)(engine, settings)

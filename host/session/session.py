@@ -1,0 +1,184 @@
+"""A real-time session: `with Session(folder, url, log=file) as s: s.start(); ...`.
+
+A loop (a C thread by default) keeps the time; Python watches it, writes the log, and brings back a
+device that was unplugged. However the session is left, the force is zero first.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Self
+
+from springpot.codegen.errors import SpringpotError
+from springpot.codegen.scene import Device as DeviceKeys
+from springpot.host.console.output import say
+from springpot.host.devices.device import Wanted
+from springpot.host.emission.emission import read_emission
+from springpot.host.native.loop_library import Stop
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.log import SessionLog, write_flight
+from springpot.host.session.loop import LoopSettings
+from springpot.host.session.outcome import spread_us, steal_ms
+from springpot.host.session.runner import RECONNECT_S, LoopKind, Running
+from springpot.host.session.step_functions import scene_engine
+from springpot.trainer.recordings.recording import Zero
+
+
+class Session:
+    """Render an emitted scene on a device.
+
+    folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
+    call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
+    them the session ends. Raises DeviceError where the device cannot be used as the scene wants.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        url: str,
+        log: Path | None = None,
+        *,
+        seconds: float = 0.0,
+        max_force_n: float | None = None,
+        max_depth_m: float | None = None,
+        loop: LoopKind = "c",
+        reconnect_s: float = RECONNECT_S,
+        tell: Callable[[str], None] = say,
+    ) -> None:
+        plan, _ = read_emission(folder)
+        self._scene = SceneLibrary(folder)
+        greatest_n = max(float(plan.output.greatest_n), -float(plan.output.least_n))
+        settings = LoopSettings(
+            period_s=plan.dt_s,
+            seconds=seconds,
+            max_force_n=greatest_n if max_force_n is None else max_force_n,
+            max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
+        )
+        self._rate_hz, self._settings, self._tell = 1 / plan.dt_s, settings, tell
+        wanted = wanted_of(
+            plan.scene.device,
+            rate_hz=1 / plan.dt_s,
+            watchdog_s=float(plan.output.watchdog_s),
+            greatest_n=min(greatest_n, settings.max_force_n),
+            hash=self._scene.manifest["hash"],
+        )
+        self._zero: Zero = "none" if plan.contact else "first"
+        self._file, self._url = log, url
+        self._log: SessionLog | None = None
+        self._args = (scene_engine(self._scene), url, wanted, settings)
+        self._options: dict[str, Any] = {"kind": loop, "reconnect_s": reconnect_s, "tell": tell}
+        self._run: Running | None = None
+        self._steal_ms = steal_ms()
+        self.line = ""
+        self.error: SpringpotError | None = None
+        self.flight_file: Path | None = None
+
+    def __enter__(self) -> Self:
+        if self._file is not None:
+            details = {"session": {"scene": self._scene.manifest["scene"], "device": self._url,
+                                   "hash": self._scene.manifest["hash"]}}  # fmt: skip
+            self._log = SessionLog(
+                self._file, self._settings.period_s, self._url, details, zero=self._zero
+            )
+        try:
+            self._run = Running(*self._args, log=self._log, **self._options)
+        except BaseException:
+            if self._log is not None:
+                self._log.discard()
+            raise
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        run = self.running
+        try:
+            run.close()
+        finally:
+            self.line, self.error = run.why()
+            if error[0] is not None and run.error is None:
+                self.line = f"stopped by {error[0].__name__}"
+            self._tell(self.line)
+            self._close_log(run)
+
+    @property
+    def running(self) -> Running:
+        """The running half: pause, resume, reset, watch."""
+        assert self._run is not None, "use the session in a with statement"
+        return self._run
+
+    def start(self) -> None:
+        """Start the loop."""
+        self.running.start()
+
+    def stop(self) -> None:
+        """End with zero force."""
+        self.running.stop()
+
+    def pause(self) -> None:
+        """Zero force until `resume`."""
+        self.running.pause()
+
+    def resume(self) -> None:
+        """Go on, the force rising from zero."""
+        self.running.resume()
+
+    def reset(self) -> None:
+        """Forget the past, unlatch."""
+        self.running.reset()
+
+    def result(self) -> dict[str, Any]:
+        """Keys of `springpot run --json`, after the end."""
+        run = self.running
+        state, counts = run.state, run.counts
+        planned = state.reason == Stop.TIME
+        expected_s = self._settings.seconds if planned else state.elapsed_s
+        return {
+            "ticks": state.ticks,
+            "expected_ticks": round(expected_s * self._rate_hz),
+            "late": state.late,
+            "lateness_us": spread_us(run.lateness_s()),
+            "tick_us": spread_us(run.ticks_s()),
+            "steal_ms": steal_ms() - self._steal_ms,
+            "ring_dropped": state.ring_dropped,
+            "sequence_gaps": counts.sequence_gaps,
+            "samples": counts.samples,
+            "stale_samples": state.stale,
+            "unsent": counts.unsent,
+            "crc_errors": counts.crc_errors,
+            "watchdog_trips": state.watchdog_trips,
+            "disconnects": state.disconnects,
+            "resets": state.resets,
+            "latched": bool(state.latched or state.tripped),
+            "log": str(self._file) if self._file is not None else None,
+            "flight": str(self.flight_file) if self.flight_file is not None else None,
+            "scheduler": run.scheduler(),
+            "stopped": self.line,
+            "hash": self._scene.manifest["hash"],
+        }
+
+    def _close_log(self, run: Running) -> None:
+        if self._log is None or self._file is None:
+            return
+        with self._log as log:
+            try:
+                self.flight_file = write_flight(self._file, run.flight(), self.line)
+            except OSError as error:
+                self._tell(f"{self._file.parent}: no flight recorder written ({error.strerror})")
+            if not log.rows:
+                log.discard()
+                return
+            if log.room:
+                facts = {"stopped": self.line, "state": asdict(run.state),
+                         "counts": asdict(run.counts), "scheduler": run.scheduler()}  # fmt: skip
+                log.finish({"end": facts})
+
+
+def wanted_of(keys: DeviceKeys, **wanted: Any) -> Wanted:
+    """What the scene's [device] says, with what the scene itself wants."""
+    return Wanted(
+        surface_m=1e-3 * keys.surface_mm,
+        m_per_turn=keys.m_per_turn,
+        sign=keys.sign,
+        zero_turns=keys.zero_turns,
+        max_torque_nm=keys.max_torque_nm,
+        **wanted,
+    )

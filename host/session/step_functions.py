@@ -1,0 +1,30 @@
+"""What a loop calls each tick: a scene, or force control while recording."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from springpot.host.native.loop_library import LoopLibrary, loop_library
+from springpot.host.native.scene_library import SceneLibrary
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Addresses of the three functions and of the state that a loop calls; library: its C."""
+
+    library: LoopLibrary
+    step: int
+    idle: int
+    reset: int
+    state: int
+    measured_n: int = 0  # where the state wants the measured force, or 0
+    kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
+
+
+def scene_engine(scene: SceneLibrary) -> Engine:
+    """A fresh state of a scene."""
+    state = scene.new_state()
+    step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
+    library = loop_library("float" if scene.dtype is np.float32 else "double")
+    return Engine(library, step, idle, reset, state.address, kept=(scene, state))

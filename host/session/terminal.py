@@ -1,0 +1,69 @@
+"""Watching a running loop: a live line, the keys that stop, pause and reset, SIGTERM as a stop."""
+
+import contextlib
+import math
+import signal
+from collections.abc import Iterator
+from types import FrameType
+
+from rich.live import Live
+from rich.text import Text
+
+from springpot.host.console.keys import reading_keys
+from springpot.host.console.output import progress_console
+from springpot.host.session.runner import Progress, Running
+
+_KEYS = "q stop, p pause, r reset"
+
+
+def watch(running: Running) -> None:
+    """Show progress and obey keys until the loop ends."""
+    with reading_keys() as keys, Live(console=progress_console, transient=True) as live:
+        for progress in running.watch():
+            for key in keys.pressed():
+                obey(running, key)
+            live.update(Text(progress_line(progress)))
+
+
+def obey(running: Running, key: str) -> None:
+    """Do what a key means: q, escape or space stop, p pauses and goes on, r resets."""
+    if key in "q \x1b":
+        running.stop()
+    elif key == "p":
+        if running.state.paused:
+            running.resume()
+        else:
+            running.pause()
+    elif key == "r":
+        running.reset()
+
+
+def progress_line(progress: Progress, keys: str = _KEYS) -> str:
+    """One line: rate, depth, force, late ticks, age of the sample."""
+    state = progress.state
+    age = "no sample" if math.isnan(progress.age_s) else f"sample {1e3 * progress.age_s:.2f} ms old"
+    words = [
+        f"{progress.elapsed_s:6.1f} s",
+        f"{progress.rate_hz:5.0f} Hz",
+        f"{1e3 * progress.depth_m:7.2f} mm",
+        f"{progress.force_n:6.2f} N",
+        f"{state.late} late",
+        age,
+    ]
+    flags = {"paused": state.paused, "FORCE ZERO, reset with r": state.latched or state.tripped,
+             "waiting for the device": not state.connected}  # fmt: skip
+    return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
+
+
+@contextlib.contextmanager
+def stopping_on_sigterm() -> Iterator[None]:
+    """Leave with statements, and so end with zero force, when the process is asked to end."""
+
+    def leave(_number: int, _frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, leave)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -1,0 +1,1 @@
+"""Simulated objects, device and hands, in compiled C; what a hand does in the closed loop."""

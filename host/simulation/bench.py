@@ -1,0 +1,296 @@
+"""The simulated bench: silicones, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+from urllib.parse import parse_qsl, urlsplit
+
+import cffi
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.coupling.linear_loop import HandName
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.native.compiler import shared_library
+from springpot.runtime_c import paths
+
+Samples = NDArray[np.float64]
+
+OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
+HANDS: tuple[HandName, ...] = ("mid", "firm", "light")
+VARIANTS = ("a", "b")
+MAX_COMMAND_N = 12.0
+DT_S = 0.001
+SUBSTEPS = 16
+_CHUNK = 250  # samples handed on at once
+
+
+@dataclass(frozen=True)
+class SimulatedObject:
+    """What a `sim://` URL says: the object, how it is changed, who presses it.
+
+    variant: "a" quasi-linear, "b" relaxation depends on stress. stiffer: factor on the force.
+    seed: of the sensors' noise. delay_samples: 1 where the motor force leaves one tick late.
+    """
+
+    name: str
+    variant: str = "a"
+    stiffer: float = 1.0
+    hand: HandName = "mid"
+    seed: int = 0
+    delay_samples: int = 0
+
+
+def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
+    """Read `sim://OBJECT?variant=b&stiffer=10&hand=mid&seed=1&delay=1`.
+
+    default_seed: where the URL has none.
+    Raises UsageError naming what is unknown and listing what exists.
+    """
+    parts = urlsplit(url)
+    if parts.netloc not in OBJECTS or parts.path not in ("", "/"):
+        known = ", ".join(OBJECTS)
+        raise UsageError(f"{url}: no object {parts.netloc + parts.path!r}: use one of {known}")
+    settings: dict[str, Any] = {"seed": default_seed}
+    for key, value in parse_qsl(parts.query, keep_blank_values=True):
+        match key:
+            case "variant":
+                settings["variant"] = _one_of(url, key, value, VARIANTS)
+            case "hand":
+                settings["hand"] = _one_of(url, key, value, HANDS)
+            case "stiffer":
+                settings["stiffer"] = _stiffer(url, value)
+            case "seed":
+                settings["seed"] = _seed(url, value)
+            case "delay":
+                settings["delay_samples"] = int(_one_of(url, key, value, ("0", "1")))
+            case _:
+                raise UsageError(
+                    f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay"
+                )
+    return SimulatedObject(name=parts.netloc, **settings)
+
+
+class ObjectMotion:
+    """One object under a prescribed motion: the truth, without device or noise.
+
+    Moves go on where the last one ended; a new one starts undeformed and relaxed.
+    """
+
+    def __init__(
+        self, simulated: SimulatedObject, dt_s: float = DT_S, substeps: int = SUBSTEPS
+    ) -> None:
+        """Put a fresh object under the tool: dt_s between samples, substeps within each."""
+        self._library = _library()
+        self.state = self._library.new("sim_object")
+        self._library.check(
+            self._library.c.sim_object_init(
+                self.state,
+                OBJECTS.index(simulated.name),
+                VARIANTS.index(simulated.variant),
+                simulated.stiffer,
+                dt_s,
+                substeps,
+            )
+        )
+
+    def move(self, position_m: Samples) -> Samples:
+        """Return the true force (n,), N, at each position (n,), m, linear between samples."""
+        position_m = np.ascontiguousarray(position_m, dtype=np.float64)
+        force_n = np.empty_like(position_m)
+        at = self._library.doubles
+        self._library.check(
+            self._library.c.sim_object_move(
+                self.state, len(position_m), at(position_m), at(force_n)
+            )
+        )
+        return force_n
+
+
+class SimulatedBench:
+    """An object under a force-controlled device at 1 kHz, as its sensors see it."""
+
+    def __init__(self, simulated: SimulatedObject, substeps: int = SUBSTEPS) -> None:
+        """Put the object under the device; substeps of the integrator in each ms."""
+        self.simulated = simulated
+        self._substeps = substeps
+        self._library = _library()
+        self._presses = 0
+
+    @property
+    def object_name(self) -> str:
+        """Name of the object on the bench."""
+        return self.simulated.name
+
+    def press(
+        self,
+        command_n: Samples,
+        on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+    ) -> tuple[Samples, Samples]:
+        """Drive one press from rest on the relaxed object; every press has noise of its own.
+
+        command_n: (n,), N, one value each ms. Returns position_m and force_n, both (n,), and
+        calls on_samples with the newest of both about four times a second.
+        Raises DeviceError where the command is beyond the device.
+        """
+        command_n = np.ascontiguousarray(command_n, dtype=np.float64)
+        if not np.all(np.abs(command_n) <= MAX_COMMAND_N):
+            raise DeviceError(
+                f"the command reaches {np.max(np.abs(command_n)):.1f} N and the simulated device "
+                f"gives {MAX_COMMAND_N:g} N: lower the protocol's amplitude_n"
+            )
+        state = self._library.new("sim_bench")
+        self._library.check(
+            self._library.c.sim_bench_init(
+                state,
+                OBJECTS.index(self.simulated.name),
+                VARIANTS.index(self.simulated.variant),
+                self.simulated.stiffer,
+                (self.simulated.seed << 32) + self._presses,
+                self.simulated.delay_samples,
+                self._substeps,
+            )
+        )
+        self._presses += 1
+        position_m, force_n = np.empty_like(command_n), np.empty_like(command_n)
+        at = self._library.doubles
+        for begin in range(0, len(command_n), _CHUNK):
+            part = slice(begin, begin + _CHUNK)
+            self._library.check(
+                self._library.c.sim_bench_record(
+                    state,
+                    len(command_n[part]),
+                    at(command_n[part]),
+                    at(position_m[part]),
+                    at(force_n[part]),
+                )
+            )
+            on_samples(position_m[part], force_n[part])
+        return position_m, force_n
+
+
+class SimulatedHand:
+    """A hand holding the device: a mass, a spring to where it intends to be, a damper.
+
+    noisy: the encoder's position and its filtered difference instead of the truth.
+    """
+
+    def __init__(
+        self,
+        hand: HandName = "mid",
+        *,
+        substeps: int = SUBSTEPS,
+        delay_samples: int = 0,
+        noisy: bool = False,
+        seed: int = 0,
+        position_m: float = 0.0,
+    ) -> None:
+        """Hold the device at rest at position_m; delay_samples 1: forces act a tick late."""
+        self._library = _library()
+        self.state = self._library.new("sim_tool")
+        self._library.check(
+            self._library.c.sim_tool_init(
+                self.state,
+                HANDS.index(hand),
+                substeps,
+                delay_samples,
+                int(noisy),
+                seed,
+                position_m,
+            )
+        )
+        self._out_m = self._library.ffi.new("double *")
+        self._out_mps = self._library.ffi.new("double *")
+
+    @property
+    def address(self) -> int:
+        """Address of the C state, for C that moves the hand."""
+        return int(self._library.ffi.cast("uintptr_t", self.state))
+
+    def step(self, dt_s: float, intended_m: float, force_n: float) -> tuple[float, float]:
+        """Advance one tick of `dt_s` under a rendered force; return position_m, velocity_mps."""
+        self._library.check(
+            self._library.c.sim_tool_step(
+                self.state, dt_s, intended_m, force_n, self._out_m, self._out_mps
+            )
+        )
+        return self._out_m[0], self._out_mps[0]
+
+    def press(self, pressed: ObjectMotion, intended_m: Samples) -> tuple[Samples, Samples]:
+        """Press the object itself along `intended_m` (n,); return position_m, true force_n."""
+        intended_m = np.ascontiguousarray(intended_m, dtype=np.float64)
+        position_m, force_n = np.empty_like(intended_m), np.empty_like(intended_m)
+        at = self._library.doubles
+        self._library.check(
+            self._library.c.sim_tool_press(
+                self.state,
+                pressed.state,
+                len(intended_m),
+                at(intended_m),
+                at(position_m),
+                at(force_n),
+            )
+        )
+        return position_m, force_n
+
+
+class _Library:
+    """The built C, the memory of its states, and its statuses as errors."""
+
+    def __init__(self) -> None:
+        header = (paths.SIM / "sim.h").read_text(encoding="utf-8")
+        self.ffi = cffi.FFI()
+        self.ffi.cdef(header.split("/* cffi begin */")[1].split("/* cffi end */")[0])
+        sources = sorted(paths.SIM.glob("*.c"))
+        self.c = self.ffi.dlopen(str(shared_library(sources, [paths.SIM])))
+        self._check_names("object", OBJECTS)
+        self._check_names("hand", HANDS)
+
+    def _check_names(self, kind: str, expected: Sequence[str]) -> None:
+        count = getattr(self.c, f"sim_{kind}_count")()
+        name = getattr(self.c, f"sim_{kind}_name")
+        found = tuple(self.ffi.string(name(i)).decode() for i in range(count))
+        assert found == tuple(expected), f"sim {kind}s {found} are not {expected}"
+
+    def new(self, kind: str) -> Any:
+        """Memory for one state, aligned for doubles, as a pointer to it."""
+        size = getattr(self.c, f"{kind}_size")()
+        memory = np.zeros(-(-size // 8), dtype=np.float64)
+        return self.ffi.from_buffer(f"{kind} *", memory, require_writable=True)
+
+    def doubles(self, samples: Samples) -> Any:
+        """A C pointer to the samples' memory."""
+        return self.ffi.from_buffer("double[]", samples)
+
+    def check(self, status: int) -> None:
+        """Raise ValueError for a negative status: our own wrong use of the C."""
+        if status < 0:
+            raise ValueError(f"the simulated bench refused its arguments (status {status})")
+
+
+@cache
+def _library() -> _Library:
+    return _Library()
+
+
+def _one_of(url: str, key: str, value: str, known: Sequence[str]) -> str:
+    if value not in known:
+        raise UsageError(f"{url}: no {key} {value!r}: use one of {', '.join(known)}")
+    return value
+
+
+def _stiffer(url: str, value: str) -> float:
+    try:
+        stiffer = float(value)
+    except ValueError:
+        stiffer = np.nan
+    if not 0.01 <= stiffer <= 1000:
+        raise UsageError(f"{url}: stiffer={value}: give a factor between 0.01 and 1000")
+    return stiffer
+
+
+def _seed(url: str, value: str) -> int:
+    if not (value.isascii() and value.isdigit() and int(value) < 2**31):
+        raise UsageError(f"{url}: seed={value}: give a whole number below 2147483648")
+    return int(value)

@@ -1,0 +1,147 @@
+"""A scene in closed loop with a simulated hand, in compiled C: sp_closed_loop.h."""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import cffi
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.coupling.linear_loop import HandName
+from springpot.codegen.errors import SpringpotError
+from springpot.host.native.compiler import shared_library
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.simulation.bench import HANDS
+from springpot.runtime_c.paths import INCLUDE, PORT_TESTBENCH, SIM
+
+Samples = NDArray[np.float64]
+SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
+
+
+@dataclass(frozen=True, eq=False)
+class Script:
+    """What happens at each tick; arrays of shape (n,).
+
+    dt_s: real time. intended_m: where the hand intends to be at the tick's end. push_n: its force
+    in place of its spring, NaN for the spring. error_m: added to what the scene sees, may be NaN.
+    dropped: no sample comes.
+    """
+
+    dt_s: Samples
+    intended_m: Samples
+    push_n: Samples
+    error_m: Samples
+    dropped: NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What came of it; arrays of shape (n,), true position and velocity at each tick's start.
+
+    force_n: what the scene returned then. felt_n: what acted on the tool during the tick.
+    """
+
+    position_m: Samples
+    velocity_mps: Samples
+    force_n: Samples
+    felt_n: Samples
+    notes: NDArray[np.int32]
+    not_finite: int
+
+
+@dataclass(frozen=True)
+class Grip:
+    """Who holds the device, how late forces act (0 or 1 samples), and the sensors' seed."""
+
+    hand: HandName
+    delay_samples: int = 0
+    seed: int = 1
+
+
+class HandLoop:
+    """Runs one scene in closed loop; every run starts from a fresh state."""
+
+    def __init__(self, library: SceneLibrary) -> None:
+        self._library = library
+        self._ffi, self._port = _load("float" if library.dtype is np.float32 else "double")
+
+    def run(self, script: Script, grip: Grip, start_m: float = 0.0) -> Trace:
+        """Run the script with a hand that starts at rest at start_m; sensors are noisy."""
+        n = len(script.dt_s)
+        trace = {name: np.empty(n) for name in ("position_m", "velocity_mps", "force_n")}
+        notes = np.empty(n, dtype=np.int32)
+        scene, held = self._scene()
+        arrays = {name: np.ascontiguousarray(value, dtype=np.float64)
+                  for name, value in vars(script).items() if name != "dropped"}  # fmt: skip
+        dropped = np.ascontiguousarray(script.dropped, dtype=np.uint8)
+        inputs = {name: self._doubles(value) for name, value in arrays.items()}
+        inputs["dropped"] = self._ffi.from_buffer("uint8_t[]", dropped)
+        outputs = {name: self._doubles(value) for name, value in trace.items()}
+        outputs["notes"] = self._ffi.from_buffer("int32_t[]", notes)
+        tool, memory = self._tool(grip, start_m)
+        not_finite = self._port.sp_closed_loop_run(
+            scene, tool, n, self._ffi.new("sp_closed_loop_script *", inputs),
+            self._ffi.new("sp_closed_loop_trace *", outputs),
+        )  # fmt: skip
+        _check(not_finite)
+        del held, memory
+        late = grip.delay_samples
+        felt_n = np.concatenate([np.zeros(late), trace["force_n"][: n - late]])
+        return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
+
+    def press(self, grip: Grip, ticks: int, dt_s: float, reach_m: float) -> dict[str, float]:
+        """Random presses; returns the members of sp_closed_loop_presses."""
+        scene, held = self._scene()
+        tool, memory = self._tool(grip, -0.001)
+        found = self._ffi.new("sp_closed_loop_presses *")
+        _check(self._port.sp_closed_loop_press(scene, tool, ticks, dt_s, reach_m, grip.seed, found))
+        del held, memory
+        names = [name for name, _ in self._ffi.typeof("sp_closed_loop_presses").fields]
+        return {name: getattr(found, name) for name in names}
+
+    def fuzz(
+        self, ticks: int, dt_s: float, depth_m: float, limits_n: tuple[float, float], seed: int
+    ) -> int:
+        """Half random bit patterns, half motion with faults: forces not finite or not allowed."""
+        scene, held = self._scene()
+        wrong = int(self._port.sp_closed_loop_fuzz(scene, ticks, depth_m, dt_s, *limits_n, seed))
+        del held
+        return wrong
+
+    def _scene(self) -> tuple[Any, Any]:
+        """The scene's functions with a fresh state, and what keeps that alive."""
+        state = self._library.new_state()
+        pointers = {name: self._ffi.cast("void *", self._library.address(name))
+                    for name in ("step", "idle", "reset")}  # fmt: skip
+        pointers["state"] = self._ffi.cast("void *", state.address)
+        return self._ffi.new("sp_closed_loop_scene *", pointers), state
+
+    def _tool(self, grip: Grip, start_m: float) -> tuple[Any, Any]:
+        memory = np.zeros(-(-self._port.sim_tool_size() // 8))
+        tool = self._ffi.from_buffer("sim_tool *", memory, require_writable=True)
+        _check(self._port.sim_tool_init(
+            tool, HANDS.index(grip.hand), SUBSTEPS, grip.delay_samples, 1, grip.seed, start_m
+        ))  # fmt: skip
+        return tool, memory
+
+    def _doubles(self, values: Samples) -> Any:
+        return self._ffi.from_buffer("double[]", values)
+
+
+def _check(status: int) -> None:
+    if status < 0:
+        raise SpringpotError(f"the simulated hand refused its arguments (status {status})")
+
+
+@cache
+def _load(real: str) -> tuple[cffi.FFI, Any]:
+    ffi = cffi.FFI()
+    sim = (SIM / "sim.h").read_text()
+    ffi.cdef(sim.split("/* cffi begin */")[1].split("/* cffi end */")[0])
+    loop = (PORT_TESTBENCH / "sp_closed_loop.h").read_text()
+    begin = loop.index("/* springpot declarations begin */")
+    ffi.cdef(loop[begin : loop.index("/* springpot declarations end */")])
+    sources = [PORT_TESTBENCH / "sp_closed_loop.c", *sorted(SIM.glob("*.c"))]
+    include = [INCLUDE, INCLUDE / real, PORT_TESTBENCH, SIM]
+    return ffi, ffi.dlopen(str(shared_library(sources, include)))

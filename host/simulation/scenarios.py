@@ -1,0 +1,201 @@
+"""Cases of the closed loop: what a hand wants to do, and what goes wrong meanwhile."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.coupling.linear_loop import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, Hand
+from springpot.codegen.plan.plan import Plan
+from springpot.host.simulation.hand_loop import Samples, Script
+
+FREE_M = 0.002  # start in free air, this far from the surface
+HOLDS = (0.2, 0.5, 0.8)  # of the trained depth
+HOLD_S, RISE_S, SETTLE_S = 1.5, 0.4, 0.5
+PUSH_OF_CLAMP = 11.5 / 12.0
+GLITCH_M = 0.005
+FASTER = 4.0  # than the greatest trained speed
+JITTER, DROPPED = 0.3, 0.1
+
+Motion = Callable[[Samples], Samples]
+Force = Callable[[Samples], Samples]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One case: its script, and the ticks at which the tool should be still (else all)."""
+
+    name: str
+    script: Script
+    still: tuple[slice, ...] = ()
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Where a case plays: surface and trained depth of the scene, its clock, and its clamp."""
+
+    free_m: float
+    base_m: float
+    span_m: float
+    dt_s: float
+    greatest_mps: float
+    greatest_n: float
+
+    @staticmethod
+    def of(plan: Plan) -> "Stage":
+        """The stage of a plan."""
+        base_m = 0.0 if plan.contact else float(plan.range.least_m)
+        span_m = float(plan.range.greatest_m) - base_m
+        free_m = -min(FREE_M, 0.2 * span_m) if plan.contact else base_m + 0.05 * span_m
+        return Stage(free_m, base_m, span_m, plan.dt_s, plan.model.trained.greatest_mps,
+                     float(plan.output.greatest_n))  # fmt: skip
+
+    def at(self, share: float) -> float:
+        """Depth at a share of the trained one, m."""
+        return self.base_m + share * self.span_m
+
+
+def holding(stage: Stage, shares: tuple[float, ...], hold_s: float) -> tuple[Motion, float]:
+    """Rise to each depth and hold it; and how long that takes, s."""
+    stations = [stage.free_m, *(stage.at(share) for share in shares)]
+    period_s = RISE_S + hold_s
+
+    def motion(t: Samples) -> Samples:
+        step = np.minimum((t / period_s).astype(int), len(shares) - 1)
+        rise = smooth((t - step * period_s) / RISE_S)
+        levels = np.array(stations)
+        return np.asarray(levels[step] + (levels[step + 1] - levels[step]) * rise)
+
+    return motion, period_s * len(shares)
+
+
+def still_ticks(stage: Stage, shares: int, hold_s: float) -> tuple[slice, ...]:
+    """Ticks of each hold, once it has settled."""
+    period_s = RISE_S + hold_s
+    edges = [
+        (i * period_s + RISE_S + SETTLE_S * min(1.0, hold_s / HOLD_S), (i + 1) * period_s)
+        for i in range(shares)
+    ]
+    return tuple(slice(round(a / stage.dt_s), round(b / stage.dt_s)) for a, b in edges)
+
+
+def tapping(stage: Stage, frequency_hz: float, share: float) -> Motion:
+    """In and out, from free air."""
+    top_m = stage.at(share)
+    return lambda t: (
+        stage.free_m + (top_m - stage.free_m) * 0.5 * (1.0 - np.cos(2.0 * np.pi * frequency_hz * t))
+    )
+
+
+def striking(stage: Stage) -> Motion:
+    """Strokes to 80 % at four times the trained speed, each held and left again."""
+    height_m = stage.at(0.8) - stage.free_m
+    stroke_s = 1.875 * height_m / (FASTER * stage.greatest_mps)
+    stroke_s = max(stroke_s, 4.0 * stage.dt_s)
+
+    def motion(t: Samples) -> Samples:
+        phase = t % 1.0
+        return stage.free_m + height_m * (
+            smooth((phase - 0.2) / stroke_s) - smooth((phase - 0.6) / stroke_s)
+        )
+
+    return motion
+
+
+def smooth(share: NDArray[Any]) -> Samples:
+    """Minimum-jerk rise from 0 to 1."""
+    u = np.clip(share, 0.0, 1.0)
+    return np.asarray(u**3 * (10.0 - 15.0 * u + 6.0 * u * u))
+
+
+def pressing(
+    stage: Stage, motion: Motion, force: Force, hand: Hand, seconds: float, jitter: float = 0.0
+) -> Script:
+    """A hand that knows the object: its intention carries the tool along `motion`.
+
+    intention = x + (f + B v + M a)/k, with the force f of the model alone on that motion.
+    """
+    n = round(seconds / stage.dt_s)
+    rng = np.random.default_rng(1)
+    dt_s = stage.dt_s * (1.0 + jitter * rng.uniform(-1.0, 1.0, n))
+    end_s = np.cumsum(dt_s)
+    x = motion(end_s)
+    v, a = _derivatives(motion, end_s, stage.dt_s)
+    mass_kg = hand.mass_kg + DEVICE_MASS_KG
+    damping_nspm = hand.damping_nspm + DEVICE_DAMPING_NSPM
+    needed_n = force(x) + damping_nspm * v + mass_kg * a
+    return Script(
+        dt_s=dt_s,
+        intended_m=x + needed_n / hand.stiffness_npm,
+        push_n=np.full(n, np.nan),
+        error_m=np.zeros(n),
+        dropped=np.zeros(n, dtype=np.uint8),
+    )
+
+
+def pushing(stage: Stage) -> Script:
+    """A push that rises in half a second and stays for two, in place of the hand's spring."""
+    n = round(2.5 / stage.dt_s)
+    t = np.arange(1, n + 1) * stage.dt_s
+    return Script(
+        dt_s=np.full(n, stage.dt_s),
+        intended_m=np.zeros(n),
+        push_n=PUSH_OF_CLAMP * stage.greatest_n * smooth(t / 0.5),
+        error_m=np.zeros(n),
+        dropped=np.zeros(n, dtype=np.uint8),
+    )
+
+
+def hold_case(name: str, stage: Stage, force: Force, hand: Hand) -> Case:
+    """Holds at three depths."""
+    motion, seconds = holding(stage, HOLDS, HOLD_S)
+    script = pressing(stage, motion, force, hand, seconds)
+    return Case(name, script, still_ticks(stage, len(HOLDS), HOLD_S))
+
+
+def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
+    """All cases but `stiff`, which is `hold` of another scene. force: the model alone's."""
+    stage = Stage.of(plan)
+
+    def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Script:
+        return pressing(stage, motion, force, hand, seconds, jitter)
+
+    tap = tapping(stage, 4.0, 0.6)
+    single, seconds = holding(stage, (0.5,), 2.6)
+    longer, minute = holding(stage, (0.6,), 60.0)
+    glitches = press(single, seconds)
+    at = np.arange(round(1.0 / stage.dt_s), len(glitches.dt_s), max(1, round(0.25 / stage.dt_s)))
+    glitches.error_m[at] = GLITCH_M * np.where(np.arange(len(at)) % 2, -1.0, 1.0)
+    lost = press(single, seconds)
+    lost.error_m[_bursts(plan, at)] = np.nan
+    drops = press(tap, 3.0)
+    drops.dropped[:] = np.random.default_rng(2).uniform(size=len(drops.dropped)) < DROPPED
+    return [
+        hold_case("hold", stage, force, hand),
+        Case("tap-4hz", press(tap, 3.0)),
+        Case("tap-8hz", press(tapping(stage, 8.0, 0.4), 3.0)),
+        Case("fast", press(striking(stage), 3.0)),
+        Case("deep", pushing(stage)),
+        Case("jitter", press(tap, 3.0, JITTER)),
+        Case("drops", drops),
+        Case("long-hold", press(longer, minute), still_ticks(stage, 1, 60.0)),
+        Case("glitch", glitches, still_ticks(stage, 1, 2.6)),
+        Case("nan", lost, still_ticks(stage, 1, 2.6)),
+    ]
+
+
+def _bursts(plan: Plan, at: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Ticks of bursts, each longer than the last, all shorter than the watchdog waits."""
+    longest = max(1, int(float(plan.output.watchdog_s) / plan.dt_s) - 2)
+    lengths = np.unique(np.linspace(1, longest, len(at)).astype(int))
+    found = np.concatenate(
+        [begin + np.arange(n) for begin, n in zip(at, lengths, strict=False)]
+    )  # fmt: skip
+    return np.asarray(found[found < round(3.0 / plan.dt_s)])
+
+
+def _derivatives(motion: Motion, t: Samples, step_s: float) -> tuple[Samples, Samples]:
+    before, here, after = motion(t - step_s), motion(t), motion(t + step_s)
+    return (after - before) / (2.0 * step_s), (after - 2.0 * here + before) / step_s**2

@@ -1,0 +1,205 @@
+"""The stability check: linear loop, small-signal maps, closed loop; and what it all means."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Any
+
+from springpot.codegen.coupling.auto import choose
+from springpot.codegen.coupling.gains import (
+    greatest_printed_damping_nspm,
+    is_unit_error,
+    printed_step_is_stable,
+    refuse_unit_error,
+)
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HANDS, Hand, Loop
+from springpot.codegen.errors import UnsafeError
+from springpot.codegen.plan.plan import Plan
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.trial_build import alone, built
+from springpot.host.simulation.hand_loop import HandLoop
+from springpot.host.stability.closed_loop import Outcome, Rendered, run_closed_loop, stiff_plan
+from springpot.host.stability.small_signal import Map, small_signal_map
+
+QUIET_MPS = 1e-3
+FAITHFUL_PERCENT = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """Parts (a) and (b): what `emit` judges by. scene_map: coupling, smoothing and delay too."""
+
+    plan: Plan
+    spectral_radius: float
+    model_map: Map
+    scene_map: Map
+
+    @property
+    def stable(self) -> bool:
+        """Whether `emit` would take it."""
+        return self.spectral_radius < 1.0 and not is_unit_error(self.plan.coupling.coupling)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of `stability --json`, without the closed loop."""
+        return {
+            "scene": self.plan.scene.name,
+            "spectral_radius": self.spectral_radius,
+            "stable": self.stable,
+            "limit": limits(self.plan),
+            **self.model_map.as_dict(),
+            "scene_map": self.scene_map.as_dict(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Stability:
+    """The whole check. stiff: plan of the object ten times stiffer."""
+
+    check: Check
+    stiff: Plan
+    outcomes: tuple[Outcome, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of `stability --json`."""
+        return {
+            **self.check.as_dict(),
+            "coupling": self.check.plan.coupling.why,
+            "felt_stiffness_npm": self.check.plan.coupling.felt_npm,
+            "stiff": {
+                "coupling": self.stiff.coupling.why,
+                "felt_stiffness_npm": self.stiff.coupling.felt_npm,
+            },
+            "closed_loop": [outcome.as_dict() for outcome in self.outcomes],
+            "recommendation": recommendation(self),
+        }
+
+
+def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> Loop:
+    """The linear loop of a plan with a hand."""
+    smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
+    delay = plan.scene.device.delay_samples + more_delay
+    return Loop(plan.dt_s, plan.coupling.coupling, hand, delay, smoothing)
+
+
+def limits(plan: Plan) -> dict[str, Any]:
+    """What would be allowed: stiffness of the object by hand and delay, and the printed step's."""
+    coupling = plan.coupling.coupling
+    return {
+        "object_stiffness_npm": plan.stiffness_npm,
+        "greatest_stiffness_npm": {
+            f"{hand.name}, {more} more samples": scene_loop(
+                plan, hand, more
+            ).greatest_stiffness_npm()
+            for hand in HANDS
+            for more in (0, 1)
+        },
+        "printed_step_is_stable": printed_step_is_stable(coupling, plan.dt_s),
+        "printed_greatest_damping_nspm": greatest_printed_damping_nspm(coupling, plan.dt_s),
+        "design_hand": DESIGN_HAND.name,
+    }
+
+
+def spectral_radius(plan: Plan) -> float:
+    """Of the linear loop with the design hand, the object at its greatest tangent stiffness."""
+    return float(scene_loop(plan, DESIGN_HAND).spectral_radius(plan.stiffness_npm)[0])
+
+
+def refuse_unstable(plan: Plan) -> None:
+    """Raise UnsafeError for a radius of 1 or more or a unit error, with what would do."""
+    radius = spectral_radius(plan)
+    if plan.couple is not None:
+        refuse_unit_error(plan.coupling.coupling)
+    if radius < 1.0:
+        return
+    delay = plan.scene.device.delay_samples
+    limit_npm = scene_loop(plan, DESIGN_HAND).greatest_stiffness_npm()
+    choice = choose(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
+    raise UnsafeError(
+        f"{plan.scene.name}: the loop is unstable (spectral radius {radius:.4g} with the "
+        f"{DESIGN_HAND.name} hand, object {1e-3 * plan.stiffness_npm:.3g} N/mm, this coupling "
+        f"allows {1e-3 * limit_npm:.3g} N/mm): what would do: coupling.mode = "
+        f'"{choice.coupling.mode}", stiffness_npm = {choice.coupling.stiffness_npm:g}, '
+        f"damping_nspm = {choice.coupling.damping_nspm:g}, mass_kg = "
+        f"{choice.coupling.mass_kg:g}, no smoothing, no delay or a faster loop; "
+        "or emit with --accept-unsafe, for replay only"
+    )
+
+
+def check(plan: Plan, library: SceneLibrary) -> Check:
+    """Parts (a) and (b) of a scene that is built."""
+    with ExitStack() as stack:
+        model = _model_library(plan, library, stack)
+        return _checked(plan, library, model)
+
+
+def stability(plan: Plan) -> Stability:
+    """Everything, through the C that would be emitted."""
+    stiff = stiff_plan(plan)
+    with ExitStack() as stack:
+        scene, hard = (_rendered(item, stack) for item in (plan, stiff))
+        checked = _checked(plan, scene.library, scene.model)
+        outcomes = tuple(run_closed_loop(scene, hard))
+    return Stability(checked, stiff, outcomes)
+
+
+def _checked(plan: Plan, library: SceneLibrary, model: SceneLibrary) -> Check:
+    delay = plan.scene.device.delay_samples
+    model_map = small_signal_map(plan, model, 0)
+    same = model is library and delay == 0
+    return Check(
+        plan=plan,
+        spectral_radius=spectral_radius(plan),
+        model_map=model_map,
+        scene_map=model_map if same else small_signal_map(plan, library, delay),
+    )
+
+
+def _rendered(plan: Plan, stack: ExitStack) -> Rendered:
+    library = stack.enter_context(built(plan))
+    return Rendered(plan, HandLoop(library), library, _model_library(plan, library, stack))
+
+
+def _model_library(plan: Plan, library: SceneLibrary, stack: ExitStack) -> SceneLibrary:
+    model = alone(plan)
+    return library if model is plan else stack.enter_context(built(model))
+
+
+def recommendation(result: Stability) -> str:
+    """The verdict in words."""
+    return " ".join(_verdict(result))
+
+
+def _verdict(result: Stability) -> Iterator[str]:
+    checked, plan = result.check, result.check.plan
+    if not checked.stable:
+        yield "Unstable: do not hold the device with this scene."
+    else:
+        yield f"The linear loop is stable (radius {checked.spectral_radius:.4f})."
+    wild = [item for item in result.outcomes if not item.bounded]
+    if wild:
+        yield f"Not bounded: {_named(wild)}."
+    holds = [item for item in result.outcomes if item.case in ("hold", "long-hold", "stiff")]
+    loud = [item for item in holds if item.hf_speed_mps > QUIET_MPS]
+    if loud:
+        yield f"Vibrates above 1 mm/s on: {_named(loud)}."
+    unlike = [item for item in result.outcomes
+              if item.case != "stiff" and item.fidelity_percent > FAITHFUL_PERCENT]  # fmt: skip
+    if unlike:
+        yield f"Feels unlike the model (above 10 % of peak) on: {_named(unlike)}."
+    if not (wild or loud or unlike):
+        worst = max(item.fidelity_percent for item in result.outcomes if item.case != "stiff")
+        yield (
+            "All cases are bounded and quiet with all hands; what is felt differs from the model "
+            f"by at most {worst:.1f} % of peak."
+        )
+    active, cells = checked.model_map.active(False)
+    if active:
+        yield (
+            f"The model gives energy back in {active} of {cells} small-signal cells: a light hand "
+            "may feel it buzz; hammerstein, or boosted with --monotone, has none."
+        )
+    yield f"Coupling {plan.coupling.why}."
+
+
+def _named(items: Sequence[Outcome]) -> str:
+    return ", ".join(f"{item.case} ({item.hand}, delay {item.delay_samples})" for item in items)

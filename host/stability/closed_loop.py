@@ -1,0 +1,112 @@
+"""What the closed loop did: bounds, vibration, fidelity and energy of each case and hand."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from springpot.codegen.coupling.linear_loop import HANDS, Hand
+from springpot.codegen.model.scaled import stiffer
+from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.simulation.hand_loop import Grip, HandLoop, Samples, Trace
+from springpot.host.simulation.scenarios import Case, Stage, cases, hold_case
+
+HIGH_PASS_HZ = 15.0
+DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
+STIFFER = 10.0
+DELAYS = (0, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """One case with one hand. alone_n: the model alone under the same motion, (n,), N."""
+
+    hand: str
+    delay_samples: int
+    case: str
+    bounded: bool
+    max_depth_m: float
+    max_force_n: float
+    hf_speed_mps: float
+    fidelity_percent: float
+    energy_out_j: float
+    trace: Trace
+    alone_n: Samples
+    dt_s: Samples
+
+    def as_dict(self) -> dict[str, object]:
+        """Keys of the command line's `closed_loop`."""
+        names = (
+            "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n",
+            "hf_speed_mps", "fidelity_percent", "energy_out_j",
+        )  # fmt: skip
+        return {name: getattr(self, name) for name in names}
+
+
+@dataclass(frozen=True, eq=False)
+class Rendered:
+    """A scene, the model alone, and both built."""
+
+    plan: Plan
+    loop: HandLoop
+    library: SceneLibrary
+    model: SceneLibrary
+
+    def force(self, position_m: Samples) -> Samples:
+        """The model alone's force on a motion from a fresh state, N."""
+        force_n, _ = self.model.new_state().run(position_m, np.zeros_like(position_m))
+        return force_n.astype(np.float64)
+
+
+def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
+    """Every case with every hand and delay. stiff: the object ten times stiffer."""
+    for hand in HANDS:
+        listed = [(scene, case) for case in cases(scene.plan, scene.force, hand)]
+        hold = hold_case("stiff", Stage.of(stiff.plan), stiff.force, hand)
+        for delay_samples in DELAYS:
+            for rendered, case in [*listed, (stiff, hold)]:
+                yield _outcome(rendered, case, hand, delay_samples)
+
+
+def stiff_plan(plan: Plan) -> Plan:
+    """The same model ten times stiffer, with the coupling that auto picks for it."""
+    scene = replace(plan.scene, coupling=replace(plan.scene.coupling, mode="auto"))
+    return make_plan(stiffer(plan.model, STIFFER), scene)
+
+
+def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:
+    """RMS of a signal above 15 Hz: its spectrum under a Hann window."""
+    n = len(speed_mps)
+    window = np.hanning(n)
+    power = np.abs(np.fft.rfft((speed_mps - speed_mps.mean()) * window)) ** 2
+    above = np.fft.rfftfreq(n, dt_s) > HIGH_PASS_HZ
+    return float(np.sqrt(2.0 * power[above].sum() / (n * np.sum(window**2))))
+
+
+def _outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> Outcome:
+    plan, stage = rendered.plan, Stage.of(rendered.plan)
+    grip = Grip(hand.name, delay_samples)
+    trace = rendered.loop.run(case.script, grip, stage.free_m)
+    alone_n = rendered.force(trace.position_m)
+    least_n, greatest_n = float(plan.output.least_n), float(plan.output.greatest_n)
+    allowed = (trace.force_n >= least_n) & (trace.force_n <= greatest_n)
+    deepest_m = float(trace.position_m.max())
+    give_m = greatest_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
+    inside = deepest_m <= stage.base_m + DEEPEST * stage.span_m + give_m
+    still = case.still or (slice(0, len(trace.velocity_mps)),)
+    error_n = np.sqrt(np.mean((trace.felt_n - alone_n) ** 2))
+    return Outcome(
+        hand=hand.name,
+        delay_samples=delay_samples,
+        case=case.name,
+        bounded=bool(allowed.all() and inside and trace.not_finite == 0),
+        max_depth_m=deepest_m,
+        max_force_n=float(trace.force_n.max()),
+        hf_speed_mps=max(high_passed_rms(trace.velocity_mps[part], plan.dt_s) for part in still),
+        fidelity_percent=float(100.0 * error_n / max(np.abs(alone_n).max(), 1e-9)),
+        energy_out_j=-float(np.sum(trace.felt_n[:-1] * np.diff(trace.position_m))),
+        trace=trace,
+        alone_n=alone_n,
+        dt_s=case.script.dt_s,
+    )

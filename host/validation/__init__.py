@@ -1,0 +1,1 @@
+"""Recordings replayed through the C: accuracy, what is kept of it, report."""

@@ -1,0 +1,134 @@
+"""Figures of a validation, as SVG text. The paper's figures 7, 8, 11 and 17, on one's own data."""
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
+from springpot.host.validation.store import Series
+
+Samples = NDArray[np.float64]
+
+# Distinct in colour, and in black and white by line style or lightness.
+MEASURED, PREDICTED, ERROR = "#1b1b1b", "#d1495b", "#2e6f95"
+_MOST_POINTS = 4000
+STYLE: Any = {
+    "font.size": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.hashsalt": "springpot",
+    "svg.fonttype": "path",
+}
+
+
+def typical(series: Sequence[Series]) -> Series:
+    """Return the recording whose RMSE is the median one."""
+    ranked = sorted(series, key=lambda item: rms(item.predicted_n - item.measured_n))
+    return ranked[len(ranked) // 2]
+
+
+def prediction(item: Series) -> str:
+    """Measured and predicted force, and their difference, against time (figure 7)."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
+        step = _stride(len(item.measured_n))
+        time_s = np.arange(len(item.measured_n))[::step] * item.dt_s
+        upper.plot(time_s, item.measured_n[::step], color=MEASURED, lw=1.2, label="measured")
+        upper.plot(time_s, item.predicted_n[::step], color=PREDICTED, lw=1.0, ls="--", label="C")
+        upper.set_ylabel("force, N")
+        upper.legend(loc="upper right", frameon=False, ncols=2)
+        upper.set_title(item.name, loc="left", fontsize=9)
+        lower.plot(time_s, (item.predicted_n - item.measured_n)[::step], color=ERROR, lw=0.8)
+        lower.axhline(0.0, color="#888888", lw=0.6)
+        lower.set_ylabel("error, N")
+        lower.set_xlabel("time, s")
+        return svg_text(figure)
+
+
+def hysteresis(item: Series) -> str:
+    """Force against depth, measured and predicted (figure 17)."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(4.4, 3.6), layout="constrained")
+        axes = figure.subplots()
+        step = _stride(len(item.measured_n))
+        depth_mm = 1e3 * item.position_m[::step]
+        axes.plot(depth_mm, item.measured_n[::step], color=MEASURED, lw=0.9, label="measured")
+        axes.plot(depth_mm, item.predicted_n[::step], color=PREDICTED, lw=0.8, ls="--", label="C")
+        axes.set_xlabel("depth, mm")
+        axes.set_ylabel("force, N")
+        axes.legend(loc="upper left", frameon=False)
+        return svg_text(figure)
+
+
+def percentage_error(series: Sequence[Series]) -> str:
+    """Absolute percentage error against force, with the just noticeable difference (figure 8)."""
+    measured_n = np.concatenate([item.measured_n for item in series])
+    error_n = np.concatenate([item.predicted_n - item.measured_n for item in series])
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(4.4, 3.6), layout="constrained")
+        axes = figure.subplots()
+        shown = measured_n > 0.02 * measured_n.max()
+        step = _stride(int(shown.sum()))
+        force_n = measured_n[shown][::step]
+        axes.scatter(
+            force_n, 100.0 * np.abs(error_n[shown][::step]) / force_n,
+            s=2, color=ERROR, alpha=0.4, linewidths=0, rasterized=True, label="C",
+        )  # fmt: skip
+        curve_n = np.linspace(0.05, max(measured_n.max(), 1.1 * SCORED_ABOVE_N), 300)
+        axes.plot(curve_n, just_noticeable_percent(curve_n), color=MEASURED, lw=1.2, label="JND")
+        axes.axvline(SCORED_ABOVE_N, color="#888888", lw=0.8, ls=":")
+        axes.set_ylim(0.0, 50.0)
+        axes.set_xlim(left=0.0)
+        axes.set_xlabel("measured force, N (scored right of the dotted line)")
+        axes.set_ylabel("absolute error, %")
+        axes.legend(loc="upper right", frameon=False)
+        return svg_text(figure)
+
+
+def importance(orders: Sequence[float], shares: Sequence[float]) -> str:
+    """Importance of each fractional order in the forest (figure 11)."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(4.4, 3.0), layout="constrained")
+        axes = figure.subplots()
+        axes.bar([f"{order:g}" for order in orders], shares, color=ERROR)
+        axes.set_xlabel("fractional order")
+        axes.set_ylabel("share of the variance removed")
+        axes.tick_params(axis="x", labelrotation=45)
+        return svg_text(figure)
+
+
+def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
+    """Paced tick times with cold caches, and the hot median."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(4.4, 3.0), layout="constrained")
+        axes = figure.subplots()
+        tick_us = tick_ns * 1e-3
+        low, high = min(hot_ns * 1e-3, tick_us.min()), tick_us.max()
+        bins = np.geomspace(0.8 * low, 1.2 * high, 60)
+        axes.hist(tick_us, bins=list(bins), color=ERROR, label="paced, cold caches")
+        axes.axvline(hot_ns * 1e-3, color=PREDICTED, lw=1.4, ls="--", label="hot median")
+        axes.set_xscale("log")
+        axes.set_xlabel("time of a tick, µs")
+        axes.set_ylabel("ticks")
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2)
+        return svg_text(figure)
+
+
+def _stride(samples: int) -> int:
+    return max(1, -(-samples // _MOST_POINTS))
+
+
+def svg_text(figure: Figure) -> str:
+    """The figure as SVG without dates: the same figure, the same text."""
+    text = io.StringIO()
+    figure.savefig(
+        text, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type"))
+    )
+    svg = text.getvalue()
+    return svg[svg.index("<svg") :]

@@ -1,0 +1,70 @@
+"""The report: one self-contained HTML page on an emitted and validated scene."""
+
+import json
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission
+from springpot.host.native.scene_library import scene_prefix
+from springpot.host.validation import figures
+from springpot.host.validation.store import Stored, read_validation
+
+REPORT_NAME = "report.html"
+
+
+def write_report(folder: Path) -> Path:
+    """Write folder/report.html. Raises DataError where the folder was not emitted or validated."""
+    plan, model = read_emission(folder)
+    stored = read_validation(folder)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    shares = model.provenance.get("importance", [])
+    orders = getattr(model.features, "orders", ())
+    typical = figures.typical(stored.series)
+    context = {
+        "title": plan.scene.name,
+        "manifest": manifest,
+        "result": stored.facts["result"],
+        "machine": stored.facts["machine"],
+        "recordings": stored.facts["recordings"],
+        "provenance": dict(model.provenance),
+        "prediction": figures.prediction(typical),
+        "hysteresis": figures.hysteresis(typical),
+        "percentage_error": figures.percentage_error(stored.series),
+        "importance": figures.importance(orders, shares) if orders and shares else "",
+        "ticks": figures.tick_histogram(
+            stored.tick_ns, stored.facts["result"]["tick_ns"]["hot_median"]
+        ),
+        "commands": _commands(folder, stored, manifest),
+    }
+    page = _environment().get_template("report.html").render(context)
+    path = folder / REPORT_NAME
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[str]:
+    seed = manifest["provenance"]["seed"]
+    return [
+        f"springpot train TRAINING --model {manifest['model']} --seed {seed} --out model.spm",
+        f"springpot emit --scene SCENE.toml --out {folder.name}",
+        f"springpot validate {folder.name} --recording VALIDATION",
+        f"springpot report {folder.name}",
+        f"make -C {folder.name} test    # {scene_prefix(folder)}_selftest.c, without Python",
+        f"# model and scene: {folder.name}/{MODEL_COPY}, {folder.name}/{SCENE_COPY}; "
+        f"{len(stored.series)} validation recordings",
+    ]
+
+
+def _environment() -> jinja2.Environment:
+    template = (files("springpot.host") / "templates" / "report.html").read_text(encoding="utf-8")
+    environment = jinja2.Environment(
+        loader=jinja2.DictLoader({"report.html": template}),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["si"] = lambda value, digits=4: f"{value:.{digits}g}"
+    environment.filters["short"] = lambda text: text[:16]
+    return environment

@@ -1,0 +1,88 @@
+"""The last validation of an emitted folder, kept beside its C for the report."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.errors import DataError
+from springpot.host.native.machine import machine_facts
+from springpot.host.validation.validation import Validation
+from springpot.trainer.recordings.recording import Recording
+
+_FOLDER = "validation"
+_FACTS = "result.json"
+_SERIES = "series.npz"
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One validated recording: time step, and three arrays of shape (n,)."""
+
+    name: str
+    dt_s: float
+    position_m: NDArray[np.float64]
+    measured_n: NDArray[np.float64]
+    predicted_n: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """What the report reads: facts (result, machine, recordings), samples, paced tick times."""
+
+    facts: dict[str, Any]
+    series: tuple[Series, ...]
+    tick_ns: NDArray[np.float64]
+
+
+def store_validation(
+    folder: Path,
+    validation: Validation,
+    recordings: Sequence[Recording],
+    result: dict[str, Any],
+) -> None:
+    """Write folder/validation, replacing an earlier one."""
+    target = folder / _FOLDER
+    target.mkdir(exist_ok=True)
+    facts = {
+        "result": result,
+        "machine": machine_facts(),
+        "recordings": [
+            {"name": rec.name, "dt_s": rec.dt_s, "source": rec.source, "hash": rec.content_hash}
+            for rec in recordings
+        ],
+    }
+    arrays = {"tick_ns": validation.ticks.paced_ns}
+    for i, (rec, predicted_n) in enumerate(zip(recordings, validation.predicted_n, strict=True)):
+        arrays[f"position_m_{i}"] = rec.position_m
+        arrays[f"measured_n_{i}"] = rec.force_n
+        arrays[f"predicted_n_{i}"] = predicted_n
+    np.savez_compressed(target / _SERIES, allow_pickle=False, **arrays)
+    (target / _FACTS).write_text(json.dumps(facts, indent=2) + "\n")
+
+
+def read_validation(folder: Path) -> Stored:
+    """Read folder/validation. Raises DataError where there is none."""
+    target = folder / _FOLDER
+    try:
+        facts = json.loads((target / _FACTS).read_text())
+        with np.load(target / _SERIES, allow_pickle=False) as stored:
+            series = tuple(
+                Series(
+                    name=rec["name"],
+                    dt_s=rec["dt_s"],
+                    position_m=stored[f"position_m_{i}"],
+                    measured_n=stored[f"measured_n_{i}"],
+                    predicted_n=stored[f"predicted_n_{i}"],
+                )
+                for i, rec in enumerate(facts["recordings"])
+            )
+            return Stored(facts=facts, series=series, tick_ns=stored["tick_ns"])
+    except (OSError, ValueError, KeyError):
+        raise DataError(
+            f"{folder}: no validation to report: run `springpot validate {folder} --recording ...`"
+        ) from None

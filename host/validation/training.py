@@ -1,0 +1,106 @@
+"""What `springpot train` says of a fit, and the model's own error on other recordings."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.codegen.model.ir import FastFirBank, FirBank, Lags, Model, RecursiveBank
+from springpot.host.metrics import Accuracy, accuracy
+from springpot.trainer.models.compatibility import refuse_other_frame
+from springpot.trainer.recordings.recording import Recording
+
+if TYPE_CHECKING:
+    from springpot.trainer.models.fit import Fit, FitOptions
+
+
+def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
+    """Keys of `train --json` that the fit knows."""
+    model = fit.model
+    return {
+        "model": model.kind,
+        "seed": options.seed,
+        "rows": fit.rows,
+        "rows_total": model.provenance["rows_total"],
+        "feature_s": fit.feature_s,
+        "fit_s": fit.fit_s,
+        "search_s": fit.search_s,
+        "orders": list(getattr(model.features, "orders", ())),
+        "window_s": window_s(model),
+        "engine": engine(model),
+        **fit.facts,
+    }
+
+
+def training_rows(
+    fit: "Fit", out: Path, result: dict[str, Any], found: Accuracy | None, tested: int
+) -> dict[str, str]:
+    """A person's view of a fit."""
+    sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
+             if key in result]  # fmt: skip
+    rows = {
+        "model": f"{fit.model.kind}, {', '.join(sizes)}, {out}",
+        "rows": f"{fit.rows} of {result['rows_total']}",
+        "memory": f"{result['window_s']:.4g} s",
+        "time": f"features {fit.feature_s:.2f} s, fit {fit.fit_s:.2f} s, "
+        f"search {fit.search_s:.2f} s",
+        "hash": result["hash"],
+    }
+    if "trimmed" in result:
+        asked, trimmed = result["asked"], result["trimmed"]
+        rows["trimmed"] = (
+            f"{trimmed['trees']} trees, {trimmed['leaf']} in a leaf, {len(trimmed['orders'])} "
+            f"orders: {trimmed['rmse_n']:.4g} N for {asked['rmse_n']:.4g} N, "
+            f"{trimmed['nodes']} nodes for {asked['nodes']}"
+        )
+    for score in result.get("scores", ()):
+        mark = " <- chosen" if score["name"] == result["chosen"] else ""
+        rows[f"  {score['name']}"] = (
+            f"{score['mean_n']:.4g} N held out (recordings {score['recordings_n']:.4g}, "
+            f"conditions {score['conditions_n']:.4g}){mark}"
+        )
+    for what, value in result.get("material", {}).items():
+        rows[f"  {what}"] = str(value)
+    if found is not None:
+        rows["error"] = (
+            f"RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, on "
+            f"{tested} validation recordings"
+        )
+    return rows
+
+
+def engine(model: Model) -> str:
+    """How the model's history is filtered; "recursive" by poles, "fir" by stored samples."""
+    if isinstance(model.features, FastFirBank):
+        return "fir-fast"
+    by_poles = isinstance(model.features, RecursiveBank) or model.features is None
+    return "recursive" if by_poles else "fir"
+
+
+def window_s(model: Model) -> float:
+    """How far back the model remembers, s."""
+    features, passive = model.features, model.hammerstein
+    remembered = [0.0]
+    if isinstance(features, FirBank):
+        remembered.append(len(features.taps) * model.dt_s)
+    elif isinstance(features, FastFirBank):
+        remembered.append(features.length * model.dt_s)
+    elif isinstance(features, RecursiveBank):
+        remembered.append(float(features.tau_s.max()))
+    elif isinstance(features, Lags):
+        remembered.append(max(features.samples) * model.dt_s)
+    if passive is not None and model.hammerstein_adds and len(passive.tau_s):
+        remembered.append(float(passive.tau_s.max()))
+    return max(remembered)
+
+
+def validated(model: Model, recordings: list[Recording], smooth_s: float) -> Accuracy:
+    """Error of the model's own prediction. Raises DataError for recordings of another frame."""
+    from springpot.trainer.models.predict import predict_n
+    from springpot.trainer.recordings.smoothing import smoothed
+
+    for recording in recordings:
+        refuse_other_frame(recording, model)
+    prepared = [smoothed(recording, smooth_s) for recording in recordings]
+    return accuracy(
+        [recording.force_n for recording in prepared],
+        [predict_n(model, recording) for recording in prepared],
+    )

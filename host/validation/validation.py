@@ -1,0 +1,165 @@
+"""Validation: recordings replayed through the C, against the measurement and the reference."""
+
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import member_offset
+from springpot.codegen.reference.run import run_reference
+from springpot.codegen.reference.tick import (
+    CLAMPED,
+    HELD,
+    LATCHED,
+    LIMITED,
+    OUTSIDE,
+    RAMPED,
+    RESYNC,
+)
+from springpot.host.boards.replay import BoardReplay, board_force, board_replay
+from springpot.host.emission.emission import read_emission
+from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
+from springpot.host.native.loop_library import NONE, SILENT, UNSENT
+from springpot.host.native.replay import Replay, TickTimes
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.models.compatibility import refuse_other_frame
+from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.recording import Recording
+
+NOTE_NAMES = {HELD: "held", RESYNC: "resync", OUTSIDE: "outside", CLAMPED: "clamped",
+              RAMPED: "ramped", LATCHED: "latched", LIMITED: "limited"}  # fmt: skip
+PACED_S = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """Result over all recordings; predicted_n: forces of the C, one array a recording.
+
+    mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
+    bit.
+    """
+
+    accuracy: Accuracy
+    mismatches: int
+    notes: dict[str, int]
+    ticks: TickTimes
+    predicted_n: tuple[NDArray[np.float64], ...]
+    manifest: dict[str, Any]
+
+
+def validate(
+    folder: Path,
+    recordings: Sequence[Recording],
+    paced_s: float = PACED_S,
+    device: str | None = None,
+) -> Validation:
+    """Replay every recording from a fresh state; with `device`, through the board of that URL too.
+
+    Raises DataError for another sampling rate, DeviceError where the board does not answer.
+    """
+    plan, model = read_emission(folder)
+    for recording in recordings:
+        refuse_other_frame(recording, model, plan.dt_s)
+    library = SceneLibrary(folder)
+    opened = (
+        nullcontext() if device is None else board_replay(device, plan, library.manifest["hash"])
+    )
+    with opened as board:
+        return _validated(plan, library, recordings, paced_s, board)
+
+
+def _validated(
+    plan: Plan,
+    library: SceneLibrary,
+    recordings: Sequence[Recording],
+    paced_s: float,
+    board: BoardReplay | None,
+) -> Validation:
+    replay = Replay(library)
+    predicted: list[NDArray[np.float64]] = []
+    ramps: list[int] = []
+    mismatches = 0
+    counts = dict.fromkeys(NOTE_NAMES.values(), 0)
+    for recording in recordings:
+        position = recording.position_m.astype(plan.dtype)
+        velocity = backward_velocity(position, plan.dt_s)
+        force, notes = replay.run(position, velocity)
+        guess_m = proxy_positions(plan, library, position, velocity)
+        reference = run_reference(plan, position, velocity, guess_m)
+        mismatches += int(np.sum(_differs(force, reference.force_n) | (notes != reference.notes)))
+        again = repeat_session(replay, recording, library.manifest["hash"])
+        if again is not None:
+            force = again[0]
+            mismatches += again[1]
+        if board is not None:
+            force, others = board_force(replay, board.run(position, velocity))
+            mismatches += others
+        for bit, name in NOTE_NAMES.items():
+            counts[name] += int(np.sum(notes & bit != 0))
+        predicted.append(force.astype(np.float64))
+        ramps.append(start_up_ramp(notes) if again is None else 0)
+    longest = max(recordings, key=lambda recording: len(recording.position_m))
+    position = longest.position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    return Validation(
+        accuracy=accuracy([recording.force_n for recording in recordings], predicted, ramps),
+        mismatches=mismatches,
+        notes=counts,
+        ticks=replay.tick_times(position, velocity, plan.dt_s, paced_s),
+        predicted_n=tuple(predicted),
+        manifest=library.manifest,
+    )
+
+
+def repeat_session(
+    replay: Replay, recording: Recording, scene_hash: str
+) -> tuple[NDArray[Any], int] | None:
+    """Make the calls of a session's log again: forces (n,), N, and ticks that give other bits.
+
+    None for what is no log of this scene.
+    """
+    session = recording.details.get("session")
+    if session is None or not recording.channels:
+        return None
+    if session["hash"] != scene_hash:
+        notice(
+            f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces are "
+            "compared as a recording's"
+        )
+        return None
+    channels, call = recording.channels, recording.channels["call"].astype(int)
+    force, notes = replay.repeat(channels)
+    logged = channels["returned_n"].astype(force.dtype)
+    other = _differs(force, logged) | (notes != channels["notes"].astype(int))
+    felt = recording.force_n.astype(force.dtype)
+    sent_otherwise = _differs(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
+    silenced = (call & (NONE | SILENT | UNSENT)) != 0
+    mismatches = int(np.sum((other | sent_otherwise) & ((call & NONE) == 0)))
+    return np.where(silenced, felt, force), mismatches
+
+
+def proxy_positions(
+    plan: Plan, library: SceneLibrary, position: NDArray[Any], velocity: NDArray[Any]
+) -> NDArray[Any] | None:
+    """Where the C's proxy is before each tick, (n,), m; the reference proves it. None without."""
+    if not plan.at_proxy:
+        return None
+    offset = member_offset(plan, "couple")
+    state = library.new_state()
+    found = np.zeros_like(position)
+    for i in range(len(position) - 1):
+        state.step(float(position[i]), float(velocity[i]))
+        found[i + 1] = state.real_at(offset)
+    return found
+
+
+def _differs(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    bits = np.uint32 if one.dtype == np.float32 else np.uint64
+    result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
+    return result

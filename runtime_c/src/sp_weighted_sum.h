@@ -1,0 +1,34 @@
+/* Weighted sums, a lane each: out[lane] = sum over k of weights[k][lane] in[k].
+ *
+ * The weights are stored input by input, lanes padded to whole vectors, so that the compiler
+ * vectorises over lanes and no sum is reordered: the same bits with and without vector units. */
+#ifndef SP_WEIGHTED_SUM_H
+#define SP_WEIGHTED_SUM_H
+
+#include <stdint.h>
+
+#include "sp_real.h"
+
+enum {
+    SP_LANES = 4 /* lanes are padded to a multiple of this */
+};
+
+/* weights: [n_inputs][n_lanes]; in: [n_inputs]; out: [n_lanes]. */
+static inline void sp_weighted_sum(const sp_real *weights, const sp_real *in, uint32_t n_inputs,
+                            uint32_t n_lanes, sp_real *out)
+{
+    for (uint32_t block = 0; block < n_lanes; block += SP_LANES) {
+        sp_real sum[SP_LANES] = {0};
+        for (uint32_t k = 0; k < n_inputs; k++) {
+#pragma GCC unroll 4
+            for (uint32_t i = 0; i < SP_LANES; i++) {
+                sum[i] += weights[k * n_lanes + block + i] * in[k];
+            }
+        }
+        for (uint32_t i = 0; i < SP_LANES; i++) {
+            out[block + i] = sum[i];
+        }
+    }
+}
+
+#endif

@@ -1,0 +1,153 @@
+"""The linear loop: the printed step's formula, the exact step, and what the closed loop allows."""
+
+import re
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from springpot.codegen.coupling.auto import choose
+from springpot.codegen.coupling.gains import couple_config, printed_step_is_stable
+from springpot.codegen.coupling.gains import transition as exact_step
+from springpot.codegen.coupling.linear_loop import (
+    DESIGN_HAND,
+    DEVICE_DAMPING_NSPM,
+    DEVICE_MASS_KG,
+    HANDS,
+    Loop,
+)
+from springpot.codegen.reference.tick import Coupled
+from springpot.codegen.scene import Coupling
+from springpot.runtime_c.paths import SIM
+
+SETS = 100_000
+
+
+def printed_step(coupling: Coupling, dt_s: float) -> np.ndarray:
+    """One step of Algorithm 1 with the tool at rest and no model: (x_p, v_p) -> (x_p, v_p)."""
+    k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
+    speed = np.array([-k * dt_s / m, 1.0 - b * dt_s / m])
+    return np.stack([np.array([1.0, 0.0]) + dt_s * speed, speed])
+
+
+def random_sets() -> tuple[np.ndarray, ...]:
+    """k, b, m, dt with k, b > 0, half of them near the printed step's border."""
+    rng = np.random.default_rng(1)
+    k, b, m, dt = (
+        10.0 ** rng.uniform(low, high, SETS)
+        for low, high in ((0.0, 6.0), (-2.0, 5.0), (-3.0, 0.0), (-4.0, -2.0))
+    )
+    near = rng.uniform(size=SETS) < 0.5
+    size = 4.0 * 10.0 ** rng.normal(0.0, 0.05, SETS) / (2.0 * b * dt / m + k * dt**2 / m)
+    return k * np.where(near, size, 1.0), b * np.where(near, size, 1.0), m, dt
+
+
+def test_printed_formula_eigenvalues_and_simulation_agree() -> None:
+    k, b, m, dt = random_sets()
+    printed = 2.0 * b * dt / m + k * dt**2 / m
+    clear = np.abs(printed - 4.0) > 1e-9
+    steps = np.empty((SETS, 2, 2))
+    for i, (k_i, b_i, m_i, dt_i) in enumerate(zip(k, b, m, dt, strict=True)):
+        steps[i] = printed_step(Coupling("tool", k_i, b_i, m_i), dt_i)
+    radius = np.abs(np.linalg.eigvals(steps)).max(axis=1)
+    np.testing.assert_array_equal((printed < 4.0)[clear], (radius < 1.0)[clear])
+    assert 0.1 < np.mean(printed < 4.0) < 0.9
+    told = np.abs(radius - 1.0) > 1e-3
+    grows = _grows(k[told], b[told], m[told], dt[told])
+    np.testing.assert_array_equal(grows, radius[told] > 1.0)
+
+
+def _grows(k: np.ndarray, b: np.ndarray, m: np.ndarray, dt: np.ndarray) -> np.ndarray:
+    """Whether the step as the paper prints it grows over 16384 ticks, in logarithms.
+
+    The step is linear: 2^n ticks are n squarings of what one tick does to two starts.
+    """
+    starts = np.eye(2)
+    columns = []
+    for x, v in starts:
+        v_next = v + dt * (-k * x - b * v) / m
+        columns.append(np.stack([x + dt * v_next, v_next], axis=1))
+    ticks = np.stack(columns, axis=2)
+    log_size = np.zeros(len(k))
+    sizes = []
+    for _ in range(15):
+        ticks = ticks @ ticks
+        size = np.abs(ticks).max(axis=(1, 2))
+        ticks /= size[:, None, None]
+        log_size = 2.0 * log_size + np.log(size)
+        sizes.append(log_size)
+    return sizes[-1] > sizes[-2]
+
+
+def test_the_exact_step_is_stable_on_all_of_them() -> None:
+    steps = np.stack([exact_step(*row) for row in zip(*random_sets(), strict=True)])
+    assert np.abs(np.linalg.eigvals(steps)).max() < 1.0 + 1e-9
+
+
+def test_the_formula_is_the_one_that_judges() -> None:
+    assert printed_step_is_stable(Coupling("tool", 1500.0, 20.0, 0.05), 1e-3)
+    assert not printed_step_is_stable(Coupling("tool", 1500.0, 20_000.0, 0.05), 1e-3)
+
+
+def test_hands_are_the_simulated_ones() -> None:
+    text = (SIM / "sim_hand.c").read_text()
+    found = re.findall(r'\{"(\w+)", ([\d.]+), ([\d.]+), ([\d.]+)\}', text)
+    assert [(h.name, h.mass_kg, h.stiffness_npm, h.damping_nspm) for h in HANDS] == [
+        (name, *map(float, rest)) for name, *rest in found
+    ]
+    device = (SIM / "sim_device.h").read_text()
+    assert f"SIM_DEVICE_MASS_KG {DEVICE_MASS_KG}" in device
+    assert f"SIM_DEVICE_DAMPING_NSPM {DEVICE_DAMPING_NSPM}" in device
+
+
+@pytest.mark.parametrize(
+    ("mode", "delay", "npmm"), [("off", 0, 20.0), ("off", 1, 6.6), ("tool", 1, 3.1)]
+)
+def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: float) -> None:
+    # Within 15 %: there the loop was simulated, with an average of 0.7 behind the tool's coupling.
+    smoothing = 0.7 if mode == "tool" else 1.0
+    loop = Loop(1e-3, Coupling(mode), DESIGN_HAND, delay, smoothing)  # type: ignore[arg-type]
+    assert 1e-3 * loop.greatest_stiffness_npm() == pytest.approx(npmm, rel=0.15)
+
+
+@pytest.mark.parametrize("stiffness_npm", [500.0, 3e3, 1e4, 5e4])
+@pytest.mark.parametrize("rate_hz", [500.0, 1000.0, 4000.0])
+@pytest.mark.parametrize("delay", [0, 1])
+def test_what_auto_picks_is_stable_with_every_hand(
+    stiffness_npm: float, rate_hz: float, delay: int
+) -> None:
+    choice = choose(stiffness_npm, 1.0 / rate_hz, delay, 1.0, Coupling())
+    assert choice.why.startswith(f"{choice.coupling.mode}: auto: ")
+    assert choice.felt_npm <= stiffness_npm
+    for hand in HANDS:
+        loop = Loop(1.0 / rate_hz, choice.coupling, hand, delay)
+        assert loop.spectral_radius(stiffness_npm)[0] < 1.0
+
+
+def test_proxy_and_tool_move_like_two_bodies() -> None:
+    """The tool is free, the object a spring under the proxy: scipy integrates both at once."""
+    k, b, m, object_npm = 4000.0, 20.0, 0.02, 20_000.0
+    hand, push_n, dt_s, ticks = DESIGN_HAND, 4.0, 1e-5, 30_000
+    mass = hand.mass_kg + DEVICE_MASS_KG
+    damping = hand.damping_nspm + DEVICE_DAMPING_NSPM
+
+    def move(_: float, s: np.ndarray) -> list[float]:
+        x, v, x_p, v_p = s
+        felt = k * (x - x_p) + b * (v - v_p)
+        return [v, (push_n - damping * v - felt) / mass, v_p, (felt - object_npm * x_p) / m]
+
+    start = [0.0, 0.05, 0.0, 0.05]
+    times = np.arange(1, 7) * ticks * dt_s / 6
+    truth = solve_ivp(move, (0.0, times[-1]), start, t_eval=times, rtol=1e-10, atol=1e-13).y
+    couple = Coupled(couple_config(Coupling("proxy", k, b, m), dt_s, np.float64))
+    x, v = start[:2]
+    found = []
+    for i in range(ticks):
+        x_p = couple.place(x, v)
+        felt = couple.force(x, v, object_npm * x_p)
+        v += dt_s * (push_n - damping * v - felt) / mass
+        x += dt_s * v
+        if (i + 1) % (ticks // 6) == 0:
+            found.append([x, couple.place(x, v)])
+    np.testing.assert_allclose(np.array(found), truth[[0, 2]].T, atol=2e-3 * np.abs(truth[0]).max())
+    assert felt > 0.0  # pushes the tool out

@@ -1,0 +1,274 @@
+"""The C forests reach the leaves that scikit-learn reaches, for every float32 input."""
+
+import dataclasses
+from typing import Any
+
+import cffi
+import numpy as np
+import pytest
+from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
+from support.paths import C_TESTS
+
+from springpot.codegen.configs import CompactForest, ForestTable
+from springpot.codegen.errors import UsageError
+from springpot.codegen.forest import compact as compact_layout
+from springpot.codegen.forest import wide as wide_layout
+from springpot.codegen.forest.compact import compact_forest
+from springpot.codegen.forest.leaves import largest_float32_below, used_features
+from springpot.codegen.forest.quantisation import rounded, rounding_over
+from springpot.codegen.forest.traverse import compact_sums, feature_ranks, forest_force, table_sums
+from springpot.codegen.model.ir import Forest, Rounding
+from springpot.host.native.compiler import shared_library
+from springpot.runtime_c.paths import INCLUDE, SOURCE
+from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
+from springpot.trainer.models.forests import unscaled
+from springpot.trainer.models.tree_ir import forest_ir
+
+HARNESS = C_TESTS / "forest_harness.c"
+N_FEATURES = 10
+DECLARATIONS = """
+void wide_sums(void *, uint32_t *, uint32_t, uint32_t, uint32_t, uint32_t, float *, int32_t *);
+void compact_sums(void **, uint32_t *, uint32_t, uint32_t, float *, uint32_t *);
+uint32_t forest_simd(void);
+"""
+
+
+def random_features(rows: int, seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).normal(size=(rows, N_FEATURES)).astype(np.float32)
+
+
+def fitted(trees: int, leaf: int, rows: int, kind: type = RandomForestRegressor, features=None):
+    rng = np.random.default_rng(5)
+    features = random_features(rows, 5) if features is None else features
+    force_n = features @ rng.normal(size=N_FEATURES) + rng.normal(size=rows)
+    model = kind(n_estimators=trees, min_samples_leaf=leaf, max_features=1 / 3, random_state=0)
+    return model.fit(features, force_n)
+
+
+def harness() -> tuple[cffi.FFI, Any]:
+    ffi = cffi.FFI()
+    ffi.cdef(DECLARATIONS)
+    return ffi, ffi.dlopen(str(shared_library([HARNESS], [SOURCE, INCLUDE / "float"])))
+
+
+def variants() -> range:
+    """Ways of walking that this processor has: plain C, AVX2, AVX-512."""
+    return range(harness()[1].forest_simd() + 1)
+
+
+def c_sums(forest: CompactForest, features: np.ndarray, simd: int) -> np.ndarray:
+    ffi, library = harness()
+    starts = np.cumsum([0, *map(len, forest.thresholds)]).astype(np.uint32)
+    searched = np.concatenate(forest.thresholds) if forest.thresholds else None
+    tables = [forest.top, forest.nodes, forest.roots, searched, starts]
+    kept = [ffi.NULL if table is None else ffi.from_buffer(table) for table in tables]
+    sizes = [forest.n_trees, forest.top.shape[1], features.shape[1]]
+    sums = np.empty(len(features), dtype=np.uint32)
+    library.compact_sums(
+        ffi.new("void *[]", kept), ffi.new("uint32_t[]", sizes), simd, len(features),
+        ffi.from_buffer("float[]", features), ffi.from_buffer("uint32_t[]", sums),
+    )  # fmt: skip
+    return sums
+
+
+def wide_sums(table: ForestTable, features: np.ndarray) -> np.ndarray:
+    ffi, library = harness()
+    nodes = np.zeros(len(table.value), dtype=[("value", "<f4"), ("link", "<u4")])
+    nodes["value"], nodes["link"] = table.value, table.link
+    sums = np.empty(len(features), dtype=np.int32)
+    library.wide_sums(
+        ffi.from_buffer(nodes), ffi.from_buffer("uint32_t[]", table.roots), len(table.roots),
+        table.depth, len(features), features.shape[1],
+        ffi.from_buffer("float[]", features), ffi.from_buffer("int32_t[]", sums),
+    )  # fmt: skip
+    return sums.astype(np.uint32)
+
+
+def labelled(forest: Forest) -> Forest:
+    """Leaves with random labels of all 16 bits for forces: equal sums mean equal leaves."""
+    labels = np.random.default_rng(9).integers(1, 2**16 - 1, len(forest.feature))
+    leaves = np.flatnonzero(forest.feature < 0)
+    labels[leaves[0]], labels[leaves[-1]] = 0, 2**16 - 1
+    return dataclasses.replace(forest, value_n=labels.astype(np.float64), weight=1.0)
+
+
+def near_thresholds(forest: Forest, rng: np.random.Generator) -> np.ndarray:
+    """Random vectors in which one feature is a threshold, or one ulp on either side of it."""
+    inner = np.flatnonzero(forest.feature >= 0)
+    nearest = forest.threshold[inner].astype(np.float32)
+    up, down = np.float32(np.inf), np.float32(-np.inf)
+    around = [nearest, np.nextafter(nearest, up), np.nextafter(nearest, down)]
+    features = rng.normal(size=(3 * len(inner), N_FEATURES)).astype(np.float32)
+    features[np.arange(len(features)), np.tile(forest.feature[inner], 3)] = np.concatenate(around)
+    return features
+
+
+def assert_same_leaves(model, features: np.ndarray, rounding: Rounding | None = None) -> None:
+    """Every way of walking; rounded: the forest was fitted on whole steps."""
+    forest = dataclasses.replace(forest_ir(model), rounding=rounding)
+    marked = labelled(forest)
+    expected = marked.value_n[model.apply(features) + forest.roots].sum(axis=1).astype(np.uint32)
+    used = np.ascontiguousarray(features[:, used_features(forest)])
+    compact = compact_forest(marked, np.float64)
+    assert compact is not None
+    for simd in variants():
+        np.testing.assert_array_equal(c_sums(compact, used, simd), expected)
+    table = wide_layout.forest_table(marked, np.float64)
+    np.testing.assert_array_equal(wide_sums(table, used), expected)
+
+
+@pytest.mark.parametrize("kind", [RandomForestRegressor, ExtraTreesRegressor])
+@pytest.mark.parametrize("trees", [1, 13, 30])
+def test_same_leaves_as_scikit_learn_near_every_threshold(kind: type, trees: int) -> None:
+    model = fitted(trees=trees, leaf=3, rows=2000, kind=kind)
+    assert_same_leaves(model, near_thresholds(forest_ir(model), np.random.default_rng(2)))
+
+
+def test_same_leaves_as_scikit_learn_at_the_papers_size() -> None:
+    model = fitted(trees=PAPER_TREES, leaf=PAPER_LEAF, rows=9770)
+    near = near_thresholds(forest_ir(model), np.random.default_rng(3))
+    away = random_features(1_000_000 - len(near), 3)
+    assert_same_leaves(model, np.concatenate([near, away]))
+
+
+def test_same_leaves_as_scikit_learn_on_rounded_features() -> None:
+    features = random_features(9770, 5)
+    rounding = rounding_over(features.astype(np.float64))
+    steps = rounded(rounding, features)
+    model = fitted(trees=PAPER_TREES, leaf=PAPER_LEAF, rows=9770, features=steps)
+    inner = forest_ir(model)
+    near = np.floor(near_thresholds(inner, np.random.default_rng(8)))
+    away = rounded(rounding, random_features(1_000_000 - len(near), 11))
+    assert_same_leaves(model, np.clip(np.concatenate([near, away]), 0, 65535), rounding)
+
+
+def test_rounded_features_are_whole_steps_of_sixteen_bits() -> None:
+    features = random_features(500, 1)
+    rounding = rounding_over(features.astype(np.float64))
+    steps = rounded(rounding, features)
+    assert steps.min() == 0 and steps.max() == 65535
+    np.testing.assert_array_equal(steps, np.floor(steps))
+    back = steps / rounding.per_step + rounding.least
+    assert np.abs(back - features).max() <= (0.5 / rounding.per_step).max() * 1.01
+    far = np.array([[1e9] * N_FEATURES, [-1e9] * N_FEATURES])
+    np.testing.assert_array_equal(rounded(rounding, far)[:, 0], [65535, 0])
+
+
+def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
+    model = fitted(trees=11, leaf=5, rows=1500)
+    forest = forest_ir(model)
+    compact = compact_forest(forest, np.float64)
+    assert compact is not None
+    features = random_features(3000, 4)
+    ranks = feature_ranks(compact.thresholds, features[:, used_features(forest)])
+    force_n = forest_force(compact, compact_sums(compact, ranks))
+    span_n = np.ptp(forest.value_n[forest.feature < 0])
+    assert np.abs(force_n - model.predict(features)).max() <= compact.leaf_error_n
+    assert compact.leaf_error_n == pytest.approx(span_n / 2**17, rel=1e-4)
+
+
+def test_the_references_walk_like_the_c() -> None:
+    model = fitted(trees=9, leaf=2, rows=800)
+    compact = compact_forest(forest_ir(model), np.float32)
+    table = wide_layout.forest_table(forest_ir(model), np.float32)
+    assert compact is not None
+    features = random_features(500, 6)
+    sums = c_sums(compact, features, 0)
+    ranks = feature_ranks(compact.thresholds, features)
+    np.testing.assert_array_equal(sums, compact_sums(compact, ranks))
+    np.testing.assert_array_equal(sums, table_sums(table, features))
+
+
+def test_only_a_power_of_two_folds_back_exactly() -> None:
+    model = fitted(trees=5, leaf=3, rows=2000)
+    forest = forest_ir(model)
+    features = near_thresholds(forest, np.random.default_rng(7))
+    scale = 64.0
+    folded = labelled(unscaled(forest, scale))
+    compact = compact_forest(folded, np.float64)
+    assert compact is not None
+    expected = folded.value_n[model.apply(features) + forest.roots].sum(axis=1)
+    np.testing.assert_array_equal(c_sums(compact, features / np.float32(scale), 0), expected)
+
+
+def test_float32_thresholds_round_down() -> None:
+    doubles = np.array([0.1, -0.1, 1.0, 1.0 + 1e-12, 1.0 - 1e-12, 3.5e-46, 0.0])
+    below = largest_float32_below(doubles).astype(np.float64)
+    above = np.nextafter(below.astype(np.float32), np.float32(np.inf)).astype(np.float64)
+    assert np.all(below <= doubles)
+    assert np.all(above > doubles)
+
+
+def test_facts_of_the_headers() -> None:
+    compact, wide = ((SOURCE / name).read_text() for name in ("sp_forest.h", "sp_forest_wide.h"))
+    assert f"SP_FOREST_SLOT_BITS = {compact_layout.SLOT_BITS}" in compact
+    assert f"SP_FOREST_LEVELS = {compact_layout.LEVELS}" in compact
+    assert f"SP_FOREST_REST = {compact_layout.REST}" in compact
+    assert f"SP_WIDE_SLOT_BITS = {wide_layout.SLOT_BITS}" in wide
+    assert f"SP_WIDE_LANES = {wide_layout.LANES}" in wide
+
+
+def one_leaf() -> Forest:
+    return Forest(
+        feature=np.array([-1], dtype=np.int32),
+        threshold=np.zeros(1),
+        left=np.zeros(1, dtype=np.int32),
+        right=np.zeros(1, dtype=np.int32),
+        value_n=np.array([2.5]),
+        roots=np.array([0], dtype=np.int32),
+        weight=1.0,
+        bias_n=0.0,
+    )
+
+
+def test_a_forest_of_one_leaf_still_renders() -> None:
+    compact = compact_forest(one_leaf(), np.float32)
+    assert compact is not None
+    assert forest_force(compact, c_sums(compact, np.zeros((1, 0), dtype=np.float32), 0))[0] == 2.5
+
+
+def test_too_big_a_tree_takes_the_wide_nodes() -> None:
+    model = fitted(trees=2, leaf=1, rows=12_000)
+    forest = labelled(forest_ir(model))
+    assert compact_forest(forest, np.float32) is None
+    features = random_features(2000, 12)
+    expected = forest.value_n[model.apply(features) + forest.roots].sum(axis=1)
+    table = wide_layout.forest_table(forest, np.float32)
+    np.testing.assert_array_equal(wide_sums(table, features), expected)
+
+
+def test_too_many_features_are_refused() -> None:
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(400, 16)).astype(np.float32)
+    model = RandomForestRegressor(n_estimators=20, random_state=0).fit(features, features.sum(1))
+    assert compact_forest(forest_ir(model), np.float32) is None
+    with pytest.raises(UsageError, match="16 features"):
+        wide_layout.forest_table(forest_ir(model), np.float32)
+
+
+def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None:
+    model = fitted(trees=20, leaf=2, rows=3000)
+    compact = compact_forest(forest_ir(model), np.float32)
+    assert compact is not None
+    rng = np.random.default_rng(13)
+    slow = np.cumsum(rng.normal(scale=1e-3, size=(3000, N_FEATURES)), axis=0)
+    jumps = rng.normal(size=(3000, N_FEATURES)) * (rng.random((3000, 1)) < 0.1)
+    features = np.ascontiguousarray((slow + jumps).astype(np.float32))
+    expected = compact_sums(compact, feature_ranks(compact.thresholds, features))
+    for simd in variants():
+        np.testing.assert_array_equal(c_sums(compact, features, simd), expected)
+
+
+def test_the_stated_work_bounds_the_search_and_the_walk() -> None:
+    compact = compact_forest(forest_ir(fitted(trees=7, leaf=3, rows=900)), np.float32)
+    assert compact is not None
+    bound = compact_layout.work_at_most(compact)
+    rounds = 0
+    for below in compact.thresholds:
+        left = len(below)
+        rounds += 2
+        while left > 0:  # sp_ranks_search
+            left -= left - left // 2
+            rounds += 1
+    assert bound["thresholds"] == rounds
+    assert bound["nodes"] == 7 * (compact.longest_walk + 1)

@@ -1,0 +1,92 @@
+"""Beyond the trained depth: the passive model adds its share, continuously, and can be left out."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.small import DEPTH_M, model_file, scene, small_model, training
+
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.reference.tick import OUTSIDE
+from springpot.codegen.scene import Guard
+from springpot.host.emission.emission import emit
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+
+
+def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarray, int]:
+    """Depth, force and notes of a slow press to 1.3 x the trained depth and back."""
+    model = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20)).model
+    chosen = dataclasses.replace(
+        scene(number="float64"), guard=Guard(outside=outside, max_force_n=1000.0)
+    )
+    emit(chosen, model_file(folder, model), folder / "c")
+    down = np.linspace(0.0, 1.3 * DEPTH_M, 2000)
+    motion = np.concatenate([down, down[::-1]])
+    force_n, notes = SceneLibrary(folder / "c").new_state().run(motion)
+    return motion, force_n, notes
+
+
+@pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein", "hybrid"])
+def test_force_goes_on_rising_beyond_the_trained_depth(tmp_path: Path, kind: str) -> None:
+    motion, force_n, notes = pressed(tmp_path, kind, "fallback")
+    assert notes & OUTSIDE
+    border = int(np.searchsorted(motion[:2000], small_model().trained.greatest_m))
+    steps = np.abs(np.diff(force_n[border - 3 : border + 4]))
+    assert steps.max() < 0.05 * force_n[border]  # no jump at the border
+    beyond = force_n[border + 5 : 2000]
+    # The window fills with the clipped depth: a forest relaxes through it leaf by leaf.
+    leaf_n = 0.001 * force_n[border] if kind == "rf-fd" else 0.0
+    assert np.diff(beyond).min() > -leaf_n
+    assert beyond[-1] > 1.2 * beyond[0]
+
+
+def test_hold_stays_at_the_greatest_trained_depth(tmp_path: Path) -> None:
+    motion, force_n, _ = pressed(tmp_path, "hammerstein", "hold")
+    border = int(np.searchsorted(motion[:2000], small_model().trained.greatest_m))
+    assert np.ptp(force_n[border + 5 : 2000]) < 0.1 * force_n[border]
+
+
+@pytest.mark.parametrize("kind", ["hammerstein", "rf-fd"])
+def test_excess_takes_energy(tmp_path: Path, kind: str) -> None:
+    motion, force_n, _ = pressed(tmp_path, kind, "fallback")
+    outside = motion >= small_model().trained.greatest_m
+    worked_j = np.trapezoid(force_n[outside], motion[outside])
+    assert worked_j > -1e-9
+
+
+def test_hold_leaves_the_passive_units_out() -> None:
+    with_fallback = make_plan(small_model(), scene())
+    held = make_plan(small_model(), dataclasses.replace(scene(), guard=Guard(outside="hold")))
+    assert held.excess is None
+    assert state_bytes(held) < state_bytes(with_fallback)
+
+
+def test_a_model_without_a_passive_part_gets_a_tangent_and_says_so(tmp_path: Path) -> None:
+    bare = dataclasses.replace(small_model(), hammerstein=None)
+    plan = make_plan(bare, scene())
+    assert "no passive part" in plan.outside
+    assert "Kelvin-Voigt" in plan.outside
+    emit(
+        dataclasses.replace(scene(), guard=Guard(max_force_n=1000.0)),
+        model_file(tmp_path, bare), tmp_path / "c",
+    )  # fmt: skip
+    motion = np.linspace(0.0, 1.3 * DEPTH_M, 2000)
+    force_n, _ = SceneLibrary(tmp_path / "c").new_state().run(motion)
+    border = int(np.searchsorted(motion, bare.trained.greatest_m))
+    assert np.abs(np.diff(force_n[border - 3 : border + 4])).max() < 0.05 * force_n[border]
+    assert np.all(np.diff(force_n[border + 5 :: 50]) > 0.0)
+    assert force_n[-1] > 1.2 * force_n[border]
+
+
+def test_zero_ends_the_force_without_a_step_and_comes_back(tmp_path: Path) -> None:
+    motion, force_n, notes = pressed(tmp_path, "hammerstein", "zero")
+    assert notes & OUTSIDE
+    trained_m = small_model().trained.greatest_m
+    border, gone = (int(np.searchsorted(motion[:2000], s * trained_m)) for s in (1.0, 1.1))
+    assert np.abs(np.diff(force_n)).max() < 0.05 * force_n[border]
+    assert np.all(force_n[gone + 1 : len(motion) - gone - 1] == 0.0)
+    assert force_n[-border] > 0.5 * force_n[border]

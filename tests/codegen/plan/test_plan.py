@@ -1,0 +1,90 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from support.small import DEPTH_M, scene, small_model
+
+from springpot.codegen.errors import UnsafeError, UsageError
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.tick import (
+    CLAMPED,
+    HELD,
+    LATCHED,
+    LIMITED,
+    OUTSIDE,
+    RAMPED,
+    RESYNC,
+)
+from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
+from springpot.host.validation.validation import NOTE_NAMES
+from springpot.runtime_c.paths import INCLUDE
+
+SCENE = Scene(schema=1, name="x", model="x")
+
+
+def changed(**sections: object) -> Scene:
+    return dataclasses.replace(SCENE, **sections)
+
+
+def test_defaults_come_from_the_model() -> None:
+    plan = make_plan(small_model(), SCENE)
+    trained = small_model().trained
+    assert plan.output.greatest_n == np.float32(1.2 * trained.greatest_n)
+    assert plan.output.watchdog_s == np.float32(0.02)
+    assert plan.per_onset == pytest.approx(1 / (0.01 * DEPTH_M), rel=1e-2)
+    assert plan.guard.jump_m >= np.float32(1e-3)
+    assert plan.coupling.why.startswith("off: auto")
+    assert plan.outside.startswith("fallback: ")
+
+
+def test_a_model_that_never_leaves_the_object_has_no_contact() -> None:
+    model = dataclasses.replace(small_model(), contact="always")
+    plan = make_plan(model, SCENE)
+    assert plan.per_onset is None
+    assert "contact and onset" in [item.what for item in plan.left_out]
+    assert make_plan(model, changed(guard=Guard(contact="surface"))).per_onset is not None
+
+
+def test_unused_orders_are_dropped_with_their_bytes() -> None:
+    model = small_model()
+    forest = dataclasses.replace(
+        model.regressor, feature=np.where(model.regressor.feature > 1, 1, model.regressor.feature)
+    )
+    plan = make_plan(dataclasses.replace(model, regressor=forest), SCENE)
+    assert plan.features.orders == (0.05, 0.1)
+    assert plan.features.taps.shape == (2, 176)
+    dropped = next(item for item in plan.left_out if item.what.startswith("orders"))
+    assert dropped.bytes == (12 - 4) * 171 * 4
+
+
+@pytest.mark.parametrize(
+    ("sections", "error", "told"),
+    [
+        ({"runtime": Runtime(rate_hz=500)}, UsageError, "runtime.rate_hz = 500"),
+        ({"coupling": Coupling(mode="tool", damping_nspm=2e4)}, UnsafeError, "20 N s/m"),
+    ],
+)
+def test_what_cannot_be_done_is_refused(sections: dict, error: type, told: str) -> None:
+    with pytest.raises(error, match=told):
+        make_plan(small_model(), changed(**sections))
+
+
+def test_large_forests_are_not_for_m2cgen() -> None:
+    from support.small import training
+
+    from springpot.codegen.emit.files import emit_files
+    from springpot.trainer.kinds import fit_model
+    from springpot.trainer.models.fit import FitOptions
+
+    large = fit_model("rf-fd", "large", training(), FitOptions(trees=30, leaf=2)).model
+    with pytest.raises(UsageError, match='use "table"'):
+        emit_files(make_plan(large, scene(forest="m2cgen")))
+
+
+def test_note_bits_are_the_headers() -> None:
+    text = (INCLUDE / "sp_notes.h").read_text()
+    bits = {"HELD": HELD, "RESYNC": RESYNC, "OUTSIDE": OUTSIDE, "CLAMPED": CLAMPED,
+            "RAMPED": RAMPED, "LATCHED": LATCHED, "LIMITED": LIMITED}  # fmt: skip
+    for name, bit in bits.items():
+        assert f"SP_NOTE_{name} = {bit}" in text
+        assert NOTE_NAMES[bit] == name.lower()

@@ -1,0 +1,166 @@
+"""The built C and its numpy reference, bit for bit, on clean and on hostile motion."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.small import DT_S, model_file, press, scene, small_model, training, wandering
+
+from springpot.codegen.emit.golden import backward_velocity, golden_positions
+from springpot.codegen.model.scaled import stiffer
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference import run as codegen_reference
+from springpot.codegen.reference.run import Run, run_reference
+from springpot.codegen.reference.tick import (
+    CLAMPED,
+    HELD,
+    LATCHED,
+    LIMITED,
+    OUTSIDE,
+    RAMPED,
+    RESYNC,
+)
+from springpot.codegen.scene import Coupling
+from springpot.codegen.stages.model_force import Stages, model_force
+from springpot.host.emission.emission import emit
+from springpot.host.native.replay import Replay
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.trial_build import built
+from springpot.host.validation.validation import proxy_positions
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.recording import Recording
+
+NUMBERS = ["float32", "float64"]
+SHAPES = {
+    "plain": {},
+    "tool": {"mode": "tool"},
+    "proxy": {"mode": "proxy"},
+    "smooth": {"smoothing_s": 8.3e-4},
+    "paper": {"mode": "tool", "smoothing_s": 8.3e-4},
+    "m2cgen": {"forest": "m2cgen"},
+}
+
+
+def both(folder: Path, position_m: np.ndarray, **options: str) -> tuple[Run, Run]:
+    """Forces and notes of the C and of the reference."""
+    chosen = scene(**options)
+    emit(chosen, model_file(folder), folder / "c")
+    plan = make_plan(small_model(), chosen)
+    position = position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    force_n, notes = Replay(SceneLibrary(folder / "c")).run(position, velocity)
+    return Run(force_n, notes), run_reference(plan, position, velocity)
+
+
+def assert_same_bits(c: Run, reference: Run) -> None:
+    bits = np.uint32 if c.force_n.dtype == np.float32 else np.uint64
+    np.testing.assert_array_equal(c.force_n.view(bits), reference.force_n.view(bits))
+    np.testing.assert_array_equal(c.notes, reference.notes)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("shape", list(SHAPES))
+def test_same_bits_on_a_press(tmp_path: Path, number: str, shape: str) -> None:
+    motion = np.concatenate([press(3.0), np.full(40, -1e-3), press(1.0)])
+    c, reference = both(tmp_path, motion, number=number, **SHAPES[shape])
+    assert_same_bits(c, reference)
+    assert c.force_n.max() > 1.0
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("shape", list(SHAPES))
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_same_bits_on_hostile_motion(tmp_path: Path, number: str, shape: str, seed: int) -> None:
+    motion = wandering(seed)
+    c, reference = both(tmp_path, motion, number=number, **SHAPES[shape])
+    assert_same_bits(c, reference)
+    limit_n = make_plan(small_model(), scene()).output.greatest_n
+    assert np.all((c.force_n >= 0) & (c.force_n <= limit_n))
+
+
+def test_hostile_motion_raises_every_note() -> None:
+    plan = make_plan(small_model(), scene(mode="tool"))
+    seen = 0
+    for seed in (1, 2, 3):
+        seen |= int(np.bitwise_or.reduce(run_reference(plan, wandering(seed)).notes))
+    assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED | LIMITED
+
+
+def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
+    tmp_path: Path,
+) -> None:
+    chosen = scene(mode="proxy")
+    emit(chosen, model_file(tmp_path), tmp_path / "c")
+    plan = make_plan(small_model(), chosen)
+    library = SceneLibrary(tmp_path / "c")
+    position = wandering(5).astype(plan.dtype)
+    velocity = np.zeros_like(position)
+    guess_m = proxy_positions(plan, library, position, velocity)
+    assert guess_m is not None
+    right = run_reference(plan, position, velocity)
+    assert_same_bits(run_reference(plan, position, velocity, guess_m), right)
+    assert_same_bits(run_reference(plan, position, velocity, 0.9 * guess_m), right)
+    assert_same_bits(Run(*Replay(library).run(position, velocity)), right)
+
+
+def test_m2cgen_and_the_table_give_the_same_bits(tmp_path: Path) -> None:
+    motion = wandering(4)
+    (tmp_path / "table").mkdir()
+    (tmp_path / "ifs").mkdir()
+    table, _ = both(tmp_path / "table", motion)
+    ifs, _ = both(tmp_path / "ifs", motion, forest="m2cgen")
+    assert_same_bits(table, ifs)
+
+
+def test_two_halves_give_what_the_whole_gives(tmp_path: Path) -> None:
+    emit(scene(mode="tool"), model_file(tmp_path), tmp_path / "c")
+    library = SceneLibrary(tmp_path / "c")
+    motion = press(2.0)
+    whole, _ = library.new_state().run(motion)
+    state = library.new_state()
+    first, _ = state.run(motion[:217])
+    second, _ = state.run(motion[217:])
+    np.testing.assert_array_equal(np.concatenate([first, second]), whole)
+
+
+def test_two_models_in_one_process_keep_apart(tmp_path: Path) -> None:
+    motion = press(2.0)
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    alone_a, _ = both(tmp_path / "a", motion)
+    alone_b, _ = both(tmp_path / "b", motion, mode="tool", number="float64")
+    a, b = SceneLibrary(tmp_path / "a" / "c"), SceneLibrary(tmp_path / "b" / "c")
+    state_a, state_b = a.new_state(), b.new_state()
+    forces = [(state_a.step(x)[0], state_b.step(x)[0]) for x in motion]
+    np.testing.assert_array_equal([pair[0] for pair in forces], alone_a.force_n)
+    np.testing.assert_array_equal([pair[1] for pair in forces], alone_b.force_n)
+
+
+def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    # At 100 Hz nearly every tick of the golden motion upsets the guess of all that follow.
+    slow = tuple(
+        Recording(item.name, item.position_m[::10], item.force_n[::10], 10 * DT_S)
+        for item in training()
+    )
+    model = fit_model("rf-fd", "slow", slow, FitOptions(trees=5, smooth_s=0.0)).model
+    chosen = replace(scene(), coupling=Coupling("proxy", 1e5, 20.0))
+    plan = make_plan(stiffer(model, 1000.0), chosen, accept_unsafe=True)
+    position = golden_positions(plan)
+    velocity = backward_velocity(position, plan.dt_s)
+    lengths: list[int] = []
+
+    def counted(stages: Stages, motion: dict[str, np.ndarray], *others: Any) -> np.ndarray:
+        lengths.append(len(motion["depth"]))
+        return model_force(stages, motion, *others)
+
+    monkeypatch.setattr(codegen_reference, "model_force", counted)
+    reference = run_reference(plan, position, velocity)
+    with built(plan) as library:
+        c = Run(*Replay(library).run(position, velocity))
+    assert_same_bits(c, reference)
+    n = len(position)
+    assert len(lengths) > n / 4, "the object is not stiff enough for this test"
+    assert sum(lengths) < 0.6 * n * n

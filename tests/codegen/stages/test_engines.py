@@ -1,0 +1,97 @@
+"""Engines of the fractional filters: what each imitates, how closely, and for how long."""
+
+import dataclasses
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.small import DT_S, model_file, press, scene, training
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.ir import FastFirBank, FirBank
+from springpot.codegen.stages.fast_fir import fast_fir_stage
+from springpot.codegen.stages.fir import fir_stage
+from springpot.host.emission.emission import emit
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.features.fast_fir import equivalent_taps, fast_fir_bank, imitation_error
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.rf_fd import PAPER_ORDERS, PAPER_TAPS, fractional_features
+
+COLUMNS = np.arange(len(PAPER_ORDERS))
+
+
+def paper_bank() -> FirBank:
+    bank = fractional_features(DT_S, None)
+    assert isinstance(bank, FirBank)
+    return bank
+
+
+def relative_rms(found: np.ndarray, wanted: np.ndarray) -> float:
+    return float(np.sqrt(np.mean((found - wanted) ** 2) / np.mean(wanted**2)))
+
+
+def hand_motion(seconds: float) -> np.ndarray:
+    """Presses of many speeds between 0 and 12 mm."""
+    t = np.arange(round(seconds / DT_S)) * DT_S
+    turns = 2 * np.pi * np.outer(np.geomspace(0.2, 8.0, 9), t) + np.arange(9)[:, None]
+    return 0.006 * (1.0 + np.sin(turns).mean(axis=0))
+
+
+def test_the_fast_window_is_the_window() -> None:
+    bank = paper_bank()
+    fast = fast_fir_bank(bank)
+    assert imitation_error(bank, fast) < 1e-4
+    assert equivalent_taps(fast).shape == bank.taps.shape == (PAPER_TAPS, len(PAPER_ORDERS))
+
+
+def test_an_imitation_that_is_wrong_is_seen() -> None:
+    bank = paper_bank()
+    fast = fast_fir_bank(bank)
+    worse = dataclasses.replace(fast, weights=fast.weights * 1.01)
+    assert imitation_error(bank, worse) > 9e-3
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_the_fast_window_is_within_its_error_in_the_number_of_the_scene(dtype: type) -> None:
+    bank = paper_bank()
+    fast = fractional_features(DT_S, None, "fir-fast")
+    assert isinstance(fast, FastFirBank)
+    depth = hand_motion(12.0).astype(dtype)
+    starts = np.array([0, 4000])
+    found = fast_fir_stage(fast, COLUMNS, dtype).reference(depth, starts)
+    wanted = fir_stage(bank, COLUMNS, np.float64).reference(depth.astype(np.float64), starts)
+    worst = max(relative_rms(found[:, i], wanted[:, i]) for i in COLUMNS)
+    assert worst < (2e-4 if dtype is np.float32 else 1e-5)
+
+
+@pytest.mark.skipif("SPRINGPOT_SOAK" not in os.environ, reason="1e7 ticks: make soak")
+def test_the_fast_window_does_not_drift(tmp_path: Path) -> None:
+    """The same features after 1e7 ticks of motion as after none, to the bits' own noise."""
+    options = FitOptions(engine="fir-fast", n_centers=20)
+    model = fit_model("rbf-fd", "x", training(), options).model
+    emit(scene(), model_file(tmp_path, model), tmp_path / "c")
+    library = SceneLibrary(tmp_path / "c")
+    old, motion = library.new_state(), hand_motion(10.0)
+    for _ in range(1000):
+        old.run(motion)
+    fresh = library.new_state()
+    fresh.run(motion)
+    again_n, fresh_n = old.run(motion)[0], fresh.run(motion)[0]
+    assert np.ptp(fresh_n) > 1.0
+    assert np.abs(again_n - fresh_n).max() < 2e-4 * np.ptp(fresh_n)
+
+
+def test_a_long_window_of_taps_is_refused_with_what_to_use() -> None:
+    with pytest.raises(UsageError, match=r"2000 taps.*--engine recursive"):
+        fractional_features(DT_S, 2.0, "fir")
+
+
+def test_orders_that_no_split_uses_are_left_out() -> None:
+    bank = paper_bank()
+    fast = fast_fir_bank(bank)
+    depth = press(2.0)
+    whole = fast_fir_stage(fast, COLUMNS, np.float64).reference(depth, np.array([0]))
+    part = fast_fir_stage(fast, np.array([2, 7]), np.float64).reference(depth, np.array([0]))
+    np.testing.assert_array_equal(part, whole[:, [2, 7]])

@@ -1,0 +1,71 @@
+/* springpot 0.1.0 b031b8cf2bf6dbfcdf99e87152a066ad39dde10b16de8fa9fe798385e83ff971 */
+/* springpot: the feel of a recorded soft object, one force a tick.
+ *
+ * The loop of a haptic device, at the rate that sp_manifest() states:
+ *
+ *     static sp_state state;                  (from sp_scene.h; on a PC, sp_state_size() bytes)
+ *     sp_init(&state);
+ *     every period:  sp_step(&state, position_m, velocity_mps, &force_n);
+ *     no sample came: sp_idle(&state, period_s, &force_n);
+ *
+ * Signs: position is the penetration from the undeformed surface, positive into the object; at or
+ * below 0 there is no contact. Force is positive where it pushes the tool out of the object.
+ * Units: m, m/s, N, s.
+ *
+ * Nothing here allocates, blocks, reads a clock, or keeps anything outside the state; two states
+ * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
+ * tick of delay costs most of the stiffness that a loop can render stably.
+ *
+ * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
+ * misuse: nothing has changed, and *force_n was not written.
+ */
+#ifndef SP_H
+#define SP_H
+
+#include <stdint.h>
+
+#include "sp_notes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* springpot declarations begin */
+typedef struct sp_state sp_state;
+
+/* Version of this interface; a host refuses a library of another. */
+uint32_t sp_abi_version(void);
+
+/* Bytes of one sp_state; align it as for double. */
+uint32_t sp_state_size(void);
+
+/* JSON: version, hash, units, sample time, number type, trained range. */
+const char *sp_manifest(void);
+
+/* First call on a state; sp_reset is the same for a state in use, and unlatches the watchdog. */
+void sp_init(sp_state *state);
+void sp_reset(sp_state *state);
+
+/* One tick: the newest position (m) and velocity (m/s; ignored by scenes that need none) in, the
+ * force (N) out. */
+int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_n);
+
+/* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
+int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
+           float *force_n);
+
+/* dt_s (s) have passed without a sample: the last force, until the watchdog takes it to zero. The
+ * object's memory waits: it advances with samples only. */
+int sp_idle(sp_state *state, float dt_s, float *force_n);
+
+/* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
+ * differs. Catches a compiler whose defaults change floating-point results. Needs the stack to hold
+ * one sp_state. */
+int sp_selftest(void);
+/* springpot declarations end */
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,63 @@
+"""The sweep on a Dask cluster: a scheduler and two worker processes."""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from support.bench_folder import spring, write_training
+
+_WAIT_S = 60.0
+
+
+@contextmanager
+def process(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    started = subprocess.Popen(
+        [sys.executable, "-m", "dask", *arguments],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        yield started
+    finally:
+        started.terminate()
+        started.wait(timeout=30)
+
+
+def wait_for(file: Path) -> None:
+    end = time.monotonic() + _WAIT_S
+    while not file.exists() or not file.read_text():
+        assert time.monotonic() < end, f"{file} never came"
+        time.sleep(0.1)
+
+
+def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
+    recordings = str(write_training(tmp_path / "training"))
+    known = tmp_path / "scheduler.json"
+    with ExitStack() as stack:
+        stack.enter_context(
+            process("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
+                    "--scheduler-file", str(known))
+        )  # fmt: skip
+        wait_for(known)
+        address = json.loads(known.read_text())["address"]
+        for name in ("one", "two"):
+            stack.enter_context(
+                process("worker", address, "--name", name, "--nthreads", "1", "--no-dashboard",
+                        "--local-directory", str(tmp_path / name))
+            )  # fmt: skip
+        done = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
+                      "--out", str(tmp_path / "cluster"), "--dask", address)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["computed"] == len(found["points"]) == 7
+    here = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
+                  "--out", str(tmp_path / "here"))  # fmt: skip
+    alike = json.loads(here.stdout)["points"]
+    for one, other in zip(found["points"], alike, strict=True):
+        for name in ("key", "hash", "rmse_n", "cv_rmse_n", "flash_bytes"):
+            assert one[name] == other[name]
+    workers = {point["worker"] for point in found["points"]}
+    assert len(workers) == 2, "one worker did it all"

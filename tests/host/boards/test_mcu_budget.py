@@ -1,0 +1,203 @@
+"""Before flashing: the bound holds, and what does not fit is refused, or fitted."""
+
+import dataclasses
+import json
+import re
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.mcu import long_motion, need, target_scene
+from support.peer import CLI
+from support.small import model_file, press, recording, training
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.model.ir import Model
+from springpot.codegen.plan.instructions import instruction_bound
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.tick import RESYNC
+from springpot.codegen.scene import Guard, Scene
+from springpot.host.boards.boards import BOARDS
+from springpot.host.boards.emulator import run_batch, steps
+from springpot.host.emission.emission import emit
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.recording_file import write_recording
+
+BOUND_ON = ("mps2-an386", "mps2-an500", "virt")
+FOREST = {"trees": 5, "leaf": 20}
+VARIANTS = {
+    "rf-fd": ("rf-fd", FOREST),
+    "rf-fd deep": ("rf-fd", {"trees": 8, "leaf": 1}),
+    "rf-fd rounded": ("rf-fd", {"trees": 20, "leaf": 5, "round_features": True}),
+    "rf-fd fast": ("rf-fd", {**FOREST, "engine": "fir-fast", "round_features": True}),
+    "rf-fd few orders": ("rf-fd", {**FOREST, "engine": "fir-fast", "orders": (0.1, 0.2)}),
+    "rf-fd long": ("rf-fd", {**FOREST, "window_s": 2.0}),
+    "rbf-fd": ("rbf-fd", {}),
+    "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
+    "rbf-pv": ("rbf-pv", {}),
+    "rf-history": ("rf-history", FOREST),
+    "hammerstein": ("hammerstein", {}),
+    "hybrid": ("hybrid", FOREST),
+    "boosted": ("boosted", {}),
+    "springpot": ("springpot", {}),
+}
+SHAPES = {
+    "off": {},
+    "tool": {"mode": "tool", "smoothing_s": 1e-3},
+    "proxy": {"mode": "proxy"},
+}
+
+# A coupling costs the same with every model.
+CASES = [
+    *((variant, "off") for variant in VARIANTS),
+    *((variant, shape) for variant in ("rf-fd fast", "hammerstein") for shape in ("tool", "proxy")),
+]
+
+
+@cache
+def fitted(variant: str) -> Model:
+    kind, options = VARIANTS[variant]
+    return fit_model(kind, "x", training(), FitOptions(seed=1, **options)).model
+
+
+def scene_of(target: str, shape: str) -> Scene:
+    chosen = target_scene(target, **SHAPES[shape])
+    return dataclasses.replace(chosen, guard=Guard(outside="zero")) if shape == "proxy" else chosen
+
+
+@pytest.mark.parametrize(("variant", "shape"), CASES)
+def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape: str) -> None:
+    """All boards run one emission: their C is the same but for the hash in it."""
+    need(*BOUND_ON)
+    model = fitted(variant)
+    file = model_file(tmp_path, model)
+    emission = emit(scene_of("cortex-m4f", shape), file, tmp_path / "c", accept_unsafe=True)
+    told = dataclasses.asdict(instruction_bound(emission.plan))
+    assert emission.manifest["instructions"] == told
+    position = long_motion()[1500:7500].astype(np.float32)
+    calls = steps(position, backward_velocity(position, 1e-3))
+    for board in BOUND_ON:
+        batch = run_batch(tmp_path / "c", BOARDS[board], calls)
+        bound = instruction_bound(make_plan(model, scene_of(BOARDS[board].target, shape), True))
+        assert bound is not None
+        restarts = (batch.notes & RESYNC) != 0
+        assert restarts.sum() > 1
+        most, most_restarting = (
+            int(batch.instructions[rows].max()) for rows in (~restarts, restarts)
+        )
+        assert most <= bound.tick < 1.5 * most, board
+        assert most_restarting <= bound.restart < 2.0 * most_restarting, board
+
+
+@pytest.mark.parametrize(
+    ("variant", "number"), [("rf-fd", "float32"), ("hybrid", "float32"), ("rbf-pv", "float64")]
+)
+def test_the_boards_have_one_c(variant: str, number: str) -> None:
+    def parts(target: str) -> dict[str, str]:
+        plan = make_plan(fitted(variant), target_scene(target, number=number, mode="proxy"), True)
+        files = emit_files(plan)
+        files.pop("manifest.json")
+        return {name: re.sub("[0-9a-f]{64}", "", text) for name, text in files.items()}
+
+    first = parts("cortex-m4f")
+    for target in ("cortex-m7", "rv32imafc"):
+        assert parts(target) == first, target
+
+
+def test_ten_branches_and_three_stops_take_600_instructions_and_4_kb(tmp_path: Path) -> None:
+    need("mps2-an386")
+    rng = np.random.default_rng(1)
+    whole = fitted("hammerstein")
+    assert whole.hammerstein is not None
+    passive = dataclasses.replace(
+        whole.hammerstein,
+        basis="ramps",
+        elastic_n=rng.random(8),
+        tau_s=np.geomspace(2e-3, 5.0, 10),
+        branch_n=rng.random((10, 8)),
+        radius_m=np.array([0.02, 0.2, 0.5]) * whole.hammerstein.span_m,
+        stop_n=rng.random((3, 8)),
+    )
+    model = model_file(tmp_path, dataclasses.replace(whole, hammerstein=passive))
+    emission = emit(target_scene("cortex-m4f"), model, tmp_path / "c", accept_unsafe=True)
+    position = long_motion().astype(np.float32)
+    calls = steps(position, backward_velocity(position, 1e-3))
+    batch = run_batch(tmp_path / "c", BOARDS["mps2-an386"], calls)
+    most = int(batch.instructions[(batch.notes & RESYNC) == 0].max())
+    assert most <= emission.manifest["instructions"]["tick"] <= 600
+    assert emission.footprint is not None
+    assert emission.footprint.flash_bytes <= 4096
+
+
+def test_there_is_no_bound_where_none_is_known() -> None:
+    for target, options in (("host", {}), ("cortex-m4f", {"number": "float64"})):
+        assert (
+            instruction_bound(make_plan(fitted("rf-fd"), target_scene(target, **options))) is None
+        )
+
+
+@pytest.fixture
+def too_big(tmp_path: Path) -> Path:
+    """A scene over its budget, and a recording."""
+    need("mps2-an386")
+    model_file(tmp_path, fitted("rf-fd deep"))
+    write_recording(tmp_path / "val.h5", recording("val", press(1.5, 0.011, cycles=3)))
+    (tmp_path / "scene.toml").write_text(
+        'schema = 1\nname = "big"\nmodel = "model.spm"\n[runtime]\ntarget = "cortex-m4f"\n'
+        '[coupling]\nmode = "off"\n[budget]\nflash_bytes = 24000\ntick_instructions = 6000\n'
+    )
+    return tmp_path
+
+
+def emit_command(folder: Path, *options: object) -> subprocess.CompletedProcess[str]:
+    arguments = ["emit", "--scene", folder / "scene.toml", "--out", folder / "c", "--json"]
+    return subprocess.run([*CLI, *map(str, [*arguments, *options])], capture_output=True,
+                          text=True, check=False)  # fmt: skip
+
+
+def test_what_does_not_fit_is_refused_with_three_trims(too_big: Path) -> None:
+    found = emit_command(too_big, "--recording", too_big / "val.h5")
+    assert found.returncode == 4
+    assert "the scene's budget is 24000" in found.stderr
+    assert "the scene's budget is 6000" in found.stderr
+    trims = [line for line in found.stderr.splitlines() if line.startswith("would fit: ")]
+    assert len(trims) == 3
+    for trim in trims:
+        assert int(trim.split(" bytes of flash")[0].split()[-1]) <= 24000
+        assert int(trim.split(" instructions")[0].split()[-1]) <= 6000
+        assert float(trim.split("RMSE ")[1].split()[0]) > 0
+    assert not (too_big / "c").exists()
+
+
+def test_fit_makes_it_fit(too_big: Path) -> None:
+    found = emit_command(too_big, "--recording", too_big / "val.h5", "--fit")
+    assert found.returncode == 0, found.stderr
+    result = json.loads(found.stdout)
+    assert result["flash_bytes"] <= 24000
+    assert result["instructions"]["tick"] <= 6000
+    checked = subprocess.run(
+        [*CLI, "validate", str(too_big / "c"), "--recording", str(too_big / "val.h5"), "--json"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    told = next(line for line in found.stderr.splitlines() if line.startswith("fitted: "))
+    measured = json.loads(checked.stdout)
+    assert float(told.split("RMSE ")[1].split()[0]) == pytest.approx(measured["rmse_n"], rel=1e-3)
+    assert measured["mismatches"] == 0
+    assert json.loads((too_big / "c" / "manifest.json").read_text())["provenance"]["left_out"]
+
+
+def test_fit_needs_recordings_and_a_model_that_can_shrink(too_big: Path) -> None:
+    assert emit_command(too_big, "--fit").returncode == 2
+    plain = emit_command(too_big)
+    assert plain.returncode == 4
+    assert "give --recording REC" in plain.stderr
+    model_file(too_big, fitted("hammerstein"))
+    scene = too_big / "scene.toml"
+    scene.write_text(scene.read_text().replace("24000", "100"))
+    hopeless = emit_command(too_big, "--fit", "--recording", too_big / "val.h5")
+    assert hopeless.returncode == 4
+    assert "no trim of this model fits" in hopeless.stderr

@@ -1,0 +1,209 @@
+"""The commands as a user runs them: exit statuses, one-line refusals, JSON keys."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.small import model_file, recording, small_model, training, wandering
+
+from springpot.trainer.recordings.recording_file import write_recording
+
+
+def run(*arguments: object, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
+    return subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True,
+                          check=False, env={**os.environ, **(env or {})})  # fmt: skip
+
+
+def refusal(status: int, *arguments: object, env: dict[str, str] | None = None) -> str:
+    """Run, assert the exit status and that standard error is one line; return it."""
+    result = run(*arguments, env=env)
+    assert result.returncode == status, result.stderr
+    assert result.stdout == ""
+    lines = result.stderr.strip().splitlines()
+    assert len(lines) == 1, result.stderr
+    assert lines[0].startswith("springpot: ")
+    return lines[0]
+
+
+@pytest.fixture(scope="module")
+def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Recordings and a scene in a folder."""
+    folder = tmp_path_factory.mktemp("job")
+    (folder / "rec").mkdir()
+    for item in training():
+        write_recording(folder / "rec" / f"{item.name}.h5", item)
+    (folder / "scene.toml").write_text('schema = 1\nname = "job"\nmodel = "m.spm"\n')
+    return folder
+
+
+def test_train_emit_build_validate_report(job: Path) -> None:
+    trained = run("train", job / "rec", "--model", "rf-fd", "--out", job / "m.spm", "--seed", 5,
+                  "--validate", job / "rec", "--json")  # fmt: skip
+    assert trained.returncode == 0, trained.stderr
+    facts = json.loads(trained.stdout)
+    assert {"model", "out", "hash", "seed", "rows", "rows_total", "feature_s", "fit_s", "search_s",
+            "orders", "n_nodes", "importance", "window_s", "engine", "rmse_n",
+            "rmse_percent_of_peak", "mean_recording_rmse_n"} <= set(facts)  # fmt: skip
+    assert facts["rows"] == facts["rows_total"] < 20_000
+    assert facts["window_s"] == pytest.approx(0.171)
+    assert 0 < facts["rmse_percent_of_peak"] < 3
+
+    emitted = run("emit", "--scene", job / "scene.toml", "--out", job / "c", "--json")
+    assert emitted.returncode == 0, emitted.stderr
+    facts = json.loads(emitted.stdout)
+    assert facts["flash_bytes"] > 10_000
+    assert facts["ram_bytes"] < 2000
+    assert 0 < facts["stack_bytes"] < 2000
+    assert facts["compile_s"] > 0
+
+    built = run("build", job / "c")
+    assert Path(built.stdout.strip()).suffix == ".so"
+
+    validated = run("validate", job / "c", "--recording", job / "rec", "--json")
+    assert validated.returncode == 0, validated.stderr
+    result = json.loads(validated.stdout)
+    assert result["mismatches"] == 0
+    assert result["hash"] == facts["hash"]
+    assert result["notes"]["resync"] == len(training())
+    assert set(result["tick_ns"]) == {"hot_median", "p50", "p99", "p999", "max"}
+    assert 0 < result["tick_ns"]["hot_median"] <= result["tick_ns"]["max"]
+
+    reported = run("report", job / "c", "--json")
+    assert reported.returncode == 0, reported.stderr
+    page = Path(json.loads(reported.stdout)["report"]).read_text()
+    assert page.count("<svg") == 5
+    assert facts["hash"] in page
+    assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
+
+
+def test_people_get_a_table(job: Path) -> None:
+    result = run("train", job / "rec", "--model", "rf-fd", "--out", job / "table.spm")
+    assert result.returncode == 0
+    assert "rows" in result.stdout
+    assert "{" not in result.stdout
+
+
+def test_refusals_are_one_line_with_the_right_status(job: Path, tmp_path: Path) -> None:
+    out = tmp_path / "x.spm"
+    train = ("train", "--model", "rf-fd", "--out", out)
+    assert "no such file" in refusal(3, *train, tmp_path / "none.h5")
+    assert "no .h5 file" in refusal(3, *train, tmp_path)
+    assert "Missing argument" in refusal(2, *train)
+    assert "'rf-df' is not one of" in refusal(2, "train", job, "--model", "rf-df", "--out", out)
+    assert "end in .spm" in refusal(2, "train", job, "--model", "rf-fd", "--out", "x.pkl")
+    assert "No such command 'trian'" in refusal(2, "trian")
+    assert "no driver" in refusal(
+        5, "record", "--device", "bus://x", "--protocol", "paper", "--out", tmp_path / "r"
+    )
+    assert "not an emitted folder" in refusal(3, "build", tmp_path)
+    assert "not an emitted folder" in refusal(3, "report", tmp_path)
+    assert "ecoflex-00-30" in refusal(2, "demo", "--object", "jelly", "--out", tmp_path / "d")
+    assert not out.exists()
+
+
+def test_a_later_model_is_refused_by_emit(job: Path, tmp_path: Path) -> None:
+    path = model_file(tmp_path)
+    path.write_bytes(path.read_bytes().replace(b"springpot-model 2", b"springpot-model 7", 1))
+    told = refusal(
+        3, "emit", "--scene", job / "scene.toml", "--model", path, "--out", tmp_path / "c"
+    )
+    assert "schema 7" in told
+
+
+def test_a_wrong_unit_of_damping_is_refused_as_unsafe(job: Path, tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text('schema = 1\nname = "x"\nmodel = "m.spm"\n[coupling]\nmode = "tool"\n'
+                     "damping_nspm = 20000.0\n")  # fmt: skip
+    model = model_file(tmp_path)
+    told = refusal(6, "emit", "--scene", scene, "--model", model, "--out", tmp_path / "c")
+    assert "20 N s/m" in told
+
+
+def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) -> None:
+    empty = tmp_path / "bin"
+    empty.mkdir()
+    model = model_file(tmp_path)
+    emit = ("emit", "--scene", job / "scene.toml", "--model", model, "--out", tmp_path / "c")
+    result = run(*emit, "--json", env={"PATH": str(empty)})
+    assert result.returncode == 0, result.stderr
+    assert "no C compiler on PATH" in result.stderr
+    assert json.loads(result.stdout)["flash_bytes"] is None
+    told = refusal(1, "build", tmp_path / "c", env={"PATH": str(empty)})
+    assert "apt-get install gcc" in told
+
+
+def test_validation_at_another_rate_is_refused(tmp_path: Path) -> None:
+    import dataclasses
+
+    scene = tmp_path / "scene.toml"
+    scene.write_text('schema = 1\nname = "x"\nmodel = "model.spm"\n')
+    model_file(tmp_path, small_model())
+    assert run("emit", "--scene", scene, "--out", tmp_path / "c").returncode == 0
+    slow = dataclasses.replace(training()[0], dt_s=2e-3)
+    write_recording(tmp_path / "slow.h5", slow)
+    told = refusal(3, "validate", tmp_path / "c", "--recording", tmp_path / "slow.h5")
+    assert "--resample-hz 1000" in told
+
+
+def test_validation_is_at_the_rate_of_the_scene(tmp_path: Path) -> None:
+    """Poles are exact at any rate: a scene may have another one than the model's recordings."""
+    import dataclasses
+
+    from springpot.trainer.kinds import fit_model
+    from springpot.trainer.models.fit import FitOptions
+
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'schema = 1\nname = "x"\nmodel = "model.spm"\n[runtime]\nrate_hz = 500\n'
+        '[coupling]\nmode = "off"\n'
+    )
+    model = fit_model("hammerstein", "x", training(), FitOptions(seed=1)).model
+    model_file(tmp_path, model)
+    assert run("emit", "--scene", scene, "--out", tmp_path / "c").returncode == 0
+    whole = training()[0]
+    every_other = dataclasses.replace(
+        whole, position_m=whole.position_m[::2], force_n=whole.force_n[::2], dt_s=2e-3
+    )
+    write_recording(tmp_path / "whole.h5", whole)
+    write_recording(tmp_path / "half.h5", every_other)
+    told = refusal(3, "validate", tmp_path / "c", "--recording", tmp_path / "whole.h5")
+    assert "sampled at 1000 Hz, the scene at 500 Hz" in told
+    found = run("validate", tmp_path / "c", "--recording", tmp_path / "half.h5", "--json")
+    assert found.returncode == 0, found.stderr
+    assert json.loads(found.stdout)["rmse_percent_of_peak"] < 5
+
+
+def test_hostile_recordings_validate_bit_for_bit(tmp_path: Path) -> None:
+    import numpy as np
+
+    scene = tmp_path / "scene.toml"
+    scene.write_text('schema = 1\nname = "x"\nmodel = "model.spm"\n[coupling]\nmode = "tool"\n'
+                     '[device]\nvelocity = "device"\n')  # fmt: skip
+    model_file(tmp_path)
+    assert run("emit", "--scene", scene, "--out", tmp_path / "c").returncode == 0
+    motion = np.nan_to_num(wandering(8), nan=0.0, posinf=0.0)
+    write_recording(tmp_path / "wild.h5", recording("wild", np.clip(motion, -1.0, 1.0)))
+    result = run("validate", tmp_path / "c", "--recording", tmp_path / "wild.h5", "--json")
+    assert result.returncode == 0, result.stderr
+    facts = json.loads(result.stdout)
+    assert facts["mismatches"] == 0
+    assert facts["notes"]["held"] > 0
+
+
+def test_doctor_tells_what_to_do() -> None:
+    result = run("doctor", "--json")
+    assert result.returncode == 0, result.stderr
+    findings = json.loads(result.stdout)["findings"]
+    names = {finding["what"] for finding in findings}
+    assert {"C compiler", "library cache", "real-time scheduling", "timer"} <= names
+    assert all(finding["found"] or finding["do"] for finding in findings)
+    missing = run("doctor", "--json", env={"PATH": "/nowhere"})
+    assert missing.returncode == 1
+    first = json.loads(missing.stdout)["findings"][0]
+    assert not first["found"]
+    assert "apt-get install gcc" in first["do"]

@@ -1,0 +1,139 @@
+"""`springpot import`: files in, a folder of recordings and one JSON object out."""
+
+import json
+import os
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.host.commands.recordings.import_ import import_
+from springpot.trainer.recordings.recording_file import read_recording
+
+TABLE = "time_s,position_mm,force_N\n0.0,1,2\n0.5,2,3\n1.0,3,5\n"
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(import_, [str(argument) for argument in arguments])
+
+
+def test_json(tmp_path: Path) -> None:
+    (tmp_path / "a b.csv").write_text(TABLE)
+    out = tmp_path / "deep" / "out"
+    result = run(tmp_path / "a b.csv", "--out", out, "--zero", "first", "--json")
+    assert result.exit_code == 0
+    printed = json.loads(result.stdout)
+    assert printed["out"] == str(out)
+    assert printed["recordings"] == [
+        {
+            "name": "a_b",
+            "file": str(out / "a_b.h5"),
+            "samples": 3,
+            "rate_hz": 2.0,
+            "position_m": [0.0, 0.002],
+            "force_n": [0.0, 3.0],
+        }
+    ]
+    assert "column 2 'position_mm' in mm" in printed["guess"]
+    assert printed["guess"] in result.stderr
+    assert [file.name for file in out.iterdir()] == ["a_b.h5"]
+    assert read_recording(out / "a_b.h5").zero == "first"
+
+
+def test_every_real_file_imports_with_at_most_one_map(shared_data: Path, tmp_path: Path) -> None:
+    compression = sorted((shared_data / "ecoflex_compression").glob("*/*.csv"))
+    tension = sorted((shared_data / "elastomer_tension").glob("*.csv"))
+    strain = "time=10Hz,position=Engineering Strain:33mm,force=Engineering Stress (MPa):18N"
+    for count, files, options in (
+        (30, compression, []),
+        (5, tension, ["--map", strain]),
+        (5, [shared_data / "mach1" / "Dynamic_data.txt"], ["--zero", "first"]),
+    ):
+        out = tmp_path / str(len(files))
+        result = run(*files, *options, "--out", out)
+        assert result.exit_code == 0, result.exception
+        assert len(list(out.glob("*.h5"))) == count
+
+
+def test_a_recording_can_be_conditioned_again(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(TABLE)
+    run(tmp_path / "a.csv", "--out", tmp_path / "out")
+    again = run(tmp_path / "out" / "a.h5", "--tare", "0.5", "--out", tmp_path / "again")
+    assert again.exit_code == 0, again.exception
+    assert read_recording(tmp_path / "again" / "a.h5").force_n.tolist() == [1.5, 2.5, 4.5]
+    mapped = run(tmp_path / "out" / "a.h5", "--zero", "min", "--out", tmp_path / "no")
+    assert isinstance(mapped.exception, UsageError)
+
+
+@pytest.mark.skipif("SPRINGPOT_FUZZ" not in os.environ, reason="an hour at 1 kHz: make soak")
+def test_an_hour_at_1_khz_imports_and_opens_in_time(tmp_path: Path) -> None:
+    time_s = np.arange(3_600_000) * 1e-3
+    force_n = 3 * (1 - np.cos(4 * time_s)) + np.random.default_rng(0).normal(0, 0.01, len(time_s))
+    position_mm = 5 * (1 - np.cos(4 * time_s))
+    with (tmp_path / "hour.csv").open("w") as file:
+        file.write("time_s,position_mm,force_N\n")
+        table = zip(time_s, position_mm, force_n, strict=True)
+        file.writelines(f"{t:.3f},{x:.4f},{f:.4f}\n" for t, x, f in table)
+    begin = perf_counter()
+    assert run(tmp_path / "hour.csv", "--out", tmp_path / "out").exit_code == 0
+    assert perf_counter() - begin < 20.0
+    begin = perf_counter()
+    read_recording(tmp_path / "out" / "hour.h5")
+    assert perf_counter() - begin < 1.0
+
+
+def test_without_json_one_line_a_recording(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(TABLE)
+    result = run(tmp_path / "a.csv", "--out", tmp_path / "out")
+    assert "a.h5  3 samples at 2 Hz, 1 to 3 mm, 2 to 5 N" in result.stdout
+
+
+def test_nothing_is_written_when_one_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(TABLE)
+    (tmp_path / "b.csv").write_text(TABLE.replace("3,5", "3,x"))
+    result = run(tmp_path / "a.csv", tmp_path / "b.csv", "--out", tmp_path / "out")
+    assert isinstance(result.exception, DataError)
+    assert "b.csv, row 4, column 3" in str(result.exception)
+    assert not (tmp_path / "out").exists()
+
+
+def test_nothing_is_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(TABLE)
+    (tmp_path / "b.csv").write_text(TABLE)
+    run(tmp_path / "b.csv", "--out", tmp_path / "out")
+    before = (tmp_path / "out" / "b.h5").read_bytes()
+    result = run(tmp_path / "a.csv", tmp_path / "b.csv", "--zero", "min", "--out", tmp_path / "out")
+    assert isinstance(result.exception, UsageError)
+    assert "b.h5: exists already" in str(result.exception)
+    assert (tmp_path / "out" / "b.h5").read_bytes() == before
+    assert not (tmp_path / "out" / "a.h5").exists()
+
+
+def test_two_files_of_one_name_are_refused(tmp_path: Path) -> None:
+    for folder in ("x", "y"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "a.csv").write_text(TABLE)
+    result = run(tmp_path / "x" / "a.csv", tmp_path / "y" / "a.csv", "--out", tmp_path / "out")
+    assert isinstance(result.exception, UsageError)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["--zero", "last"], ["--resample-hz", "0"], ["--resample-hz", "nan"], ["--map", "x"]],
+)
+def test_wrong_use(tmp_path: Path, arguments: list[str]) -> None:
+    (tmp_path / "a.csv").write_text(TABLE)
+    result = run(tmp_path / "a.csv", "--out", tmp_path / "out", *arguments)
+    assert getattr(result.exception, "exit_status", result.exit_code) == 2
+
+
+def test_a_missing_file_or_an_out_that_is_a_file(tmp_path: Path) -> None:
+    missing = run(tmp_path / "none.csv", "--out", tmp_path / "out")
+    assert "none.csv: No such file" in str(missing.exception)
+    (tmp_path / "a.csv").write_text(TABLE)
+    blocked = run(tmp_path / "a.csv", "--out", tmp_path / "a.csv")
+    assert isinstance(blocked.exception, UsageError)

@@ -1,0 +1,196 @@
+"""Devices that cannot be used: one line each, that says what, where and what to do."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.peer import peer, wait_until
+from support.small import model_file, scene
+
+from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
+from springpot.host.devices import serial_port
+from springpot.host.devices.device import Wanted
+from springpot.host.devices.drivers import open_device
+from springpot.host.emission.emission import emit
+from springpot.host.recording.indentation import Limits
+from springpot.host.recording.session import open_device as open_for_recording
+from springpot.host.session.session import Session
+
+WANTED = Wanted(rate_hz=1000, watchdog_s=0.02, greatest_n=12.0, hash="ab" * 32)
+
+
+def refused(url: str, wanted: Wanted = WANTED, error: type[SpringpotError] = DeviceError) -> str:
+    with pytest.raises(error) as caught:
+        open_device(url, wanted)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_a_board_with_another_model():
+    with peer("serial_device", "--model", "cd" * 32) as device:
+        told = refused(device.url)
+    assert "the board renders model cdcdcdcdcdcd, the scene is abababababab" in told
+
+
+def test_another_layout_of_messages():
+    with peer("serial_device", "--layout", 7) as device:
+        assert "laid out otherwise (00000007" in refused(device.url)
+
+
+def test_another_protocol_version(tmp_path):
+    """A device of the next version: its frames are whole, and told apart from damage."""
+    script = (
+        "import sys; sys.path.insert(0, sys.argv[1]); sys.argv = sys.argv[1:]\n"
+        "import springpot.host.devices.wire as wire\n"
+        "right = wire.constant\n"
+        "wire.constant = lambda name: 2 if name == 'VERSION' else right(name)\n"
+        "import serial_device as device\n"
+        "take = wire.Receiver._frame\n"
+        "def frame(self, chunk):\n"
+        "    wire.constant = right\n"
+        "    found = take(self, chunk)\n"
+        "    wire.constant = lambda name: 2 if name == 'VERSION' else right(name)\n"
+        "    return found\n"
+        "wire.Receiver._frame = frame\n"
+        "device.main()\n"
+    )
+    from support.peer import PEERS, Peer
+
+    process = subprocess.Popen([sys.executable, "-c", script, str(PEERS)], text=True,
+                               stdout=subprocess.PIPE)  # fmt: skip
+    try:
+        told = refused(Peer(process).url)
+    finally:
+        process.terminate()
+        process.wait()
+        process.stdout.close()
+    assert "speaks protocol version 2, this springpot version 1" in told
+
+
+def test_a_port_in_use_names_the_process(tmp_path):
+    with peer("serial_device") as device:
+        port = device.url.removeprefix("serial://").split("?")[0]
+        script = f"import os, time; os.open({port!r}, os.O_RDWR); print('open'); time.sleep(60)"
+        other = subprocess.Popen([sys.executable, "-u", "-c", script], stdout=subprocess.PIPE)
+        try:
+            other.stdout.readline()
+            told = refused(device.url)
+        finally:
+            other.kill()
+            other.communicate()
+    assert f"(process {other.pid}): end that program first" in told
+    assert "in use by python" in told
+
+
+def test_no_port_and_no_permission(tmp_path, monkeypatch):
+    assert "no such port: plug" in refused(f"serial://{tmp_path}/ttyX")
+    port = tmp_path / "ttyY"
+    port.touch()
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert "permission denied: join the port's group" in refused(f"serial://{port}")
+
+
+def test_the_latency_timer_of_an_adapter(tmp_path, monkeypatch):
+    monkeypatch.setattr(serial_port, "USB_SERIAL", tmp_path)
+    with peer("serial_device") as device:
+        port = os.path.realpath(device.url.removeprefix("serial://").split("?")[0])
+        timer = tmp_path / Path(port).name / "latency_timer"
+        timer.parent.mkdir()
+        timer.write_text("16\n")
+        told = refused(device.url)
+        assert "latency timer is 16 ms, 62 exchanges a second: `echo 1 | sudo tee" in told
+        timer.write_text("1\n")
+        opened = open_device(device.url, WANTED)
+        opened.stop()
+        opened.close()
+
+
+def test_a_line_too_slow_for_the_rate():
+    told = refused("serial:///dev/none?baud=115200")
+    assert "115200 baud carry 443 frames a second, 1000 Hz need 260000 baud" in told
+    assert "raise ?baud=" in told
+
+
+def test_a_device_that_answers_nothing(tmp_path):
+    script = (
+        "import os, pty, time; m, s = pty.openpty(); name = os.ttyname(s); os.close(s)\n"
+        "print(name); time.sleep(60)"
+    )
+    process = subprocess.Popen([sys.executable, "-u", "-c", script], text=True,
+                               stdout=subprocess.PIPE)  # fmt: skip
+    try:
+        told = refused(f"serial://{process.stdout.readline().strip()}")
+    finally:
+        process.kill()
+        process.communicate()
+    assert "no answer in 2 s" in told
+
+
+def test_a_device_that_gives_less_force_or_another_rate():
+    with peer("serial_device", "--greatest-n", 8, "--most-hz", 500) as device:
+        assert "gives at most 8 N and the scene up to 12 N: set guard.max_force_n = 8" in refused(
+            device.url
+        )
+        told = refused(device.url, Wanted(1000, 0.02, 5.0))
+    assert "refuses that rate (1000 Hz" in told
+
+
+@pytest.mark.parametrize(
+    ("url", "error", "says"),
+    [
+        ("omega://0", DeviceError, "no driver for 'omega'"),
+        ("ecoflex-00-30", DeviceError, "sim://"),
+        ("serial://", UsageError, "not complete"),
+        ("serial:///dev/x?speed=1", UsageError, "no setting 'speed'"),
+        ("serial:///dev/x?baud=fast", UsageError, "baud=fast"),
+        ("sim://jelly", UsageError, "dragon-skin-fx"),
+    ],
+)
+def test_wrong_urls(url, error, says):
+    assert says in refused(url, error=error)
+
+
+def test_recording_on_a_serial_device():
+    """Force control through the wire follows the command; limits end a press with zero force."""
+    command_n = 4 * np.sin(np.linspace(0, np.pi, 600)) ** 2
+    with peer("serial_device", "--object", "dragon-skin-fx") as device:
+        taken = []
+        opened = open_for_recording(device.url, object_name="pad")
+        assert opened.object_name == "pad"
+        position_m, force_n = opened.press(command_n, lambda x, f: taken.append((x, f)))
+        np.testing.assert_array_equal(np.concatenate([x for x, _ in taken]), position_m)
+        assert len(position_m) == len(force_n) == 600
+        assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.4
+        again, _ = opened.press(command_n)
+        assert again.max() == pytest.approx(position_m.max(), rel=0.1)
+        with pytest.raises(SpringpotError, match="mm deep, the limit is 1 mm"):
+            open_for_recording(device.url, limits=Limits(max_depth_m=1e-3)).press(command_n)
+        assert device.wait_for("stop", more=2)["force_n"] == 0
+    with (
+        peer("serial_device", "--silent-after", 0.2) as device,
+        pytest.raises(DeviceError, match="silent for 20 ms while pressing"),
+    ):
+        open_for_recording(device.url, limits=Limits(9.0)).press(np.full(3000, 2.0))
+    with pytest.raises(UsageError, match="cannot be pressed"):
+        open_for_recording("replay://x.h5")
+
+
+def test_only_the_user_takes_back_a_trip(tmp_path):
+    """Reset reaches the device too: its motor takes forces again, ramped in."""
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
+    with peer("serial_device", "--silent-after", 0.4, "--silent-for", 0.1) as device:
+        told = []
+        with Session(tmp_path / "c", device.url, tell=told.append) as session:
+            session.start()
+            wait_until(lambda: session.running.state.latched, 5, "no trip")
+            at = session.running.state.ticks
+            wait_until(lambda: session.running.state.ticks > at + 300, 5, "no ticks")
+            assert session.running.state.latched
+            session.reset()
+            wait_until(lambda: not session.running.state.latched, 5, "no reset")
+            assert session.running.state.resets == 1
+        assert device.wait_for("reset")
+    assert any("force zero until reset" in line for line in told)

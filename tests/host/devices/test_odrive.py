@@ -1,0 +1,317 @@
+"""ODrive CAN Simple: every frame against the published databases, then drives as processes."""
+
+import contextlib
+import functools
+import math
+import socket
+import struct
+import threading
+import time
+from importlib.resources import files
+
+import cantools
+import numpy as np
+import pytest
+from support.peer import peer, wait_until
+from support.small import model_file, scene
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.can_bus import SocketBus
+from springpot.host.devices.device import Wanted
+from springpot.host.devices.odrive import CLOSED_LOOP, identifier, parse_heartbeat
+from springpot.host.devices.odrive_device import OdriveDevice, Transmission, refuse_slow_bus
+from springpot.host.devices.url import parse_device
+from springpot.host.emission.emission import emit
+from springpot.host.native.loop_library import loop_library
+from springpot.host.recording.session import open_device as open_for_recording
+from springpot.host.session.session import Session
+from springpot.host.validation.validation import validate
+from springpot.trainer.recordings.recording_file import read_recording
+
+# Processes in real time: a busy machine may starve one of them.
+pytestmark = pytest.mark.flaky(reruns=3)
+
+FILES = {"0.5": "odrive-cansimple-0.5.6.dbc", "0.6": "odrive-cansimple-0.6.10.dbc"}
+TRAIN = "m_per_turn=0.1&max_torque_nm=1"
+NODE = 3
+
+
+@pytest.fixture(scope="module", params=list(FILES))
+def family(request):
+    text = files("odrive_can").joinpath("dbc", FILES[request.param]).read_text()
+    return request.param, cantools.database.load_string(text, "dbc")
+
+
+@pytest.fixture
+def link_of():
+    """Make C links that are closed at the end."""
+    with contextlib.ExitStack() as stack:
+        yield lambda **options: stack.enter_context(CLink(**options))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    base = tmp_path_factory.mktemp("scene")
+    emit(scene(), model_file(base), base / "c")
+    return base / "c"
+
+
+class CLink:
+    """The C link of a drive on a socket pair: what the loop does, one call at a time."""
+
+    def __init__(self, *, slcan: bool, family: str, sign: int = 1, node: int = 0) -> None:
+        self.library = loop_library("double")
+        kind = socket.SOCK_STREAM if slcan else socket.SOCK_SEQPACKET
+        self.far, self.near = socket.socketpair(socket.AF_UNIX, kind)
+        self.near.setblocking(False)
+        self.far.setblocking(False)
+        settings = self.library.ffi.new("sp_odrive *", {
+            "node": node, "slcan": slcan, "with_torque": family == "0.6", "m_per_turn": 0.05,
+            "sign": sign, "zero_turns": 0.5, "surface_m": 0.002, "max_torque_nm": 0.5,
+        })  # fmt: skip
+        self.memory = self.library.memory(self.library.c.sp_link_odrive_size())
+        self.c = self.library.c.sp_link_odrive_init(self.memory, self.near.fileno(), settings)
+        self.motion = self.library.ffi.new("sp_motion *")
+        self.slcan = slcan
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.near.close()
+        self.far.close()
+
+    def give(self, found: int, data: bytes) -> None:
+        if self.slcan:
+            self.far.send(f"t{found:03X}{len(data)}{data.hex().upper()}\r".encode())
+        else:
+            self.far.send(struct.pack("=IB3x8s", found, len(data), data))
+
+    def read(self) -> int:
+        return self.c.read(self.c, 0, self.motion, 1)
+
+    def sent(self) -> list[tuple[int, bytes]]:
+        content = self.far.recv(65536) if self.slcan else b""
+        if self.slcan:
+            return [(int(line[1:4], 16), bytes.fromhex(line[5:].decode()))
+                    for line in content.split(b"\r") if line]  # fmt: skip
+        found = []
+        while True:
+            try:
+                number, size, data = struct.unpack("=IB3x8s", self.far.recv(16))
+            except BlockingIOError:
+                return found
+            found.append((number, data[:size]))
+
+
+@pytest.mark.parametrize("slcan", [True, False])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_position_and_torque_against_the_database(family, link_of, slcan, sign):
+    name, database = family
+    link = link_of(slcan=slcan, family=name, sign=sign)
+    estimate = database.get_message_by_name("Axis0_Get_Encoder_Estimates")
+    torque = database.get_message_by_name("Axis0_Set_Input_Torque")
+    for turns, speed in ((0.75, -2.0), (-1.25, 0.5), (0.5, 0.0)):
+        data = estimate.encode({"Pos_Estimate": turns, "Vel_Estimate": speed})
+        link.give(estimate.frame_id, data)
+        assert link.read() == 1
+        assert link.motion.position_m == sign * (turns - 0.5) * 0.05 - 0.002
+        assert link.motion.velocity_mps == sign * speed * 0.05
+        assert math.isnan(link.motion.measured_n)
+    for force_n in (3.5, -2.0, 0.0):
+        assert link.c.write(link.c, 0, force_n) == 0
+        ((found, data),) = link.sent()
+        assert found == torque.frame_id
+        told = torque.decode(data)["Input_Torque"]
+        assert told == pytest.approx(-sign * force_n * 0.05 / (2 * math.pi), rel=1e-6)
+        train = Transmission(0.05, sign, 0.5, 0.002, 0.5)
+        assert told == np.float32(train.torque_nm(force_n))
+    assert link.c.write(link.c, 0, 100.0) == -2  # more than the motor may give: nothing is sent
+
+
+@pytest.mark.parametrize("slcan", [True, False])
+def test_arming_heartbeats_and_torques(family, link_of, slcan):
+    name, database = family
+    link = link_of(slcan=slcan, family=name)
+    link.c.reset(link.c, 0)
+    frames = dict(link.sent())
+    decode = functools.partial(database.decode_message, decode_choices=False)
+    assert decode("Axis0_Set_Axis_State", frames[0x07])["Axis_Requested_State"] == CLOSED_LOOP
+    mode = decode("Axis0_Set_Controller_Mode", frames[0x0B])
+    assert (int(mode["Control_Mode"]), int(mode["Input_Mode"])) == (1, 1)
+    assert 0x18 in frames
+    assert link.c.ready == 0
+
+    heartbeat = database.get_message_by_name("Axis0_Heartbeat")
+
+    def beat(state: int, error: int = 0, **more: int) -> bytes:
+        values = {signal.name: 0 for signal in heartbeat.signals}
+        return heartbeat.encode({**values, "Axis_State": state, "Axis_Error": error, **more})
+
+    link.give(1, beat(1))
+    assert link.read() == 0  # not armed yet: no trip
+    link.give(1, beat(CLOSED_LOOP, Trajectory_Done_Flag=1))
+    assert link.read() == 0
+    assert link.c.ready == 1
+    assert parse_heartbeat(beat(8, Trajectory_Done_Flag=1), name).failed is False
+    if name == "0.5":
+        link.give(1, beat(CLOSED_LOOP, Encoder_Error_Flag=1))
+        assert parse_heartbeat(beat(8, Encoder_Error_Flag=1), name).failed is True
+    else:
+        link.give(1, beat(CLOSED_LOOP, Procedure_Result=3))
+        assert link.read() == 0
+        link.give(1, beat(1, error=0x1000000))
+    assert link.read() == -2
+    # 0x1C are torques in 0.6 and something else in 0.5
+    link = link_of(slcan=slcan, family=name)
+    link.give(0x1C, struct.pack("<ff", 0.1, 0.2))
+    link.give(0x09, struct.pack("<ff", 0.0, 0.0))
+    assert link.read() == 1
+    if name == "0.6":
+        message = database.get_message_by_name("Axis0_Get_Torques")
+        assert message.frame_id == 0x1C
+        told = message.decode(struct.pack("<ff", 0.1, 0.2))["Torque_Estimate"]
+        assert link.motion.measured_n == pytest.approx(told * 2 * math.pi / 0.05)
+    else:
+        assert math.isnan(link.motion.measured_n)
+
+
+def test_other_nodes_and_damaged_lines_are_no_samples(link_of):
+    link = link_of(slcan=True, family="0.6", node=NODE)
+    good = f"t{NODE << 5 | 9:03X}8{struct.pack('<ff', 1.0, 2.0).hex().upper()}\r".encode()
+    rng = np.random.default_rng(3)
+    wrong = 0
+    for _ in range(20_000):
+        content = bytearray(good)
+        match int(rng.integers(0, 4)):
+            case 0:
+                content = content[: rng.integers(0, len(content) - 1)]  # its end is lost
+            case 1:
+                del content[int(rng.integers(0, len(content) - 1))]
+            case 2:
+                content = bytearray(rng.integers(128, 256, 30, dtype=np.uint8).tobytes())
+            case _:
+                content[1] = ord("7")  # another node
+        link.far.send(bytes(content) + b"\r")
+        before = link.c.samples
+        link.read()
+        wrong += link.c.samples > before and link.motion.position_m != (1.0 - 0.5) * 0.05 - 0.002
+        link.far.send(good)
+        assert link.read() == 1
+        assert link.motion.velocity_mps == 2.0 * 0.05
+    assert wrong == 0
+    assert link.c.crc_errors > 5000
+
+
+@pytest.mark.parametrize("firmware", ["0.5", "0.6"])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
+    log = tmp_path / "a.h5"
+    options = ("--firmware", firmware, "--sign", sign, "--node", NODE)
+    with (
+        peer("slcan_odrive", *options) as drive,
+        Session(folder, drive.url, log, seconds=1.5, tell=list) as session,
+    ):
+        session.start()
+        wait_until(lambda: session.running.over, 20, "does not end")
+        time.sleep(0.05)
+    result = session.result()
+    assert session.running.scheduler().startswith("C thread")
+    assert abs(result["ticks"] - 1500) <= 2
+    assert result["ring_dropped"] == result["crc_errors"] == 0
+    assert result["samples"] > 1400
+    read = read_recording(log)
+    assert validate(folder, [read], paced_s=0.01).mismatches == 0
+    assert read.position_m.max() > 3e-3
+    assert [event["state"] for event in drive.named("state")] == [8, 8, 1]
+    assert len(drive.named("tripped")) >= 1  # the proof of its watchdog
+
+
+def test_a_drive_over_udp_multicast(tmp_path, folder):
+    """Any interface of python-can: the Python loop, and the log is as faithful."""
+    log = tmp_path / "a.h5"
+    with (
+        peer("udp_odrive", "--port", 43219) as drive,
+        Session(folder, drive.url, log, seconds=1.0, tell=list) as session,
+    ):
+        session.start()
+        wait_until(lambda: session.running.over, 20, "does not end")
+    assert session.running.scheduler().startswith("Python thread")
+    assert session.result()["samples"] > 800
+    assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
+
+
+def test_a_drive_without_watchdog_is_refused(folder):
+    with peer("slcan_odrive", "--no-watchdog") as drive:
+        with pytest.raises(DeviceError, match="watchdog on"):
+            Session(folder, drive.url, tell=list).__enter__()
+        assert drive.wait_for("state", more=1)["state"] == 1  # left idle
+
+
+def test_the_wrong_node(folder):
+    with peer("slcan_odrive", "--node", 5) as drive:
+        url = drive.url.replace("node=5", "node=2")
+        with pytest.raises(DeviceError, match=r"no heartbeat of node 2: heard nodes \[5\]"):
+            Session(folder, url, tell=list).__enter__()
+
+
+def test_a_serial_device_is_no_adapter(folder):
+    with peer("serial_device") as device:
+        url = "odrive://slcan/" + device.url.removeprefix("serial://").split("?")[0]
+        with pytest.raises(DeviceError, match="no slcan adapter"):
+            Session(folder, f"{url}?{TRAIN}", tell=list).__enter__()
+
+
+def test_recording_needs_the_torques_of_firmware_0_6():
+    command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
+    with peer("slcan_odrive", "--on-object", "--object", "dragon-skin-fx") as drive:
+        position_m, force_n = open_for_recording(drive.url).press(command_n)
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
+    assert position_m.max() > 5e-4
+    with (
+        peer("slcan_odrive", "--on-object", "--firmware", "0.5") as drive,
+        pytest.raises(DeviceError, match="measures no force"),
+    ):
+        open_for_recording(drive.url).press(command_n)
+
+
+def test_the_bus_is_too_slow_for_the_rate():
+    with pytest.raises(DeviceError, match="250 kbit/s carry 926 exchanges a second, 1000 Hz need"):
+        refuse_slow_bus("odrive://slcan//dev/x", 250_000, 1000)
+    refuse_slow_bus("odrive://slcan//dev/x", 1_000_000, 1000)
+
+
+@pytest.mark.parametrize(
+    ("url", "error", "says"),
+    [
+        ("odrive://slcan//dev/none?node=0", UsageError, "m_per_turn is not known"),
+        (f"odrive://slcan//dev/none?{TRAIN}", DeviceError, "no such port"),
+        (f"odrive://slcan//dev/none?{TRAIN}&bitrate=250000", DeviceError, "250 kbit/s"),
+        (f"odrive://slcan//dev/none?{TRAIN}&sign=0", UsageError, "sign"),
+        (f"odrive://slcan//dev/none?{TRAIN}&speed=1", UsageError, "no setting 'speed'"),
+        (f"odrive://socketcan/can9?{TRAIN}", DeviceError, "kernel needs CAN"),
+        (f"odrive://nosuch/1?{TRAIN}", DeviceError, "nosuch"),
+        ("odrive:///dev/ttyACM0", UsageError, "not complete"),
+        ("odrive://slcan//dev/none?m_per_turn=1&max_torque_nm=0.1", DeviceError, "max_force_n"),
+    ],
+)
+def test_wrong_urls_are_one_line(url, error, says):
+    with pytest.raises(error, match=says) as caught:
+        OdriveDevice(parse_device(url), Wanted(1000, 0.02, 12.0))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_raw_can_socket_carries_the_same_frames():
+    """The bus of socketcan over a pair of sockets: the kernel here may have no CAN."""
+    far, near = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    address = parse_device(f"odrive://socketcan/can0?{TRAIN}")
+    bus = SocketBus(address, near)
+    threading.Timer(0.02, lambda: far.send(struct.pack("=IB3x8s", 0x29, 8, bytes(8)))).start()
+    assert bus.receive(time.monotonic() + 2) == (0x29, bytes(8))
+    assert bus.receive(time.monotonic()) is None
+    bus.send(identifier(1, 0x0E), b"abcdefgh")
+    assert struct.unpack("=IB3x8s", far.recv(16)) == (0x2E, 8, b"abcdefgh")
+    bus.send(identifier(1, 0), b"", remote=True)
+    assert struct.unpack("=IB3x8s", far.recv(16))[0] == 0x40000020
+    far.close()
+    bus.close()

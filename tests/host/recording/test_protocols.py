@@ -1,0 +1,115 @@
+import numpy as np
+import pytest
+
+from springpot.codegen.errors import UsageError
+from springpot.host.recording import protocols
+
+
+def test_training_is_27_cycles_of_48_850_samples():
+    profiles = protocols.training()
+    assert len(profiles) == 27
+    assert sum(len(profile.command_n) for profile in profiles) == 48_850
+    names = [profile.name for profile in profiles]
+    assert sorted(set(names)) == names
+    pairs = {(p.facts["amplitude_n"], round(1 / p.facts["frequency_hz"], 9)) for p in profiles}
+    periods_s = [5, 4, 3, 2, 1, 0.5, round(1 / 3, 9), 0.25, 0.2]
+    assert pairs == {(a, t) for a in (2, 6, 10) for t in periods_s}
+
+
+def test_a_training_profile_is_one_cycle_of_equation_1():
+    for profile in protocols.training():
+        amplitude_n, frequency_hz = profile.facts["amplitude_n"], profile.facts["frequency_hz"]
+        assert abs(len(profile.command_n) - 1000 / frequency_hz) < 1
+        assert profile.command_n[0] == 0
+        assert 0 <= profile.command_n[-1] < 3e-4 * amplitude_n
+        assert profile.command_n.max() == pytest.approx(amplitude_n, rel=1e-4)
+        quarter_ms = np.arange(len(profile.command_n)) == round(250 / frequency_hz)
+        steepest_npms = np.pi * frequency_hz * amplitude_n / 1000
+        assert profile.command_n[quarter_ms] == pytest.approx(amplitude_n / 2, abs=steepest_npms)
+
+
+def test_validation_signals_peak_at_10_n_and_end_at_zero():
+    profiles = protocols.validation(3)
+    assert [len(profile.command_n) for profile in profiles] == [15_000] * 10
+    for profile in profiles:
+        command_n = profile.command_n
+        assert command_n[0] == 0
+        assert command_n.min() >= 0
+        assert command_n.max() == pytest.approx(10)
+        assert command_n[-1] < 0.01
+        last_zero_s = max(
+            np.floor(15 * frequency_hz) / frequency_hz
+            for frequency_hz in profile.facts["frequency_hz"]
+        )
+        assert not command_n[int(np.ceil(last_zero_s * 1000)) :].any()
+        amplitudes_n = np.array(profile.facts["amplitude_n"])
+        assert amplitudes_n.max() / amplitudes_n.min() <= 5  # drawn from 0.2 .. 1
+
+
+def test_validation_is_what_its_seed_says():
+    first, again, other = protocols.validation(1), protocols.validation(1), protocols.validation(2)
+    for one, same, different in zip(first, again, other, strict=True):
+        assert np.array_equal(one.command_n, same.command_n)
+        assert not np.array_equal(one.command_n, different.command_n)
+
+
+def test_extended_adds_a_multisine_and_a_hold():
+    profiles = protocols.extended(1)
+    names = [profile.name for profile in profiles]
+    assert sorted(set(names)) == names
+    multisine, hold = profiles[27:]
+    assert len(multisine.command_n) == 15_000
+    assert len(hold.command_n) == 20_000
+    for profile in (multisine, hold):
+        assert profile.command_n[0] == 0
+        assert profile.command_n[-1] < 0.001
+        assert profile.command_n.min() >= 0
+        assert profile.command_n.max() == pytest.approx(profile.facts["amplitude_n"])
+    assert np.all(hold.command_n[500:-500] == hold.command_n.max())
+    power = np.abs(np.fft.rfft(multisine.command_n)) ** 2
+    assert power[15 * 5 :].sum() > 0.05 * power[1:].sum()  # bins of 1/15 Hz: fast tones are there
+
+
+def test_a_users_file(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        "[[profile]]\namplitude_n = 4\nfrequency_hz = 2.5\ncycles = 3\n"
+        "[[profile]]\namplitude_n = 5\nhold_s = 8\nrise_s = 0.25\n"
+    )
+    cycles, hold = protocols.load_protocol(str(file), 0)
+    assert len(cycles.command_n) == 1200
+    assert cycles.command_n[[200, 400, 600]] == pytest.approx([4, 0, 4])
+    assert len(hold.command_n) == 8000
+    assert hold.command_n[250] == 5
+    assert hold.command_n[125] == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("[[profile]]\namplitude_n = -4\nfrequency_hz = 1\n", "profile.0.amplitude_n"),
+        ("[[profile]]\namplitude_n = nan\nfrequency_hz = 1\n", "profile.0.amplitude_n"),
+        ("[[profile]]\namplitude_n = 4\nfrequency = 1\n", "profile.0.frequency"),
+        ("[[profile]]\namplitude_n = 4\n", "either frequency_hz"),
+        ("[[profile]]\namplitude_n = 4\nfrequency_hz = 1\nhold_s = 3\n", "either frequency_hz"),
+        ("[[profile]]\namplitude_n = 4\nhold_s = 0.1\n", "hold_s 0.1 is shorter"),
+        ("profile = []\n", "profile"),
+        ("[[profile]\n", "not a TOML file"),
+    ],
+)
+def test_a_wrong_file_names_the_key(tmp_path, text, named):
+    file = tmp_path / "wrong.toml"
+    file.write_text(text)
+    with pytest.raises(UsageError) as caught:
+        protocols.load_protocol(str(file), 0)
+    message = str(caught.value)
+    assert named in message
+    assert str(file) in message
+    assert "\n" not in message
+
+
+def test_an_unknown_protocol_lists_those_that_exist(tmp_path):
+    with pytest.raises(UsageError, match="paper, validation, extended"):
+        protocols.load_protocol("papr", 0)
+    with pytest.raises(UsageError, match="exists"):
+        protocols.load_protocol(str(tmp_path / "none.toml"), 0)

@@ -1,0 +1,242 @@
+import runpy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.paths import BENCH
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.recording import protocols
+from springpot.host.simulation.bench import (
+    HANDS,
+    OBJECTS,
+    VARIANTS,
+    ObjectMotion,
+    SimulatedBench,
+    SimulatedHand,
+    SimulatedObject,
+    parse_url,
+)
+
+calibration = runpy.run_path(str(BENCH / "calibrate_sim.py"))
+ALL = [SimulatedObject(name, variant) for name in OBJECTS for variant in VARIANTS]
+each_object = pytest.mark.parametrize("simulated", ALL, ids=lambda s: f"{s.name}-{s.variant}")
+
+
+def energy_j(position_m, force_n):
+    """Work done on the object up to each sample, trapezoids."""
+    means_n = (force_n[1:] + force_n[:-1]) / 2
+    return np.concatenate([[0], np.cumsum(means_n * np.diff(position_m))])
+
+
+@each_object
+def test_depth_and_loss_are_the_calibrated_ones(simulated):
+    depth_m, loss = calibration["figures"](f"sim://{simulated.name}?variant={simulated.variant}")
+    expected_m, expected_loss = calibration["TARGETS"][simulated.name]
+    assert depth_m == pytest.approx(expected_m, rel=0.01)
+    assert loss == pytest.approx(expected_loss, abs=0.005)
+
+
+@each_object
+def test_no_closed_press_gives_energy(simulated):
+    """Random journeys that begin and end at the surface: the net work is never the object's."""
+    draw = np.random.default_rng(7)
+    for _ in range(10):
+        knots = draw.integers(4, 12)
+        depths_m = np.concatenate([[0], draw.uniform(-0.003, 0.02, knots), [0]])
+        times_s = np.concatenate([[0], np.cumsum(draw.choice([0.004, 0.03, 0.2, 1.5], knots + 1))])
+        position_m = np.interp(np.arange(0, times_s[-1], 1 / 16000), times_s, depths_m)
+        force_n = ObjectMotion(simulated, dt_s=1 / 16000, substeps=1).move(position_m)
+        work_j = energy_j(position_m, force_n)
+        assert force_n.min() >= 0
+        assert np.all(force_n[position_m <= 0] == 0)
+        # On the way too it gives no more than it took, but for the trapezoids' own error.
+        assert work_j.min() > -1e-4 * work_j.max()
+        assert work_j[-1] > 0.01 * work_j.max()
+
+
+def test_a_small_fast_cycle_on_a_recovering_surface_gives_no_energy():
+    """Leave faster than the surface recovers, and come back while it does."""
+    t_s = np.arange(0, 3, 1 / 16000)
+    taps_m = 0.004 * np.abs(np.sin(2 * np.pi * 9 * t_s))
+    position_m = np.where(t_s < 1, 0.015 * np.sin(np.pi * t_s / 2), taps_m)
+    position_m = np.append(position_m, 0.0)
+    for simulated in ALL:
+        force_n = ObjectMotion(simulated, dt_s=1 / 16000, substeps=1).move(position_m)
+        work_j = energy_j(position_m, force_n)
+        after_j = work_j[t_s.searchsorted(1.06) :]
+        assert after_j[-1] >= after_j[0]
+
+
+def test_ten_times_stiffer_is_ten_times_the_force():
+    position_m = 0.008 * np.sin(np.linspace(0, np.pi, 800)) ** 2
+    for simulated in ALL:
+        force_n = ObjectMotion(simulated).move(position_m)
+        assert force_n.max() > 1
+        stiffer_n = ObjectMotion(replace(simulated, stiffer=10.0)).move(position_m)
+        assert stiffer_n == pytest.approx(10 * force_n, rel=1e-6, abs=1e-6)
+
+
+def test_stress_speeds_relaxation_in_variant_b_alone():
+    """Share of the relaxing force that is gone 10 ms after a step, shallow and deep."""
+
+    def relaxed_share(variant, depth_m):
+        motion = ObjectMotion(SimulatedObject("ecoflex-00-30", variant))
+        force_n = motion.move(np.full(60_000, depth_m))
+        return (force_n[0] - force_n[10]) / (force_n[0] - force_n[-1])
+
+    assert relaxed_share("b", 0.002) == pytest.approx(relaxed_share("a", 0.002), abs=0.01)
+    assert relaxed_share("b", 0.014) > relaxed_share("a", 0.014) + 0.2
+    assert relaxed_share("a", 0.014) < relaxed_share("a", 0.002)
+
+
+def test_relaxation_is_no_power_law():
+    """A power law has one slope of log relaxation against log time; this one bends."""
+    step = ObjectMotion(SimulatedObject("ecoflex-00-10"), dt_s=0.001)
+    force_n = step.move(np.full(200_001, 0.010))
+    times_s = np.array([0.01, 0.1, 1, 10, 100])
+    slow_n = step.move(np.full(1_000_000, 0.010))[-1]
+    above_n = force_n[np.round(times_s * 1000).astype(int)] - slow_n
+    slopes = np.diff(np.log10(above_n))
+    assert np.ptp(slopes) > 0.5
+
+
+def test_noise_is_what_its_seed_says():
+    command_n = protocols.training()[4].command_n
+    url = "sim://ecoflex-00-50?seed={}"
+
+    def press(seed):
+        return SimulatedBench(parse_url(url.format(seed))).press(command_n)
+
+    one, same, other = press(1), press(1), press(2)
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one[0], other[0])
+    assert not np.array_equal(one[1], other[1])
+    bench = SimulatedBench(parse_url(url.format(1)))
+    assert not np.array_equal(bench.press(command_n)[1], bench.press(command_n)[1])
+
+
+def test_sensors_have_the_stated_noise():
+    position_m, force_n = SimulatedBench(parse_url("sim://dragon-skin-10")).press(np.zeros(4000))
+    assert np.allclose(position_m / 10e-6, np.round(position_m / 10e-6), atol=1e-6)
+    free = SimulatedBench(parse_url("sim://dragon-skin-10")).press(np.full(4000, -0.05))[1]
+    assert np.std(free[2000:]) == pytest.approx(0.015, rel=0.1)
+    assert np.std(force_n) == pytest.approx(0.015, rel=0.2)
+
+
+def test_force_control_follows_its_command():
+    for simulated in ALL:
+        for profile in protocols.training():
+            _, force_n = SimulatedBench(simulated).press(profile.command_n)
+            peak_n = profile.command_n.max()
+            assert np.sqrt(np.mean((force_n - profile.command_n) ** 2)) < 0.02 + 0.09 * peak_n
+            # The greatest of many samples lies about 0.06 N of noise above the truth.
+            assert 0.99 * peak_n < force_n.max() < 1.01 * peak_n + 0.14
+
+
+def test_a_delayed_motor_differs_but_follows():
+    command_n = protocols.training()[22].command_n
+    prompt = SimulatedBench(parse_url("sim://ecoflex-00-30")).press(command_n)
+    late = SimulatedBench(parse_url("sim://ecoflex-00-30?delay=1")).press(command_n)
+    assert not np.array_equal(prompt[1], late[1])
+    assert np.abs(late[1] - prompt[1]).max() < 0.5
+
+
+@each_object
+def test_substeps_converge(simulated):
+    """Each refinement by four brings the recorded press closer to the finest one."""
+    position_m = 0.007 * (1 - np.cos(2 * np.pi * 5 * np.arange(200) / 1000))
+    finest_n = ObjectMotion(simulated, substeps=1024).move(position_m)
+    errors = [
+        np.abs(ObjectMotion(simulated, substeps=n).move(position_m) - finest_n).max()
+        / finest_n.max()
+        for n in (4, 16, 64)
+    ]
+    assert errors[1] < 1e-3
+    assert errors[0] > 2.5 * errors[1] > 6 * errors[2]
+    command_n = protocols.training()[22].command_n
+    usual, finer = (SimulatedBench(simulated, n).press(command_n) for n in (16, 128))
+    assert np.abs(usual[0] - finer[0]).max() < 0.001 * np.ptp(finer[0]) + 30e-6
+    assert np.abs(usual[1] - finer[1]).max() < 0.05
+
+
+def test_a_wall_is_stable_up_to_what_damping_over_delay_allows():
+    """A held spring K is stable below b/(1.5 dt) with a sample of delay: 6.6 N/mm at 1 ms."""
+
+    def grows(stiffness_npm, dt_s, delay_samples):
+        hand = SimulatedHand("mid", delay_samples=delay_samples)
+        position_m, speeds_mps = 0.0, []
+        for tick in range(round(6 / dt_s)):
+            force_n = stiffness_npm * (position_m + 0.005)
+            position_m, velocity_mps = hand.step(dt_s, 0.005 if tick else 0.0, force_n)
+            speeds_mps.append(abs(velocity_mps))
+        quarter = len(speeds_mps) // 4
+        return max(speeds_mps[-quarter:]) > max(speeds_mps[quarter : 2 * quarter])
+
+    assert not grows(6400, 0.001, 1)
+    assert grows(6900, 0.001, 1)
+    assert not grows(19_000, 0.001, 0)
+    assert grows(20_800, 0.001, 0)
+    assert not grows(25_500, 0.00025, 1)
+    assert grows(27_700, 0.00025, 1)
+
+
+def test_a_hand_presses_the_object_itself():
+    intended_m = np.interp(np.arange(6000) / 1000, [0, 0.5, 6], [0, 0.03, 0.03])
+    for name in HANDS:
+        pressed = ObjectMotion(SimulatedObject("ecoflex-00-30"))
+        position_m, force_n = SimulatedHand(name).press(pressed, intended_m)
+        stiffness_npm = {"mid": 400, "firm": 1000, "light": 300}[name]
+        assert force_n[-1] == pytest.approx(stiffness_npm * (0.03 - position_m[-1]), rel=0.01)
+        truth_n = ObjectMotion(SimulatedObject("ecoflex-00-30")).move(position_m)
+        assert truth_n[100:] == pytest.approx(force_n[100:], abs=0.05)
+
+
+def test_a_noisy_hand_feels_as_the_quiet_one_does():
+    quiet, noisy = SimulatedHand("firm"), SimulatedHand("firm", noisy=True, seed=4)
+    for tick in range(600):
+        intended_m = 0.01 * (1 - np.cos(tick / 100))
+        truth = quiet.step(0.001, intended_m, 0.0)
+        seen = noisy.step(0.001, intended_m, 0.0)
+        assert seen[0] == pytest.approx(truth[0], abs=25e-6)
+        assert seen[1] == pytest.approx(truth[1], abs=0.012)
+    assert seen != truth
+
+
+def test_misuse_of_the_c_is_refused():
+    with pytest.raises(ValueError, match="status -2"):
+        ObjectMotion(SimulatedObject("ecoflex-00-10")).move(np.array([0.001, np.nan]))
+    with pytest.raises(ValueError, match="status -2"):
+        ObjectMotion(SimulatedObject("ecoflex-00-10"), substeps=0)
+    with pytest.raises(ValueError, match="status -3"):
+        SimulatedHand(substeps=8).press(ObjectMotion(ALL[0]), np.zeros(3))
+    with pytest.raises(DeviceError, match=r"40\.0 N.*12 N"):
+        SimulatedBench(ALL[0]).press(np.full(10, 40.0))
+
+
+def test_a_url_says_it_all():
+    url = "sim://ecoflex-00-30?variant=b&stiffer=10&hand=light&seed=5&delay=1"
+    assert parse_url(url) == SimulatedObject("ecoflex-00-30", "b", 10.0, "light", 5, 1)
+    assert parse_url("sim://dragon-skin-fx") == SimulatedObject("dragon-skin-fx")
+
+
+@pytest.mark.parametrize(
+    ("url", "named"),
+    [
+        ("sim://ecoflex", "ecoflex-00-10, ecoflex-00-30"),
+        ("sim://", "dragon-skin-10"),
+        ("sim://ecoflex-00-30/x", "dragon-skin-10"),
+        ("sim://ecoflex-00-30?colour=red", "variant, stiffer, hand, seed or delay"),
+        ("sim://ecoflex-00-30?variant=c", "a, b"),
+        ("sim://ecoflex-00-30?hand=left", "mid, firm, light"),
+        ("sim://ecoflex-00-30?stiffer=nan", "stiffer=nan"),
+        ("sim://ecoflex-00-30?stiffer=soft", "stiffer=soft"),
+        ("sim://ecoflex-00-30?seed=-1", "seed=-1"),
+        ("sim://ecoflex-00-30?delay=3", "0, 1"),
+    ],
+)
+def test_a_wrong_url_lists_what_exists(url, named):
+    with pytest.raises(UsageError) as caught:
+        parse_url(url)
+    assert named in str(caught.value)
+    assert "\n" not in str(caught.value)

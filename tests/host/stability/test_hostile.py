@@ -1,0 +1,160 @@
+"""Fuzz, recovery, numbers and scales: the force is right or safe whatever comes in."""
+
+import dataclasses
+import os
+
+import numpy as np
+import pytest
+from support.small import DEPTH_M, DT_S, press, scene, training
+
+from springpot.codegen.model.ir import Hammerstein, Model, TrainedRange
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.run import run_reference
+from springpot.codegen.scene import Coupling
+from springpot.host.native.trial_build import built
+from springpot.host.simulation.bench import HANDS
+from springpot.host.simulation.hand_loop import Grip, HandLoop
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+
+# `make soak` asks for 1e8 ticks, 24 simulated hours and 1e7 samples.
+SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))
+FUZZ_TICKS = 100_000_000 if SOAK else 1_000_000
+PRESS_S = 24 * 3600.0 if SOAK else 600.0
+DRIFT_TICKS = 10_000_000 if SOAK else 1_000_000
+KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "hammerstein", "hybrid")
+
+
+def model_of(kind: str, contact: str = "surface") -> Model:
+    found = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20)).model
+    return dataclasses.replace(found, contact=contact)
+
+
+@pytest.mark.parametrize(
+    ("kind", "mode", "contact", "number"),
+    [
+        ("rf-fd", "off", "surface", "float32"),
+        ("rf-fd", "proxy", "surface", "float32"),
+        ("rbf-fd", "tool", "surface", "float32"),
+        ("rbf-pv", "proxy", "always", "float32"),
+        ("hammerstein", "proxy", "surface", "float64"),
+        ("hybrid", "tool", "always", "float32"),
+    ],
+)
+def test_no_bits_make_a_force_that_is_not_allowed(
+    kind: str, mode: str, contact: str, number: str
+) -> None:
+    chosen = scene(number=number, mode=mode, smoothing_s=8e-4)
+    if mode != "off":
+        chosen = dataclasses.replace(
+            chosen, device=dataclasses.replace(chosen.device, velocity="device")
+        )
+    plan = make_plan(model_of(kind, contact), chosen)
+    limits = float(plan.output.least_n), float(plan.output.greatest_n)
+    with built(plan) as library:
+        assert HandLoop(library).fuzz(FUZZ_TICKS, DT_S, DEPTH_M, limits, seed=1) == 0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("mode", ["off", "proxy"])
+def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) -> None:
+    """A burst of everything, then a clean motion: as a run that never saw the burst."""
+    plan = make_plan(model_of(kind), scene(mode=mode))
+    rng = np.random.default_rng(1)
+    clean = np.concatenate([press(2.0), press(1.0), press(2.0, 0.5 * DEPTH_M, 4)])
+    dirty = clean.copy()
+    begin, end = 600, 618  # shorter than the watchdog waits
+    dirty[begin:end] = rng.choice([np.nan, np.inf, -np.inf, 1e30, 1e-42, 0.05], end - begin)
+    with built(plan) as library:
+        right_n, _ = library.new_state().run(clean)
+        found_n, _ = library.new_state().run(dirty)
+    assert np.all(np.isfinite(found_n))
+    back = end + plan.recovery_ticks
+    assert back < len(clean) - 500
+    np.testing.assert_allclose(found_n[back:], right_n[back:], atol=0.02 * right_n.max())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_float32_stays_beside_float64(kind: str) -> None:
+    """Long motion in both: no drift from the first tenth to the last."""
+    model = model_of(kind)
+    rng = np.random.default_rng(2)
+    chunk = 100_000
+    time_s = np.arange(chunk) * DT_S
+    with (
+        built(make_plan(model, scene())) as single,
+        built(make_plan(model, scene(number="float64"))) as double,
+    ):
+        one, other = single.new_state(), double.new_state()
+        errors = []
+        for part in range(DRIFT_TICKS // chunk):
+            wave = sum(
+                np.sin(2 * np.pi * f * (time_s + part * chunk * DT_S) + phase)
+                for f, phase in zip((0.31, 0.83, 2.7, 6.1), rng.uniform(0, 6, 4), strict=True)
+            )
+            motion = (DEPTH_M * (0.45 + 0.13 * wave)).astype(np.float32)
+            difference = one.run(motion)[0] - other.run(motion.astype(np.float64))[0]
+            errors.append(float(np.sqrt(np.mean(difference**2))))
+    peak_n = model.trained.greatest_n
+    tenth = max(1, len(errors) // 10)
+    assert max(errors) < 2e-3 * peak_n  # a leaf that flips at a near tie
+    assert np.mean(errors[-tenth:]) < 3.0 * np.mean(errors[:tenth]) + 1e-6 * peak_n
+
+
+@pytest.mark.parametrize("stiffness_npm", [10.0, 1e3, 1e5])
+@pytest.mark.parametrize("depth_m", [1e-6, 1e-3, 1.0])
+@pytest.mark.parametrize("dt_s", [1.25e-4, 1e-3, 1e-2])
+def test_scales_of_a_micrometre_to_a_metre(
+    stiffness_npm: float, depth_m: float, dt_s: float
+) -> None:
+    """A spring of any size: forces from 10 uN to 100 kN are exact to float32."""
+    peak_n = stiffness_npm * depth_m
+    if not 1e-5 <= peak_n <= 1e4:
+        pytest.skip("outside 10 uN to 10 kN")
+    spring = Hammerstein(
+        basis="powers", origin_m=0.0, span_m=depth_m, elastic_n=np.array([peak_n, 0.0, 0.0]),
+        tau_s=np.array([20 * dt_s]), branch_n=np.array([[0.5 * peak_n, 0.0, 0.0]]),
+        radius_m=np.zeros(0), stop_n=np.zeros((0, 3)), bias_n=0.0,
+    )  # fmt: skip
+    trained = TrainedRange(0.0, depth_m, 0.02 * depth_m / dt_s, 0.0, 1.5 * peak_n)
+    model = Model("hammerstein", "x", dt_s, "surface", trained, None, None, spring, True)
+    motion = 0.5 * depth_m * (1 - np.cos(np.arange(2000) * 2 * np.pi / 500))
+    forces = []
+    for number in ("float32", "float64"):
+        options = scene(number=number)
+        guard = dataclasses.replace(options.guard, max_force_n=min(1e4, 2 * peak_n))
+        plan = make_plan(model, dataclasses.replace(options, guard=guard))
+        forces.append(run_reference(plan, motion).force_n.astype(np.float64))
+    np.testing.assert_allclose(forces[0], forces[1], atol=2e-5 * peak_n)
+    assert forces[1].max() > 0.9 * peak_n
+
+
+@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("mode", ["off", "auto-stiff"])
+def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str) -> None:
+    """The bound, stated before the run: a force held for a tick lags half a tick behind the motion.
+
+    Over a press in and out to the greatest depth, at the greatest speed, that is at most
+    2 x 1/2 K (v dt) x depth of energy, with K the stiffness felt; twice that with the sensors.
+    """
+    from springpot.codegen.model.scaled import stiffer
+
+    model = model_of("hammerstein")
+    chosen = scene()
+    if mode == "auto-stiff":
+        model = stiffer(model, 10.0)
+        chosen = dataclasses.replace(chosen, coupling=Coupling())
+    plan = make_plan(model, chosen)
+    depth_m = float(plan.range.greatest_m)
+    reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 1000.0, "light": 300.0}[hand]
+    greatest_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
+    bound_j = 2.0 * plan.coupling.felt_npm * greatest_mps * plan.dt_s * 1.3 * reach_m
+    with built(plan) as library:
+        ticks = round(PRESS_S / plan.dt_s)
+        found = HandLoop(library).press(Grip(hand), ticks, plan.dt_s, reach_m)
+    assert found["not_finite"] == 0
+    assert found["latched"] == 0
+    assert found["presses"] > 0.1 * PRESS_S
+    assert found["most_returned_j"] <= bound_j
+    assert found["most_taken_j"] > 1e-3
+    assert found["last_n"] == pytest.approx(found["first_n"], rel=0.05 if SOAK else 0.25)

@@ -1,0 +1,146 @@
+"""A simple springpot serial device on a pseudo-terminal: position in a hand, or an object to press.
+
+    python tests/support/peers/serial_device.py --object ecoflex-00-30
+
+The first line is the URL to use, then one JSON object for each event. Stops on SIGTERM.
+"""
+
+import argparse
+import time
+from typing import Any
+
+from line import Clock, Faults, Noise, Port, Tool, arguments, be_a_device, say
+
+from springpot.host.devices.wire import Receiver, Sender, constant, layout
+
+START, STOP, RESET, PRESS = (constant(name) for name in ("START", "STOP", "RESET", "PRESS"))
+IDLE_RATE_HZ = 1000.0
+
+
+class Board:
+    """The firmware: commands, watchdog, samples."""
+
+    def __init__(self, options: argparse.Namespace, port: Port) -> None:
+        self.options, self.port = options, port
+        self.noise, self.faults = Noise(options), Faults(options)
+        self.forget()
+        self.rate_hz = IDLE_RATE_HZ
+        self.clock = Clock(1 / self.rate_hz)
+
+    def forget(self) -> None:
+        """Power on."""
+        self.sender, self.receiver = Sender(), Receiver()
+        self.force_n = 0.0
+        self.running = self.tripped = self.pressing = False
+        self.watchdog_s = 0.02
+        self.force_came_s: float | None = None
+        self.tool: Tool | None = None
+        self.held = b""
+
+    def send(self, name: str, **values: Any) -> None:
+        frame = self.noise.out(self.sender.encode(name, **values), time.monotonic())
+        self.held += frame
+        if self.faults.now("burst"):
+            return
+        if self.held:
+            self.port.write(self.held)
+            self.held = b""
+
+    def hello(self) -> None:
+        model = bytes.fromhex(self.options.model) if self.options.model else bytes(32)
+        role = constant("RENDERS" if self.options.model else "SIMPLE")
+        self.send("hello", layout=self.options.layout or layout(), role=role, model=model,
+                  rate_hz=self.rate_hz, greatest_n=self.options.greatest_n)  # fmt: skip
+
+    def command(self, sequence: int, action: int, watchdog_s: float, rate_hz: float) -> None:
+        refused = 0
+        if not 10 <= rate_hz <= self.options.most_hz:
+            refused = constant("REFUSED_RATE")
+        elif action in (START, PRESS):
+            self.rate_hz, self.watchdog_s = rate_hz, watchdog_s
+            self.tool = Tool(self.options, 1 / rate_hz)
+            self.clock = Clock(1 / rate_hz)
+            self.running, self.pressing, self.tripped = True, action == PRESS, False
+            self.force_came_s, self.force_n = None, 0.0
+            say(event="start", rate_hz=rate_hz, watchdog_ms=1e3 * watchdog_s)
+        elif action == STOP:
+            say(event="stop", force_n=self.force_n)
+            self.running, self.force_n = False, 0.0
+        elif action == RESET:
+            self.tripped, self.force_came_s = False, None
+            say(event="reset")
+        self.send("ack", command=sequence, refused=refused)
+
+    def take(self, content: bytes) -> None:
+        for frame in self.receiver.feed(content):
+            values = frame.values
+            if frame.name == "force" and not frame.old and self.running and not self.tripped:
+                if abs(self.force_n) > 0.05 and not values["force_n"]:
+                    say(event="zero", was_n=self.force_n)
+                self.force_n, self.force_came_s = values["force_n"], time.monotonic()
+                self.faults.force_came()
+            elif frame.name == "ask":
+                self.receiver.restart()
+                self.hello()
+            elif frame.name == "command":
+                self.command(frame.sequence, **values)
+
+    def watch(self) -> None:
+        """The device's own watchdog: latched until a command."""
+        if self.running and not self.tripped and self.force_came_s is not None:
+            silent_s = time.monotonic() - self.force_came_s
+            if silent_s > self.watchdog_s:
+                say(event="tripped", silent_ms=1e3 * silent_s, was_n=self.force_n)
+                self.force_n, self.tripped = 0.0, True
+
+    def sample(self) -> None:
+        if not self.running or self.tool is None:
+            return
+        measured_n, cell = 0.0, 0
+        if self.pressing:
+            position_m, velocity_mps, measured_n = self.tool.on_object(self.force_n)
+            cell = constant("LOAD_CELL")
+        else:
+            position_m, velocity_mps = self.tool.in_hand(self.force_n)
+        status = constant("RUNNING") | cell | (constant("TRIPPED") if self.tripped else 0)
+        if not self.faults.now("silent"):
+            self.send("sample", status=status, position_m=position_m, velocity_mps=velocity_mps,
+                      measured_n=measured_n)  # fmt: skip
+
+    def tick(self) -> None:
+        self.clock.wait()
+        if self.port.master < 0:
+            if not self.faults.now("gone"):
+                self.port.open()
+                say(event="back")
+            return
+        if self.faults.now("gone"):
+            say(event="gone", was_n=self.force_n)
+            self.port.close()
+            self.forget()
+            return
+        content = self.port.read()
+        if content:
+            self.take(content)
+        self.watch()
+        if content is not None:
+            self.sample()
+
+
+def main() -> None:
+    parser = arguments(__doc__.splitlines()[0])
+    parser.add_argument("--greatest-n", type=float, default=20.0, help="of the motor")
+    parser.add_argument("--most-hz", type=float, default=8000.0)
+    parser.add_argument("--model", default="", help="say that it renders the scene of this hash")
+    parser.add_argument("--layout", type=int, default=0, help="say another layout of messages")
+    options = parser.parse_args()
+    port = Port()
+    board = Board(options, port)
+    be_a_device()
+    print(f"serial://{port.path}?baud=4000000", flush=True)
+    while True:
+        board.tick()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""An ODrive on python-can's udp_multicast bus, within this machine (hop limit 0).
+
+    python tests/support/peers/udp_odrive.py --object ecoflex-00-30
+
+The first line is the URL to use, then one JSON object for each event. Stops on SIGTERM.
+"""
+
+import argparse
+import time
+
+import can
+from axis import Axis, add_options
+from line import Noise, arguments, be_a_device
+
+GROUP = "239.74.163.2"
+
+
+class Bus:
+    """The axis on a multicast group."""
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self.noise, self.axis = Noise(options), Axis(options)
+        self.bus = can.Bus(interface="udp_multicast", channel=GROUP, port=options.port, hop_limit=0)
+
+    def send(self, identifier: int, data: bytes) -> None:
+        faults = self.axis.faults
+        if faults.now("gone") or faults.now("burst"):
+            return
+        # The noise works on the data: a datagram has a checksum of its own.
+        content = self.noise.out(data, time.monotonic())
+        for begin in range(0, len(content), 8):
+            data = content[begin : begin + 8]
+            self.bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
+
+    def tick(self) -> None:
+        self.axis.clock.wait()
+        while (message := self.bus.recv(0)) is not None:
+            taken = self.axis.take(message.arbitration_id, bytes(message.data),
+                                   message.is_remote_frame)  # fmt: skip
+            for frame in taken:
+                self.send(*frame)
+        for frame in self.axis.step():
+            self.send(*frame)
+
+
+def main() -> None:
+    parser = arguments(__doc__.splitlines()[0])
+    add_options(parser)
+    parser.add_argument("--port", type=int, default=43113)
+    options = parser.parse_args()
+    bus = Bus(options)
+    be_a_device()
+    print(f"odrive://udp_multicast/{GROUP}?port={options.port}&{bus.axis.settings}", flush=True)
+    while True:
+        bus.tick()
+
+
+if __name__ == "__main__":
+    main()

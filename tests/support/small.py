@@ -1,0 +1,91 @@
+"""Small models and motions for the tests: made in a fraction of a second, always the same."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model_file import write_model
+from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
+from springpot.trainer.features.fractional import fir_derivatives, gl_taps
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import Fit, FitOptions
+from springpot.trainer.recordings.recording import Recording, Zero
+
+DT_S = 1e-3
+DEPTH_M = 0.012
+
+
+def press(frequency_hz: float, depth_m: float = DEPTH_M, cycles: int = 1) -> np.ndarray:
+    time_s = np.arange(round(cycles / frequency_hz / DT_S)) * DT_S
+    return depth_m / 2 * (1 - np.cos(2 * np.pi * frequency_hz * time_s))
+
+
+def soft_force(position_m: np.ndarray) -> np.ndarray:
+    """A stiffening object with a springpot: nothing that a window of 171 taps holds exactly."""
+    depth_m = np.maximum(position_m, 0.0)
+    lossy = fir_derivatives(depth_m, gl_taps(0.2, 600, DT_S)[:, None])[:, 0]
+    return np.maximum(0.0, 250.0 * depth_m + 4e4 * depth_m**2 + 25.0 * lossy)
+
+
+def recording(name: str, position_m: np.ndarray, zero: Zero = "none") -> Recording:
+    return Recording(name, position_m, soft_force(position_m), DT_S, zero=zero)
+
+
+@cache
+def training() -> tuple[Recording, ...]:
+    return tuple(
+        recording(f"{share}-{frequency_hz}", press(frequency_hz, share * DEPTH_M))
+        for share in (0.3, 0.7, 1.0)
+        for frequency_hz in (0.5, 1.0, 3.0, 5.0)
+    )
+
+
+@cache
+def small_fit(trees: int = 5) -> Fit:
+    return fit_model("rf-fd", "small", training(), FitOptions(seed=1, trees=trees, leaf=20))
+
+
+def small_model() -> Model:
+    return small_fit().model
+
+
+def scene(
+    number: str = "float32",
+    mode: str = "off",
+    smoothing_s: float = 0.0,
+    prefix: str = "sp",
+    forest: str = "table",
+) -> Scene:
+    return Scene(
+        schema=1,
+        name="test",
+        model="model.spm",
+        runtime=Runtime(number=number, prefix=prefix, forest=forest),  # type: ignore[arg-type]
+        coupling=Coupling(mode=mode),  # type: ignore[arg-type]
+        smoothing=Smoothing(time_constant_s=smoothing_s),
+    )
+
+
+def model_file(folder: Path, model: Model | None = None) -> Path:
+    path = folder / "model.spm"
+    write_model(path, model or small_model())
+    return path
+
+
+def wandering(seed: int, ticks: int = 4000) -> np.ndarray:
+    """A hand's motion in and out of the object, deeper than trained, with what devices do wrong."""
+    rng = np.random.default_rng(seed)
+    steps = rng.normal(0.0, 1.2e-4, ticks)
+    position_m = np.convolve(np.cumsum(steps), np.ones(20) / 20, mode="same")
+    position_m += 0.3 * DEPTH_M - position_m[0]
+    bad = rng.integers(0, ticks, 24)
+    position_m[bad[:6]] = np.nan
+    position_m[bad[6:9]] = np.inf
+    position_m[bad[9:14]] += rng.normal(0.0, 1.0, 5)
+    position_m[bad[14] :] += 0.01  # a jump that stays: the guard resynchronises
+    position_m[bad[15] : bad[15] + 30] = np.nan  # longer than the watchdog waits
+    position_m[bad[16]] = 1e30
+    position_m[bad[17]] = 1e-42
+    return position_m

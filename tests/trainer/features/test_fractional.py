@@ -1,0 +1,67 @@
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from springpot.trainer.features.fractional import fir_derivatives, gl_taps, gl_weights
+
+
+@pytest.mark.parametrize("order", [0.0, 0.05, 0.3, 0.5, 0.95, 1.0])
+def test_weights_equal_exact_binomials(order: float) -> None:
+    with mpmath.workdps(40):
+        exact = [float((-1) ** k * mpmath.binomial(mpmath.mpf(order), k)) for k in range(2000)]
+    np.testing.assert_allclose(gl_weights(order, 2000), exact, rtol=5e-13, atol=1e-300)
+
+
+def test_long_windows_do_not_overflow() -> None:
+    weights = gl_weights(0.5, 100_000)
+    assert np.all(np.isfinite(weights))
+    assert np.all(weights[1:] < 0.0)
+
+
+def test_order_zero_is_the_signal_and_order_one_the_difference() -> None:
+    signal = np.sin(np.linspace(0.0, 3.0, 400))
+    taps = np.stack([gl_taps(0.0, 50, 1e-3), gl_taps(1.0, 50, 1e-3)], axis=1)
+    features = fir_derivatives(signal, taps)
+    np.testing.assert_allclose(features[:, 0], signal, atol=1e-15)
+    expected = np.diff(signal, prepend=signal[0]) / 1e-3
+    np.testing.assert_allclose(features[:, 1], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", [0.05, 0.25, 0.5])
+@pytest.mark.parametrize("power", [1, 2])
+def test_derivative_of_powers(order: float, power: int) -> None:
+    # D^r t^p = gamma(p + 1)/gamma(p + 1 - r) t^(p - r), from rest at 0.
+    dt_s = 1e-3
+    time_s = np.arange(2000) * dt_s
+    filtered = fir_derivatives(time_s**power, gl_taps(order, 2000, dt_s)[:, None])[:, 0]
+    factor = float(mpmath.gamma(power + 1) / mpmath.gamma(power + 1 - order))
+    exact = factor * time_s ** (power - order)
+    np.testing.assert_allclose(filtered[1000:], exact[1000:], rtol=2e-3)
+
+
+@pytest.mark.parametrize("order", [0.1, 0.3, 0.5])
+def test_sines_are_scaled_and_advanced(order: float) -> None:
+    # D^r sin(w t) = w^r sin(w t + r pi/2) once the start has died away.
+    dt_s, frequency_hz = 1e-3, 2.0
+    time_s = np.arange(60_000) * dt_s
+    angle = 2 * np.pi * frequency_hz * time_s
+    filtered = fir_derivatives(np.sin(angle), gl_taps(order, 30_000, dt_s)[:, None])[:, 0]
+    omega = 2 * np.pi * frequency_hz
+    exact = omega**order * np.sin(angle + order * np.pi / 2)
+    error = filtered[40_000:] - exact[40_000:]
+    assert np.sqrt(np.mean(error**2)) < 6e-3 * omega**order
+
+
+@given(st.floats(0, 1), st.integers(1, 300))
+def test_a_rest_before_the_start_is_the_first_sample_held(order: float, length: int) -> None:
+    taps = gl_taps(order, length, 1e-3)[:, None]
+    features = fir_derivatives(np.full(5, 0.01), taps)
+    np.testing.assert_allclose(features, 0.01 * taps.sum(), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(("order", "length"), [(-0.1, 5), (1.1, 5), (0.5, 0), (np.nan, 3)])
+def test_refuses_what_is_no_filter(order: float, length: int) -> None:
+    with pytest.raises(ValueError, match="give"):
+        gl_weights(order, length)

@@ -1,0 +1,104 @@
+"""What a fit takes from its recordings: rows, range, contact, scale, smoothing."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from sklearn.ensemble import RandomForestRegressor
+from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
+
+from springpot.codegen.errors import DataError
+from springpot.codegen.forest.leaves import leaf_quanta
+from springpot.trainer.features.fractional import fir_derivatives
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.forests import depth_scale
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.rows import choose_rows
+from springpot.trainer.models.training_set import contact_of, trained_range, training_set
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.smoothing import smoothed, smoothing_samples
+
+
+@pytest.mark.parametrize(
+    ("rows", "fraction", "expected"),
+    [(48_850, None, 9770), (19_999, None, 19_999), (20_000, None, 4000), (10_000_000, None, 50_000),
+     (100, 0.5, 50), (100, 1.0, 100), (3, 0.01, 1)],
+)  # fmt: skip
+def test_rows_follow_the_paper(rows: int, fraction: float | None, expected: int) -> None:
+    chosen = choose_rows(rows, fraction, np.random.default_rng(0))
+    assert len(chosen) == len(set(chosen.tolist())) == expected
+    assert chosen.max() < rows
+
+
+def test_smoothing_is_the_papers_25_samples_at_1_khz_and_none_when_short() -> None:
+    assert smoothing_samples(0.025, 1e-3) == 25
+    assert smoothing_samples(0.025, 0.01) == 3
+    assert smoothing_samples(0.025, 0.02) == 1
+    assert smoothing_samples(0.0, 1e-3) == 1
+
+
+def test_smoothing_is_zero_phase_and_keeps_a_line() -> None:
+    line = np.linspace(0.0, 0.01, 400)
+    item = Recording("line", line, 100 * line, DT_S)
+    result = smoothed(item, 0.025)
+    np.testing.assert_allclose(result.position_m[12:-12], line[12:-12], atol=1e-15)
+    assert smoothed(item, 0.0) is item
+
+
+def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
+    model, item = small_fit().model, training()[2]
+    data = training_set(training(), 0.025)
+    rows = data.rows(None, 1)
+    scale = 64.0  # the power of two nearest to 1/0.012 m
+    assert depth_scale(DEPTH_M) == scale
+    forest = RandomForestRegressor(
+        n_estimators=5, min_samples_leaf=20, max_samples=0.35, random_state=1
+    ).fit(scale * data.features(model.features, rows), data.force_n(rows))
+    features = fir_derivatives(scale * item.position_m, model.features.taps)
+    expected = forest.predict(features.astype(np.float32))
+    rounding_n = 1.01 * leaf_quanta(model.regressor).error_n
+    np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
+
+
+def test_unscaled_metres_would_not_do() -> None:
+    # Positions a thousand times smaller give the same model: the scale follows the depth.
+    small = [dataclasses.replace(item, position_m=item.position_m / 1024.0) for item in training()]
+    fit = fit_model("rf-fd", "small", small, FitOptions(seed=1, trees=5, leaf=20))
+    reference = predict_n(small_fit().model, training()[1])
+    np.testing.assert_allclose(predict_n(fit.model, small[1]), reference, atol=1e-5)
+
+
+def test_the_trained_range_is_that_of_the_recordings() -> None:
+    found = trained_range([recording("a", press(1.0, 0.01))], "surface")
+    assert found.least_m == 0.0
+    assert found.greatest_m == pytest.approx(0.01, rel=1e-4)
+    assert found.greatest_mps == pytest.approx(np.pi * 0.01, rel=1e-2)
+
+
+def test_recordings_that_do_not_fit_together_are_refused() -> None:
+    good = training()[0]
+    slow = dataclasses.replace(good, name="slow", dt_s=0.01)
+    moved = dataclasses.replace(good, name="moved", zero="min")
+    outward = dataclasses.replace(good, name="outward", position_m=-good.position_m)
+    options = FitOptions(trees=2)
+    with pytest.raises(DataError, match="slow is sampled at 100 Hz"):
+        fit_model("rf-fd", "x", [good, slow], options)
+    with pytest.raises(DataError, match="moved was imported with --zero"):
+        fit_model("rf-fd", "x", [good, moved], options)
+    with pytest.raises(DataError, match="check the sign"):
+        fit_model("rf-fd", "x", [outward], options)
+    with pytest.raises(DataError, match="no recordings"):
+        fit_model("rf-fd", "x", [], options)
+
+
+def test_contact_follows_the_importers_zero() -> None:
+    item = training()[0]
+    assert contact_of([item]) == "surface"
+    assert contact_of([dataclasses.replace(item, zero="min")]) == "always"
+
+
+@pytest.mark.parametrize("window_s", [0.05, 0.5])
+def test_the_window_is_set_in_seconds(window_s: float) -> None:
+    fit = fit_model("rf-fd", "x", training(), FitOptions(trees=2, leaf=50, window_s=window_s))
+    assert len(fit.model.features.taps) == round(window_s / DT_S)

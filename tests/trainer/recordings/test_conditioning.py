@@ -1,0 +1,113 @@
+"""Delays, mass, tare and contact point: taken out when asked, said, and kept in the details."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.host.commands.recordings.import_ import import_
+from springpot.trainer.recordings.conditioning import Conditioning, condition
+from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recording
+
+TIME_S = np.arange(4000) * 1e-3
+PHASE = 2 * np.pi * 3.0 * TIME_S
+POSITION_M = 5e-3 * (1 - np.cos(PHASE))
+
+
+def recording(
+    force_n: np.ndarray, position_m: np.ndarray = POSITION_M, **more: object
+) -> Recording:
+    return Recording("a", position_m, force_n, 1e-3, **more)  # type: ignore[arg-type]
+
+
+def test_delays_are_metadata_unless_taken_out() -> None:
+    late = recording(1000 * 5e-3 * (1 - np.cos(PHASE - 2 * np.pi * 3.0 * 0.0025)))
+    noted, told = condition(late, Conditioning(force_delay_s=0.0025))
+    assert (noted.force_delay_s, told) == (0.0025, [])
+    assert noted.content_hash == late.content_hash
+    aligned, told = condition(late, Conditioning(force_delay_s=0.0025, align=True))
+    assert aligned.force_delay_s == 0.0
+    assert aligned.details["aligned_s"] == 0.0025
+    assert "force shifted by 2.5 ms against position, 3 samples at the end cut" in told[0]
+    np.testing.assert_allclose(aligned.force_n, 1000 * aligned.position_m, atol=1e-6)
+    both, _ = condition(late, Conditioning(0.001, 0.0035, align=True))
+    np.testing.assert_allclose(both.force_n, 1000 * both.position_m, atol=1e-6)
+    with pytest.raises(UsageError, match="no delay is stated"):
+        condition(late, Conditioning(align=True))
+    with pytest.raises(DataError, match="shorter than the delay"):
+        condition(late, Conditioning(force_delay_s=9.0, align=True))
+
+
+def test_the_inertia_of_a_mass_is_removed() -> None:
+    acceleration = 5e-3 * (2 * np.pi * 3.0) ** 2 * np.cos(PHASE)
+    measured = recording(1000 * POSITION_M + 0.4 * acceleration)
+    found, told = condition(measured, Conditioning(mass_kg=0.4))
+    np.testing.assert_allclose(found.force_n[50:-50], 1000 * POSITION_M[50:-50], atol=0.02)
+    assert np.abs(measured.force_n - 1000 * POSITION_M).max() > 0.6
+    assert "inertia of 0.4 kg removed" in told[0]
+    assert found.details["mass_beyond_load_cell_kg"] == 0.4
+
+
+def touched(surface_m: float, tare_n: float) -> Recording:
+    depth_m = np.maximum(POSITION_M - surface_m, 0.0)
+    return recording(900 * depth_m + tare_n + np.random.default_rng(5).normal(0, 0.01, len(TIME_S)))
+
+
+@pytest.mark.parametrize(("surface_m", "tare_n"), [(2e-3, 0.0), (3e-3, 1.5), (1e-3, -0.7)])
+def test_the_surface_is_found_within_its_uncertainty(surface_m: float, tare_n: float) -> None:
+    found = find_contact(touched(surface_m, tare_n))
+    assert abs(found.position_m - surface_m) < found.uncertainty_m + 2e-5
+    assert found.uncertainty_m < 2e-4
+    assert found.tare_n == pytest.approx(tare_n, abs=0.01)
+    shifted, told = condition(touched(surface_m, tare_n), Conditioning(contact_force="auto"))
+    assert shifted.zero == "none"
+    assert shifted.details["contact_position_m"] == pytest.approx(surface_m, abs=2e-4)
+    assert np.interp(0.0, *np.sort([shifted.position_m, shifted.force_n])) < 0.2
+    assert "tare of" in told[0]
+    assert "surface at" in told[0]
+
+
+def test_a_stated_contact_force_and_tare() -> None:
+    found, told = condition(touched(2e-3, 1.0), Conditioning(tare=1.0, contact_force=0.9))
+    assert found.details["contact_position_m"] == pytest.approx(3e-3, abs=1e-4)
+    assert "where force passes 0.9 N" in told[0]
+    tared, _ = condition(touched(2e-3, 1.0), Conditioning(tare="auto"))
+    assert np.median(tared.force_n[POSITION_M < 1e-3]) == pytest.approx(0.0, abs=0.01)
+    assert tared.position_m is POSITION_M
+    stated, _ = condition(touched(2e-3, 1.0), Conditioning(tare=0.5))
+    assert np.median(stated.force_n[POSITION_M < 1e-3]) == pytest.approx(0.5, abs=0.01)
+
+
+def test_what_never_leaves_the_object_has_no_surface() -> None:
+    with pytest.raises(DataError, match="never leaves the object"):
+        condition(recording(900 * POSITION_M + 3.0), Conditioning(contact_force="auto"))
+    with pytest.raises(DataError, match="never passes"):
+        condition(touched(2e-3, 0.0), Conditioning(contact_force=50.0))
+    with pytest.raises(UsageError, match="leave out --zero"):
+        condition(recording(POSITION_M, zero="min"), Conditioning(contact_force="auto"))
+
+
+def test_the_command_takes_them_all(tmp_path: Path) -> None:
+    made = touched(2e-3, 0.5)
+    lines = (
+        f"{t:.3f},{x:.9g},{f:.6g}\n"
+        for t, x, f in zip(TIME_S, POSITION_M, made.force_n, strict=True)
+    )
+    (tmp_path / "a.csv").write_text("time_s,position_m,force_N\n" + "".join(lines))
+    arguments = [str(tmp_path / "a.csv"), "--out", str(tmp_path / "o"), "--contact-force", "auto",
+                 "--tare", "auto", "--force-delay-s", "0.001", "--align",
+                 "--mass-kg", "0.01"]  # fmt: skip
+    result = CliRunner().invoke(import_, arguments)
+    assert result.exit_code == 0, result.exception
+    read = read_recording(tmp_path / "o" / "a.h5")
+    assert {"aligned_s", "mass_beyond_load_cell_kg", "tare_n", "contact_position_m"} <= set(
+        read.details
+    )
+    assert read.position_m.min() == pytest.approx(-2e-3, abs=1e-4)
+    for wrong in (["--tare", "x"], ["--mass-kg", "-1"], ["--force-delay-s", "nan"]):
+        refused = CliRunner().invoke(import_, [*arguments[:3], *wrong])
+        assert getattr(refused.exception, "exit_status", refused.exit_code) == 2

@@ -1,0 +1,334 @@
+"""CSV files -> recordings: what is understood, and what is refused with file and row."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.formats.column_map import parse_map
+from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.recording import Recording
+
+GOOD = "time_s,position_m,force_N\n0.000,0,0\n0.001,0.1,1\n0.002,0.2,2\n0.003,0.3,3\n0.004,0.4,4\n"
+
+
+def load(
+    path: Path, text: str | bytes, mapping: str = "", resample_hz: float | None = None
+) -> Recording:
+    file = path / "press 1.csv"
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    result = import_file(file, parse_map(mapping) if mapping else None, "none", resample_hz)
+    assert str(file) in result.guess
+    return result.recordings[0]
+
+
+def refusal(path: Path, text: str | bytes, mapping: str = "", rate: float | None = None) -> str:
+    with pytest.raises(DataError) as error:
+        load(path, text, mapping, rate)
+    message = str(error.value)
+    assert "press 1.csv" in message
+    assert "\n" not in message
+    return message
+
+
+def rows(time_s: list[float] | np.ndarray, form: str = "%.6f") -> str:
+    lines = [f"{form % t},{k * 1e-4!r},{k * 0.1!r}" for k, t in enumerate(time_s)]
+    return "\n".join(["time_s,position_m,force_N", *lines]) + "\n"
+
+
+def test_plain_headers_need_no_map(tmp_path: Path) -> None:
+    recording = load(tmp_path, GOOD)
+    assert recording.name == "press_1"
+    assert recording.position_m.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4]
+    assert recording.force_n.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert recording.dt_s == 0.001
+
+
+@pytest.mark.parametrize(
+    ("header", "delimiter", "mapping"),
+    [
+        ("Time (ms);Position [mm];Load (mN)", ";", ""),
+        ("time_ms,position_mm,force_mN", ",", ""),
+        ("\ufeffforce mN\ttime ms\tdisplacement mm", "\t", ""),
+        ('"Time, ms","Extension (mm)","Load, mN"', ",", ""),
+        ("Time\tPosition\tForce\n(ms)\t(mm)\t(mN)", "\t", ""),
+        ("t,x,f", ",", "time=t:ms,position=x:mm,force=f:mN"),
+        ("t (s),x (m),f (N)", ",", "time=1:ms,position=2:mm,force=3:mN"),
+        ("", ",", "time=1:ms,position=2:mm,force=3:mN"),
+        ("Operator: me\n\nTime (ms),Position (mm),Load (mN)", ",", ""),
+        ("Time (ms),Compression (mm),Compression stress (kPa),Load (mN)", ",", ""),
+    ],
+)
+def test_headers(tmp_path: Path, header: str, delimiter: str, mapping: str) -> None:
+    names = [cell.lower() for cell in header.splitlines()[-1].split(delimiter)] if header else []
+    table = {"time": [0, 10, 20, 30], "position": [0, 1, 2, 3], "force": [0, 10, 20, 30]}
+    order = ["time", "position", "force"]
+    if "\ufeff" in header:
+        order = ["force", "time", "position"]
+    columns = [table[name] for name in order]
+    if len(names) == 4 and "stress" in names[2]:
+        columns.insert(2, [9, 9, 9, 9])
+    body = "\n".join(delimiter.join(map(str, row)) for row in zip(*columns, strict=True))
+    recording = load(tmp_path, f"{header}\n{body}\n" if header else f"{body}\n", mapping)
+    np.testing.assert_allclose(recording.position_m, [0.0, 0.001, 0.002, 0.003])
+    np.testing.assert_allclose(recording.force_n, [0.0, 0.01, 0.02, 0.03])
+    assert recording.dt_s == pytest.approx(0.01)
+
+
+def test_text_in_other_columns_and_blank_lines_are_fine(tmp_path: Path) -> None:
+    text = "note,time_s,position_m,force_N\n" + "".join(
+        f'"a, b",{k},{k},{2 * k}\n\n' for k in range(5)
+    )
+    assert load(tmp_path, text).force_n.tolist() == [0.0, 2.0, 4.0, 6.0, 8.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (GOOD.replace("0.1,1\n", "nan,1\n"), "row 3: position is not a finite number"),
+        (GOOD.replace("0.1,1\n", "0.1,inf\n"), "row 3: force is not a finite number"),
+        (GOOD.replace("0.1,1\n", ",1\n"), "row 3, column 2: the cell is empty"),
+        (GOOD.replace("0.1,1\n", "0.1,one\n"), "row 3, column 3: 'one' is not a number"),
+        (GOOD.replace("0.1,1\n", "0.1,1_0\n"), "row 3, column 3: '1_0' is not a number"),
+        (GOOD.replace("0.003,", "0.0015,"), "row 5: time goes back from 0.002 s to 0.0015 s"),
+        (GOOD.replace("0.003,", "0.002,"), "row 5: time stands still at 0.002 s"),
+        (GOOD.replace("0.002,0.2,2\n", ""), "row 4: gap of 0.002 s"),
+        (GOOD.replace("0.1,1\n", "0.1,1,7\n"), "row 3: 4 cells, the rows above have 3"),
+        (GOOD.replace("0.2,2\n", "0.2\n"), "row 4: 2 cells"),
+        (GOOD[: GOOD.index("0.002")], "2 rows of numbers: a recording needs 3"),
+        ("time_s,position_m,force_N\n", "0 rows of numbers"),
+        ("", "the file is empty"),
+        (GOOD.replace("force_N", "force"), "column 3 'force': no unit of force"),
+        (GOOD.replace("_N", " (furlong)"), "column 3 'force (furlong)': 'furlong' is not a unit"),
+        (GOOD.replace("force_N", "stress_Pa"), "found no column of force in row 1"),
+        (GOOD.split("\n", 1)[1], "found no column of time or of position or of force"),
+        (GOOD.replace("time_s", "load_N"), "found no column of time"),
+        (GOOD.encode().replace(b"0.2", b"0\0002"), "row 4: a NUL byte"),
+        (GOOD.encode().replace(b"0.2", b"0\xb52"), "row 4: byte 0xb5 is not UTF-8"),
+        (
+            GOOD.replace(",", ";").replace(".", ",").replace("0,002;0,2", "0,002;1.0,2"),
+            "row 4, column 2: '1.0,2' is not a number with a decimal comma",
+        ),
+        (
+            "time_s;position_m;force_N\n0;1;1,000\n1;2;2,000\n2;3;3,000\n",
+            "row 2: '1,000' may be a decimal comma or a thousands separator",
+        ),
+    ],
+)
+def test_refused(tmp_path: Path, text: str | bytes, message: str) -> None:
+    assert message in refusal(tmp_path, text)
+
+
+def test_two_columns_that_could_be_the_force_are_refused(tmp_path: Path) -> None:
+    text = "time_s,position_m,load_N,force_N\n0,0,0,0\n1,1,1,1\n2,2,2,2\n"
+    assert "force may be column 3 'load_N', 4 'force_N'" in refusal(tmp_path, text)
+    assert load(tmp_path, text, "force=4:kN").force_n.tolist() == [0.0, 1000.0, 2000.0]
+
+
+def test_a_mapped_column_that_is_missing_is_named(tmp_path: Path) -> None:
+    assert "force ('Last')" in refusal(tmp_path, GOOD, "force=Last:N")
+    assert "no row has numbers in columns 1, 2, 9" in refusal(
+        tmp_path, GOOD, "time=1:s,position=2:m,force=9:N"
+    )
+
+
+def test_rows_after_a_blank_line_keep_their_number(tmp_path: Path) -> None:
+    text = GOOD.replace("0.001", "\n\n0.001").replace("0.003,", "0.002,")
+    assert "row 7: time stands still" in refusal(tmp_path, text)
+
+
+@pytest.mark.parametrize("rate_hz", [3.0, 7.0, 30.0, 60.0, 70.0])
+@pytest.mark.parametrize("form", ["%.2f", "%.6f", "%.12g", "%.9e"])
+def test_rounded_stamps_pass(tmp_path: Path, rate_hz: float, form: str) -> None:
+    recording = load(tmp_path, rows((1 + np.arange(300)) / rate_hz, form))
+    assert recording.rate_hz == pytest.approx(rate_hz, rel=5e-3)
+
+
+def test_three_rounded_stamps_pass(tmp_path: Path) -> None:
+    assert load(tmp_path, rows([0.33, 0.67, 1.0], "%.2f")).dt_s == pytest.approx(0.335)
+
+
+def test_jitter_needs_resampling(tmp_path: Path) -> None:
+    time_s = np.arange(100) * 0.01
+    time_s[42] += 0.001
+    text = rows(time_s)
+    message = refusal(tmp_path, text)
+    assert "row 44: the time step is 0.011 s" in message
+    assert "--resample-hz 100" in message
+    recording = load(tmp_path, text, resample_hz=100.0)
+    assert recording.dt_s == 0.01
+    assert len(recording.position_m) == 100
+    assert recording.details["resampled_hz"] == 100.0
+    assert recording.details["source_rows"] == 100
+    expected = np.interp(0.42, [0.41, 0.421], [41e-4, 42e-4])
+    assert recording.position_m[42] == pytest.approx(expected)
+
+
+def test_a_rate_that_changes_within_rounding_is_refused(tmp_path: Path) -> None:
+    steps_s = np.where(np.arange(1000) < 500, 0.010, 0.011)
+    message = refusal(tmp_path, rows(np.cumsum(steps_s), "%.3f"))
+    assert "the mean of the last 100 time steps" in message
+
+
+def test_resampling_does_not_bridge_gaps(tmp_path: Path) -> None:
+    time_s = np.arange(100) * 0.01
+    time_s[50:] += 0.02
+    assert "row 52: gap of 0.03 s" in refusal(tmp_path, rows(time_s), rate=100.0)
+    assert "more than 20 times" in refusal(tmp_path, GOOD, rate=1e6)
+
+
+@pytest.mark.parametrize(("zero", "position"), [("first", [0.0, -1.0, 1.0]), ("min", [1, 0, 2])])
+def test_zero(tmp_path: Path, zero: str, position: list[float]) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("time_s,position_m,force_N\n0,5,1\n1,4,2\n2,6,3\n")
+    recording = import_file(file, None, zero, None).recordings[0]  # type: ignore[arg-type]
+    assert recording.zero == zero
+    assert recording.position_m.tolist() == position
+    assert recording.force_n.tolist() == [0.0, 1.0, 2.0]
+    assert recording.details["zero_position_m"] == (5.0 if zero == "first" else 4.0)
+
+
+def test_a_sign_that_looks_wrong_is_noted_not_repaired(tmp_path: Path) -> None:
+    file = tmp_path / "a.csv"
+    file.write_text("time_s,position_mm,force_N\n0,0,0\n1,-1,1\n2,-2,2\n")
+    result = import_file(file, None, "none", None)
+    assert "force falls as position rises" in result.guess
+    assert result.recordings[0].position_m.tolist() == [0.0, -0.001, -0.002]
+    turned = import_file(file, parse_map("position=2:-1mm"), "none", None)
+    assert "falls" not in turned.guess
+    assert turned.recordings[0].position_m.tolist() == [0.0, 0.001, 0.002]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(
+    st.lists(st.floats(-1e9, 1e9), min_size=3, max_size=30),
+    st.sampled_from([",", ";", "\t"]),
+    st.sampled_from(["\n", "\r\n"]),
+)
+def test_numbers_arrive_bit_for_bit(
+    tmp_path: Path, values: list[float], delimiter: str, newline: str
+) -> None:
+    table = [("time_s", "position_m", "force_N"), *((k, v, -v) for k, v in enumerate(values))]
+    text = newline.join(delimiter.join(map(str, row)) for row in table)
+    recording = load(tmp_path, text)
+    assert recording.position_m.tolist() == values
+    assert recording.force_n.tolist() == [-v for v in values]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(st.binary(max_size=200))
+def test_any_bytes_give_one_line(tmp_path: Path, noise: bytes) -> None:
+    refusal(tmp_path, GOOD.encode() + b"0.1,x,\n" + noise)
+
+
+RIG = "0.000,1.25,10.5\n0.010,1.50,11.5\n0.020,2.75,13.5\n0.030,3.00,16.5\n"
+PREAMBLE = "Test:;Compression\nSpeed (mm/min):;10,5\nTime limit;never\n\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        (RIG.replace(",", ";").replace(".", ","), "utf-8"),
+        (RIG.replace(",", "\t").replace(".", ","), "utf-8-sig"),
+        (RIG.replace(",", "\t"), "utf-16"),
+        (RIG.replace(",", ";").replace(".", ","), "utf-16"),
+        (RIG.replace(",", ";"), "utf-8"),
+    ],
+)
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_dialects_of_test_rigs(tmp_path: Path, text: str, encoding: str, newline: str) -> None:
+    mark = "\t" if "\t" in text else ";"
+    head = PREAMBLE + mark.join(("Time", "Extension", "Load")) + "\n"
+    head += mark.join(("(s)", "(mm)", "(kN)")) + "\n"
+    file = tmp_path / "rig.csv"
+    file.write_bytes((head + text).replace("\n", newline).encode(encoding))
+    result = import_file(file, None, "none", None)
+    (recording,) = result.recordings
+    assert recording.position_m.tolist() == [1.25e-3, 1.5e-3, 2.75e-3, 3e-3]
+    assert recording.force_n.tolist() == [10500.0, 11500.0, 13500.0, 16500.0]
+    assert recording.dt_s == pytest.approx(0.01)
+    assert recording.details["units"]["force"] == {
+        "unit": "kN", "to_si": 1000.0, "from": "row of units"
+    }  # fmt: skip
+    assert ("decimal comma" in result.guess) == ("," in text)
+    assert ("UTF-16" in result.guess) == (encoding == "utf-16")
+
+
+def test_a_decimal_mark_can_be_stated(tmp_path: Path) -> None:
+    file = tmp_path / "rig.csv"
+    file.write_text("time_s;position_m;force_N\n0;1;1,000\n1;2;2,000\n2;3;4,500\n")
+    stated = import_file(file, None, "none", None, ImportOptions(decimal="comma"))
+    assert stated.recordings[0].force_n.tolist() == [1.0, 2.0, 4.5]
+
+
+def test_one_stray_comma_is_named_where_points_rule(tmp_path: Path) -> None:
+    text = GOOD.replace(",", ";").replace("0.2;2", "0,2;2")
+    assert "row 4, column 2: '0,2' is not a number" in refusal(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "rate_hz"), [("10Hz", 10.0), ("1 kHz", 1000.0), ("2.5e3Hz", 2500)]
+)
+def test_a_stated_rate_takes_the_place_of_time(tmp_path: Path, text: str, rate_hz: float) -> None:
+    recording = load(tmp_path, GOOD.replace("time_s", "row_"), f"time={text}")
+    assert recording.rate_hz == pytest.approx(rate_hz)
+    assert recording.details["units"]["time"]["from"] == "map"
+
+
+def test_a_rate_that_is_none_is_wrong_use() -> None:
+    with pytest.raises(UsageError, match="is no rate"):
+        parse_map("time=0Hz")
+
+
+def test_tension_files_of_another_laboratory(shared_data: Path) -> None:
+    mapping = parse_map("time=Time (s):s,position=Engineering Strain:33mm,"
+                        "force=Engineering Stress (MPa):18N")  # fmt: skip
+    file = shared_data / "elastomer_tension" / "Ecoflex 00-10.csv"
+    recording = import_file(file, mapping, "none", None).recordings[0]
+    assert recording.name == "Ecoflex_00-10"
+    assert len(recording.position_m) == 751
+    assert recording.rate_hz == pytest.approx(10.0)
+    assert recording.position_m[-1] == 17.09091 * 33e-3
+    assert recording.force_n[-1] == 0.92285 * 18.0
+
+
+def test_stamps_that_lost_a_digit_need_a_stated_rate(shared_data: Path) -> None:
+    """After 40.9 s these files count on with 40.10, 40.11: printed stamps that go back."""
+    strain = "position=Engineering Strain:33mm,force=Engineering Stress (MPa):18N"
+    files = sorted((shared_data / "elastomer_tension").glob("*.csv"))
+    assert len(files) == 5
+    for file in files:
+        result = import_file(file, parse_map(f"time=10Hz,{strain}"), "none", None)
+        (recording,) = result.recordings
+        assert recording.rate_hz == pytest.approx(10.0)
+        assert recording.details["units"]["time"] == {"unit": "10 Hz", "from": "map"}
+        assert "rows counted at the stated 10 Hz, not read from column 1 'Time (s)'" in result.guess
+    file = files[3]
+    assert file.name == "Ecoflex 00-30.csv"
+    result = import_file(file, parse_map(f"time=10Hz,{strain}"), "none", None)
+    assert len(result.recordings[0].position_m) == 705
+    assert "differs in 298 rows from row 426 on: there it says 39.8 s" in result.guess
+    with pytest.raises(DataError, match=r"row 426: time goes back .*--map time=10Hz"):
+        import_file(file, parse_map(strain), "none", None)
+
+
+def test_compression_files_of_another_laboratory(shared_data: Path) -> None:
+    """The machine ends its tests between two samples, and one series on another rule."""
+    files = sorted((shared_data / "ecoflex_compression").glob("*/*.csv"))
+    assert len(files) == 30
+    for file in files:
+        result = import_file(file, None, "none", None)
+        (recording,) = result.recordings
+        assert recording.rate_hz == pytest.approx(10.0)
+        assert len(recording.position_m) == 1201
+        assert recording.position_m[-1] == pytest.approx(20e-3, rel=1e-3)
+        assert recording.force_n[-1] > 400.0
+        tail = recording.details["sampling"]["tail"]
+        assert tail["rows"] == (1 if "EF10_0T_B" not in file.name else pytest.approx(25, abs=4))
+        assert "not in step with the rows before: interpolated onto their 10 Hz" in result.guess
+    first = import_file(files[0], None, "none", None).recordings[0]
+    resampled = import_file(files[0], None, "none", 10.0).recordings[0]
+    np.testing.assert_allclose(first.force_n, resampled.force_n, rtol=0, atol=1e-9)

@@ -1,0 +1,285 @@
+"""Crash safety: each fault by a real process; what is left reads, or is refused in one line."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.journal_blocks import BLOCK_BYTES, PAIRS
+from springpot.trainer.recordings.recording_file import read_recording, read_recordings
+
+N = 3000
+POSITION_M = np.arange(N) * 1e-6
+CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
+# Records N samples, 100 at a time, and dies as its arguments say.
+CHILD = """
+import os, pathlib, resource, signal, sys
+import numpy as np
+from springpot.codegen.errors import SpringpotError
+from springpot.trainer.recordings.journal import JournalWriter
+file, fault, where, share = pathlib.Path(sys.argv[1]), *sys.argv[2:]
+def die(*_, **__): os.kill(os.getpid(), signal.SIGKILL)
+if fault == "block":
+    write, seen = os.write, []
+    def dying(descriptor, content):
+        seen.append(content)
+        if len(seen) == int(where):
+            write(descriptor, content[: int(float(share) * len(content))])
+            die()
+        return write(descriptor, content)
+    os.write = dying
+elif fault == "before":
+    setattr(pathlib.Path, where, die)
+elif fault == "after":
+    did = getattr(pathlib.Path, where)
+    setattr(pathlib.Path, where, lambda *a, **k: (did(*a, **k), die()))
+elif fault == "full":
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(where), int(where)))
+try:
+    with JournalWriter(file, "a", 1e-3, "test", {"k": 1}) as journal:
+        for k in range(0, 3000, 100):
+            x = np.arange(k, k + 100) * 1e-6
+            journal.append(x, 2 * x)
+        if fault == "full at the end":
+            resource.setrlimit(resource.RLIMIT_FSIZE, (int(where), int(where)))
+        journal.finish()
+except SpringpotError as error:
+    print(error)
+    sys.exit(error.exit_status)
+"""
+
+
+def child(file: Path, fault: str, where: str, share: str = "0") -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", CHILD, str(file), fault, where, share]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def assert_prefix(file: Path, at_least: int) -> None:
+    recording = read_recording(file)
+    count = len(recording.position_m)
+    assert at_least <= count <= N
+    np.testing.assert_array_equal(recording.position_m, POSITION_M[:count])
+    np.testing.assert_array_equal(recording.force_n, 2 * POSITION_M[:count])
+    assert recording.details["k"] == 1
+
+
+def write_journal(file: Path, samples: int = N) -> Path:
+    """Leave a journal behind, as an error in the middle of a recording does."""
+    with pytest.raises(KeyError), JournalWriter(file, "a", 1e-3, "test", {"k": 1}) as writer:
+        writer.append(POSITION_M[:samples], 2 * POSITION_M[:samples])
+        raise KeyError
+    return writer.journal
+
+
+@pytest.mark.parametrize("share", ["0", "0.5", "1"])
+@pytest.mark.parametrize("block", [2, 5, 9])
+def test_killed_in_a_block(
+    tmp_path: Path, block: int, share: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert child(tmp_path / "a.h5", "block", str(block), share).returncode == -signal.SIGKILL
+    assert [file.name for file in tmp_path.iterdir()] == ["a.journal"]
+    whole = (block - 2 + int(share == "1")) * PAIRS  # the first block holds the facts
+    if not whole:
+        with pytest.raises(DataError, match=r"a\.journal: .*interrupted before its first samples"):
+            read_recordings([tmp_path])
+        return
+    assert_prefix(tmp_path / "a.h5", whole)  # by its name, too
+    (recording,) = read_recordings([tmp_path])
+    assert len(recording.position_m) == whole
+    assert "recovered" in recording.details
+    assert "a.journal: recovered" in capsys.readouterr().err
+
+
+def test_killed_in_the_very_first_block(tmp_path: Path) -> None:
+    child(tmp_path / "a.h5", "block", "1", "0.5")
+    with pytest.raises(DataError, match="interrupted at its very start"):
+        read_recording(tmp_path / "a.journal")
+
+
+@pytest.mark.parametrize(
+    ("when", "call"),
+    [
+        ("before", "hardlink_to"),
+        ("after", "hardlink_to"),
+        ("before", "unlink"),
+        ("after", "unlink"),
+    ],
+)
+def test_killed_around_the_rename(
+    tmp_path: Path, when: str, call: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert child(tmp_path / "a.h5", when, call).returncode == -signal.SIGKILL
+    (recording,) = read_recordings([tmp_path])
+    assert len(recording.position_m) == N
+    assert_prefix(tmp_path / "a.h5", N)
+    assert "a.journal" in capsys.readouterr().err
+
+
+def test_killed_while_recording(tmp_path: Path) -> None:
+    """The command itself, killed at a random moment: every press before it is there."""
+    out = tmp_path / "out"
+    arguments = ["record", "--device", "sim://ecoflex-00-30", "--protocol", "paper", "--out", out]
+    process = subprocess.Popen([*CLI, *map(str, arguments)], stderr=subprocess.DEVNULL)
+    while process.poll() is None and len(list(out.glob("*.h5"))) < 2:
+        time.sleep(0.002)
+    time.sleep(random.uniform(0.0, 0.1))
+    process.kill()
+    process.wait()
+    for file in out.iterdir():
+        if file.suffix == ".part":
+            continue
+        try:
+            assert len(read_recording(file).position_m) > 0
+        except DataError as error:
+            assert "interrupted" in str(error)
+    assert len(read_recordings(out.glob("*.h5"))) >= 2
+
+
+def test_interrupted_by_the_keyboard(tmp_path: Path) -> None:
+    journal = write_journal(tmp_path / "a.h5", 1100)
+    assert_prefix(journal, 1100)
+
+
+@pytest.mark.parametrize("room", [BLOCK_BYTES * 3, BLOCK_BYTES * 5 + 1000])
+def test_a_full_disk_while_recording(tmp_path: Path, room: int) -> None:
+    result = child(tmp_path / "a.h5", "full", str(room))
+    assert result.returncode == DeviceError.exit_status
+    assert "a.h5: cannot go on writing (File too large), recording stopped" in result.stdout
+    assert_prefix(tmp_path / "a.h5", (room // BLOCK_BYTES - 1) * PAIRS)
+
+
+def test_a_full_disk_at_the_end(tmp_path: Path) -> None:
+    result = child(tmp_path / "a.h5", "full at the end", "5000")
+    assert result.returncode == DeviceError.exit_status
+    assert [file.name for file in tmp_path.iterdir()] == ["a.journal"]
+    assert_prefix(tmp_path / "a.h5", N - PAIRS)
+
+
+def test_a_full_file_system(tmp_path: Path) -> None:
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=128k", "none", str(disk)],
+                             capture_output=True, check=False)  # fmt: skip
+    if mounted.returncode:
+        pytest.skip("mounting a small file system needs root")
+    try:
+        arguments = ["record", "--device", "sim://ecoflex-00-30", "--protocol", "validation",
+                     "--out", disk / "out"]  # fmt: skip
+        result = subprocess.run([*CLI, *map(str, arguments)], capture_output=True, text=True,
+                                check=False)  # fmt: skip
+        assert result.returncode == DeviceError.exit_status, result.stderr
+        assert "No space left on device" in result.stderr
+        assert "Traceback" not in result.stderr
+        (recording,) = read_recordings([disk / "out"])
+        assert recording.duration_s > 5.0
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+@pytest.mark.parametrize("cut", [1, 4, 2000, BLOCK_BYTES - 1])
+def test_a_truncated_last_block(tmp_path: Path, cut: int) -> None:
+    journal = write_journal(tmp_path / "a.h5")
+    os.truncate(journal, journal.stat().st_size - cut)
+    assert_prefix(journal, N - 254)
+    assert "are lost" in read_recording(journal).details["recovered"]
+
+
+def test_a_flipped_byte(tmp_path: Path) -> None:
+    journal = write_journal(tmp_path / "a.h5")
+    content = journal.read_bytes()
+    for position in range(0, len(content), 509):
+        flipped = bytearray(content)
+        flipped[position] ^= 0x40
+        journal.write_bytes(flipped)
+        block = position // BLOCK_BYTES
+        if block == len(content) // BLOCK_BYTES - 1:
+            assert_prefix(journal, N - PAIRS)
+            continue
+        with pytest.raises(DataError, match=r"a\.journal") as refusal:
+            read_recording(journal)
+        assert "\n" not in str(refusal.value)
+        if block == 0:
+            assert "first block" in str(refusal.value)
+            continue
+        assert "1 of 12 blocks of samples are damaged" in str(refusal.value)
+        parts = import_file(journal, None, "none", None).recordings
+        assert sum(len(part.position_m) for part in parts) == N - PAIRS
+        assert all(part.details["recovered"] for part in parts)
+
+
+def test_blocks_of_another_journal_are_damage(tmp_path: Path) -> None:
+    one, two = write_journal(tmp_path / "a.h5"), write_journal(tmp_path / "b.h5")
+    content = bytearray(one.read_bytes())
+    third = slice(2 * BLOCK_BYTES, 3 * BLOCK_BYTES)
+    content[third] = two.read_bytes()[third]
+    one.write_bytes(content)
+    with pytest.raises(DataError, match="1 of 12 blocks"):
+        read_recording(one)
+
+
+def test_two_writers(tmp_path: Path) -> None:
+    with JournalWriter(tmp_path / "a.h5", "a", 1e-3, "test", {"k": 1}) as first:
+        first.append(POSITION_M, 2 * POSITION_M)
+        second = child(tmp_path / "a.h5", "none", "0")
+        assert second.returncode == UsageError.exit_status
+        assert "another springpot is recording it" in second.stdout
+        with pytest.raises(DataError, match="still being recorded"):
+            read_recording(tmp_path / "a.journal")
+        first.finish()
+    assert [file.name for file in tmp_path.iterdir()] == ["a.h5"]
+    assert_prefix(tmp_path / "a.h5", N)
+
+
+def test_two_commands_at_once(tmp_path: Path) -> None:
+    protocol = tmp_path / "p.toml"
+    protocol.write_text("[[profile]]\namplitude_n = 5\nfrequency_hz = 2\ncycles = 4\n" * 4)
+    arguments = ["record", "--device", "sim://ecoflex-00-30", "--protocol", protocol, "--out",
+                 tmp_path / "out"]  # fmt: skip
+    both = [subprocess.Popen([*CLI, *map(str, arguments)], stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE, text=True) for _ in range(2)]  # fmt: skip
+    ends = [(process.communicate()[1], process.returncode) for process in both]
+    assert sorted(status for _, status in ends)[0] in (0, 2), ends
+    assert all(status in (0, 2) for _, status in ends), ends
+    assert all("Traceback" not in text for text, _ in ends)
+    for recording in read_recordings([tmp_path / "out"]):
+        assert len(recording.position_m) == 2000
+
+
+def test_another_file_of_that_name_is_not_overwritten(tmp_path: Path) -> None:
+    with (
+        pytest.raises(UsageError, match="kept in"),
+        JournalWriter(tmp_path / "a.h5", "a", 1e-3, "test", {"k": 1}) as writer,
+    ):
+        writer.append(POSITION_M, 2 * POSITION_M)
+        (tmp_path / "a.h5").write_text("mine")
+        writer.finish()
+    assert (tmp_path / "a.h5").read_text() == "mine"
+    assert_prefix(tmp_path / "a.journal", N)
+
+
+def test_slow_recordings_lose_no_more_than_fast_ones(tmp_path: Path) -> None:
+    process = [sys.executable, "-c", "import os, signal, sys, pathlib, numpy as np\n"
+               "from springpot.trainer.recordings.journal import JournalWriter\n"
+               "j = JournalWriter(pathlib.Path(sys.argv[1]), 'a', 0.1, 'test', {})\n"
+               "for k in range(23): j.append(np.full(1, k), np.full(1, k))\n"
+               "os.kill(os.getpid(), signal.SIGKILL)"]  # fmt: skip
+    subprocess.run([*process, str(tmp_path / "a.h5")], check=False)
+    assert len(read_recording(tmp_path / "a.h5").position_m) == 20
+
+
+def test_long_facts_take_several_blocks(tmp_path: Path) -> None:
+    details = {"note": "x" * 9000}
+    with JournalWriter(tmp_path / "a.h5", "a", 1e-3, "test", details) as writer:
+        writer.append(POSITION_M, POSITION_M)
+        writer.finish()
+    assert read_recording(tmp_path / "a.h5").details == json.loads(json.dumps(details))

@@ -1,0 +1,293 @@
+"""The quality report: each fault is found, said in one line, and not found where it is not."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from support.small import training
+
+from springpot.codegen.errors import DataError
+from springpot.host.commands.recordings.check import check
+from springpot.host.commands.recordings.import_ import import_
+from springpot.host.commands.recordings.plot import plot
+from springpot.trainer.recordings.alignment import estimate_skew, low_pass_delay_s
+from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.quality.cycles import find_cycles
+from springpot.trainer.recordings.quality.finding import Finding
+from springpot.trainer.recordings.quality.report import check_recordings
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import write_recording
+
+TIME_S = np.arange(4000) * 1e-3
+
+
+def noise(sd: float, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0, sd, len(TIME_S))
+
+
+def sine(
+    name: str = "a", hz: float = 1.0, lead_rad: float = 0.1, noise_n: float = 0.01
+) -> Recording:
+    phase = 2 * np.pi * hz * TIME_S
+    position_m = 5e-3 * (1 - np.cos(phase)) + noise(1e-7, 1)
+    force_n = 5 * (1 - np.cos(phase + lead_rad)) + noise(noise_n, 2)
+    return Recording(name, position_m, force_n, 1e-3, zero="first")
+
+
+def findings(*recordings: Recording) -> dict[str, Finding]:
+    found = {finding.kind: finding for finding in check_recordings(recordings).findings}
+    for finding in found.values():
+        assert "\n" not in finding.line
+        assert finding.line.startswith(f"{finding.severity}: ")
+    return found
+
+
+def test_good_recordings_have_no_findings() -> None:
+    assert findings(sine("a", 0.5), sine("b", 2.0), sine("c", 5.0)) == {}
+    assert check_recordings(training()).findings == []
+
+
+def test_a_simulated_object_has_no_findings(tmp_path: Path) -> None:
+    protocol = tmp_path / "p.toml"
+    tables = (
+        f"[[profile]]\namplitude_n = {n}\nfrequency_hz = {hz}\n" for n in (4, 9) for hz in (1, 4)
+    )
+    protocol.write_text("".join(tables))
+    command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
+    out = str(tmp_path / "out")
+    url = "sim://dragon-skin-10"
+    subprocess.run([*command, "record", "--device", url, "--protocol", str(protocol), "--out", out],
+                   check=True, capture_output=True)  # fmt: skip
+    result = CliRunner().invoke(check, [out, "--json"])
+    assert result.exit_code == 0
+    assert json.loads(result.stdout)["findings"] == []
+
+
+@pytest.mark.parametrize("channel", ["position_m", "force_n"])
+def test_a_constant_channel_is_refused(channel: str) -> None:
+    flat = replace(sine(), **{channel: np.full(len(TIME_S), 3.0)})
+    assert findings(flat)["constant"].severity == "refusal"
+    with pytest.raises(DataError, match="all along"):
+        check_recordings([flat]).refuse()
+
+
+def test_a_wrong_sign_is_refused() -> None:
+    good = sine()
+    assert findings(replace(good, force_n=-good.force_n))["sign"].severity == "refusal"
+
+
+def test_clipping() -> None:
+    good = sine()
+    clipped = replace(good, force_n=np.minimum(good.force_n, 8.0))
+    assert "force stays at its greatest value, 8 N" in findings(clipped)["clipping"].what
+    deep = replace(good, position_m=np.minimum(good.position_m, 8e-3))
+    assert "position stays at its greatest value" in findings(deep)["clipping"].what
+
+
+def test_a_hold_is_not_clipping() -> None:
+    position_m = 5e-3 * np.clip(TIME_S, 0, 1) * np.clip(4.0 - TIME_S, 0, 1)
+    relaxing = position_m * (800 + 200 * np.exp(-TIME_S)) + noise(0.01)
+    assert "clipping" not in findings(Recording("a", position_m, relaxing, 1e-3))
+
+
+def test_lost_samples_that_were_filled_are_gaps() -> None:
+    good = sine()
+    position_m, force_n = good.position_m.copy(), good.force_n.copy()
+    position_m[700:760], force_n[700:760] = position_m[700], force_n[700]
+    found = findings(replace(good, position_m=position_m, force_n=force_n))["gap"]
+    assert "longest 59 samples at 0.700 s" in found.what
+
+
+def test_quantisation() -> None:
+    good = sine()
+    coarse = replace(good, force_n=np.round(good.force_n / 0.25) * 0.25)
+    assert "force has steps of 0.25 N, 2.5 % of its range" in findings(coarse)["quantisation"].what
+    fine = replace(good, force_n=np.round(good.force_n / 0.01) * 0.01)
+    assert "quantisation" not in findings(fine)
+
+
+def test_one_speed() -> None:
+    ramp_m = np.linspace(0, 10e-3, 4000)
+    ramp = Recording("a", ramp_m, 500 * ramp_m + noise(0.01), 1e-3, zero="first")
+    assert "one speed of pressing only, 2.5 mm/s" in findings(ramp)["speeds"].what
+    faster = replace(ramp, name="b", dt_s=1e-4)
+    assert "speeds" not in findings(ramp, faster)
+
+
+def test_repeats_give_the_noise_floor_and_drift() -> None:
+    first = sine(noise_n=0.0)
+    repeats = [
+        replace(first, name=f"r{k}", force_n=first.force_n + noise(0.05, k)) for k in range(5)
+    ]
+    report = check_recordings(repeats)
+    (group,) = report.figures["repeats"]
+    assert group["noise_floor_n"] == pytest.approx(0.05, rel=0.05)
+    assert "drift" not in findings(*repeats)
+    warming = [replace(r, force_n=r.force_n + 0.1 * k) for k, r in enumerate(repeats)]
+    assert "mean force changes by 0.4" in findings(*warming)["drift"].what
+
+
+def test_cycles_give_the_noise_floor() -> None:
+    cycles = find_cycles(sine(hz=2.0, noise_n=0.03))
+    assert cycles is not None
+    assert cycles.count == 8
+    assert cycles.frequency_hz == pytest.approx(2.0, rel=1e-3)
+    assert cycles.stiffness_npm == pytest.approx(1000.0, rel=1e-2)
+    assert cycles.lead_rad == pytest.approx(0.1, abs=2e-3)
+    assert cycles.energy_j == pytest.approx(np.pi * 5e-3 * 5 * np.sin(0.1), rel=0.02)
+    assert cycles.skew_rad_per_s == pytest.approx(-2 * np.pi * 2.0, rel=0.02)
+    assert cycles.noise_n == pytest.approx(0.03, rel=0.1)
+
+
+def test_a_nonlinear_spring_loses_nothing() -> None:
+    good = sine()
+    spring = replace(good, force_n=1e7 * good.position_m**3)
+    cycles = find_cycles(spring)
+    assert cycles is not None
+    assert cycles.lead_rad == pytest.approx(0.0, abs=1e-6)
+
+
+def test_ramps_and_holds_are_no_cycles() -> None:
+    ramp_m = np.linspace(0, 10e-3, 4000)
+    assert find_cycles(Recording("a", ramp_m, 500 * ramp_m, 1e-3)) is None
+
+
+@pytest.mark.parametrize("skew_ms", [-2, 0, 2, 6])
+def test_skew_is_estimated_with_its_uncertainty(skew_ms: int) -> None:
+    recordings = []
+    for hz in (0.5, 1.0, 2.0, 3.0, 5.0, 8.0):
+        lead_rad = 0.06 + 0.01 * np.log(hz) - 2 * np.pi * hz * skew_ms * 1e-3
+        recordings.append(sine(f"{hz}", hz, lead_rad))
+    skew = estimate_skew([c for c in map(find_cycles, recordings) if c])
+    assert skew is not None
+    assert abs(skew.delay_s * 1e3 - skew_ms) < skew.uncertainty_s * 1e3
+    assert skew.uncertainty_s < 2e-3
+    report = check_recordings(recordings)
+    warned = any(finding.kind == "alignment" for finding in report.findings)
+    assert warned == (abs(skew_ms) > 1)
+    stated = check_recordings([replace(r, force_delay_s=skew_ms * 1e-3) for r in recordings])
+    assert all(finding.kind != "alignment" for finding in stated.findings)
+    for facts in stated.recordings:
+        loss = facts["cycles"]["loss"]
+        true_rad = 0.06 + 0.01 * np.log(facts["cycles"]["frequency_hz"])
+        assert abs(loss["angle_rad"] - true_rad) < loss["angle_uncertainty_rad"]
+    # Of one frequency nothing can be told, and no loss is quoted.
+    alone = check_recordings(recordings[:1])
+    assert alone.figures["skew_s"] is None
+    assert alone.recordings[0]["cycles"]["loss"] is None
+    assert report.recordings[0]["cycles"]["loss"] is not None
+
+
+def test_a_filter_is_warned_of_with_its_delay() -> None:
+    assert low_pass_delay_s(1, 20.0) == pytest.approx(1 / (2 * np.pi * 20))
+    assert low_pass_delay_s(3, 20.0) == pytest.approx(2 / (2 * np.pi * 20))
+    details = {"load_cell_low_pass_hz": 20.0, "load_cell_low_pass_order": 3}
+    filtered = replace(sine(hz=2.0), details=details)
+    assert "15.9 ms late, 0.2 rad at 2 Hz" in findings(filtered)["filter"].so_what
+
+
+def test_where_contact_begins() -> None:
+    good = sine()
+    depth_m = np.maximum(good.position_m - 2e-3, 0.0)
+    above = replace(good, force_n=800 * depth_m + noise(0.01), zero="none")
+    assert "force begins at 2 +- 0.06" in findings(above)["contact"].what
+    assert "import with --contact-force auto" in findings(above)["contact"].to_do
+    preloaded = replace(good, force_n=good.force_n + 5.0, zero="none")
+    assert "never leaves the object" in findings(preloaded)["contact"].what
+    offset = replace(above, position_m=above.position_m - 2e-3, force_n=above.force_n + 1.0)
+    assert set(findings(offset)) == {"tare", "speeds"}
+
+
+HEADER = "time_s,position_m,force_N\n"
+
+
+def run_import(tmp_path: Path, text: str, *arguments: str) -> Result:
+    (tmp_path / "a.csv").write_text(text)
+    options = [str(tmp_path / "a.csv"), "--out", str(tmp_path / "out"), *arguments]
+    return CliRunner().invoke(import_, options)
+
+
+def rows(scale: float, force: float = 1.0) -> str:
+    motion = 1 - np.cos(2 * np.pi * TIME_S)
+    lines = (
+        f"{t:.3f},{scale * m:.9g},{force * m:.9g}\n" for t, m in zip(TIME_S, motion, strict=True)
+    )
+    return HEADER + "".join(lines)
+
+
+def test_a_guessed_unit_that_looks_wrong_is_refused_a_stated_one_warned_of(tmp_path: Path) -> None:
+    result = run_import(tmp_path, rows(5.0))  # millimetres under a header that says metres
+    assert isinstance(result.exception, DataError)
+    assert "its unit looks wrong ('m' was read off the file)" in str(result.exception)
+    assert "state it if it is right: --map position=COL:m" in str(result.exception)
+    assert not (tmp_path / "out").exists()
+    stated = run_import(tmp_path, rows(5.0), "--map", "position=position_m:m", "--json")
+    assert stated.exit_code == 0
+    assert "warning: a: 10 m of travel: its unit looks wrong" in stated.stderr
+    kinds = [finding["kind"] for finding in json.loads(stated.stdout)["findings"]]
+    assert "unit" in kinds
+
+
+def test_micrometres_and_millinewtons_are_real(tmp_path: Path) -> None:
+    text = rows(20.0, 4.0).replace("position_m", "position_um").replace("force_N", "force_mN")
+    result = run_import(tmp_path, text)
+    assert result.exit_code == 0
+    assert "unit" not in result.stderr
+
+
+def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
+    good = sine()
+    write_recording(tmp_path / "a.h5", replace(good, force_n=-good.force_n))
+    result = CliRunner().invoke(check, [str(tmp_path), "--json"])
+    assert isinstance(result.exception, DataError)
+    assert result.exception.exit_status == 3
+    answer = json.loads(result.stdout)
+    assert answer["refused"] is True
+    assert {"kind", "severity", "where", "what", "so_what", "to_do", "line"} == set(
+        answer["findings"][0]
+    )
+
+
+def test_train_runs_the_check(tmp_path: Path) -> None:
+    good = sine()
+    write_recording(tmp_path / "a.h5", replace(good, force_n=-good.force_n))
+    command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
+    result = subprocess.run(
+        [*command, "train", str(tmp_path), "--model", "rf-fd", "--out", str(tmp_path / "m.spm")],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert result.returncode == 3
+    assert "force falls as position rises" in result.stderr
+
+
+def test_pictures(tmp_path: Path) -> None:
+    write_recording(tmp_path / "a.h5", sine())
+    forms = ["--format", "png", "--format", "svg", "--format", "pdf"]
+    result = CliRunner().invoke(
+        plot, [str(tmp_path), "--out", str(tmp_path / "p"), *forms, "--json"]
+    )
+    assert result.exit_code == 0, result.exception
+    files = json.loads(result.stdout)["files"]
+    starts = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
+    assert len(files) == 12
+    for file in map(Path, files):
+        assert file.read_bytes().startswith(starts[file.suffix])
+
+
+def test_stiffness_of_the_real_sinusoids(shared_data: Path) -> None:
+    """Published with the data: stiffness rises from about 912 to 1035 N/mm."""
+    file = shared_data / "mach1" / "Dynamic_data.txt"
+    report = check_recordings(import_file(file, None, "first", None).recordings)
+    cycles = [facts["cycles"] for facts in report.recordings]
+    assert [round(c["frequency_hz"], 1) for c in cycles] == [0.1, 0.2, 0.5, 1.0, 2.0]
+    stiffness = [c["stiffness_npm"] * 1e-3 for c in cycles]
+    assert stiffness == sorted(stiffness)
+    assert stiffness[0] == pytest.approx(912, abs=1)
+    assert stiffness[-1] == pytest.approx(1035, abs=1)
+    assert {f.kind for f in report.findings} == {"filter"}
+    assert cycles[-1]["loss"]["angle_uncertainty_rad"] > 0.2  # the filter alone is 0.2 rad

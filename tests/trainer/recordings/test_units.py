@@ -1,0 +1,89 @@
+"""Units and column maps of files from outside."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.formats.column_map import Column, parse_map
+from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
+
+
+@pytest.mark.parametrize(
+    ("unit", "quantity", "factor"),
+    [
+        ("s", "time", 1.0),
+        ("ms", "time", 1e-3),
+        ("us", "time", 1e-6),
+        ("µs", "time", 1e-6),  # micro sign
+        ("μs", "time", 1e-6),  # Greek mu
+        ("min", "time", 60.0),
+        ("mm", "position", 1e-3),
+        ("µm", "position", 1e-6),
+        ("in", "position", 0.0254),
+        ("33mm", "position", 33e-3),
+        ("-1 mm", "position", -1e-3),
+        ("1e-3m", "position", 1e-3),
+        ("N", "force", 1.0),
+        ("mN", "force", 1e-3),
+        ("18N", "force", 18.0),
+        ("gf", "force", 9.80665e-3),
+        ("kgf", "force", 9.80665),
+        ("lbf", "force", 4.4482216152605),
+    ],
+)
+def test_factor(unit: str, quantity: Quantity, factor: float) -> None:
+    assert factor_to_si(unit, quantity, "x.csv") == pytest.approx(factor, rel=1e-14)
+
+
+@given(st.floats(min_value=1e-9, max_value=1e9), st.sampled_from(["m", "mm", "in"]))
+def test_a_factor_multiplies_its_unit(factor: float, unit: str) -> None:
+    expected = factor * factor_to_si(unit, "position", "")
+    assert factor_to_si(f"{factor!r}{unit}", "position", "") == expected
+
+
+@pytest.mark.parametrize(
+    ("unit", "quantity", "message"),
+    [
+        ("", "force", "no unit of force"),
+        ("18", "force", "no unit of force"),
+        ("furlong", "position", "'furlong' is not a unit of position"),
+        ("MN", "force", "did you mean mN?"),
+        ("mm", "force", "'mm' is not a unit of force"),
+        ("0mm", "position", "a factor of 0"),
+    ],
+)
+def test_refused_units(unit: str, quantity: Quantity, message: str) -> None:
+    with pytest.raises(DataError) as refusal:
+        factor_to_si(unit, quantity, "x.csv, column 2")
+    text = str(refusal.value)
+    assert text.startswith("x.csv, column 2: ")
+    assert message in text
+    assert "\n" not in text
+
+
+def test_map() -> None:
+    assert parse_map("time=Time, s:s, position=Engineering Strain:33mm,force=3:18N") == {
+        "time": Column("Time, s", "s"),
+        "position": Column("Engineering Strain", "33mm"),
+        "force": Column(3, "18N"),
+    }
+    assert parse_map("force=Engineering Stress (MPa)") == {
+        "force": Column("Engineering Stress (MPa)")
+    }
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "cannot read ''"),
+        ("speed=1:m", "cannot read 'speed=1:m'"),
+        ("time=1:s,time=2:s", "given twice"),
+        ("time=:s", "time has no column"),
+        ("time=0:s", "counted from 1"),
+    ],
+)
+def test_refused_maps(text: str, message: str) -> None:
+    with pytest.raises(UsageError, match="--map") as refusal:
+        parse_map(text)
+    assert message in str(refusal.value)

@@ -1,0 +1,149 @@
+"""scikit-learn's tools on springpot's models, and the user's own ensembles in C."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from joblib import Parallel, delayed, parallel_backend
+from sklearn.base import clone
+from sklearn.ensemble import (
+    ExtraTreesRegressor,
+    GradientBoostingRegressor,
+    HistGradientBoostingRegressor,
+    RandomForestRegressor,
+)
+from sklearn.exceptions import NotFittedError
+from sklearn.model_selection import GridSearchCV, cross_val_score
+from sklearn.pipeline import Pipeline
+from sklearn.preprocessing import FunctionTransformer
+from support.small import model_file, recording, scene, training, wandering
+
+from springpot.codegen.errors import DataError, SpringpotError, UsageError
+from springpot.host.emission.emission import emit
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.ensemble import ensemble_data, from_ensemble
+from springpot.trainer.estimator import PositionRegressor
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.rf_fd import history_features
+from springpot.trainer.recordings.recording import Recording
+
+X = [item.position_m for item in training()]
+Y = [item.force_n for item in training()]
+
+
+def small(kind: str = "rf-fd") -> PositionRegressor:
+    return PositionRegressor(kind, trees=5, leaf=20)
+
+
+@pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein", "springpot"])
+def test_predictions_are_the_models(kind: str) -> None:
+    fitted = small(kind).fit(X, Y)
+    model = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20)).model
+    for item, force_n in zip(training(), fitted.predict(X), strict=True):
+        np.testing.assert_array_equal(force_n, predict_n(model, item))
+    assert fitted.score(X, Y) > 0.9
+
+
+def test_parameters_clones_and_pickles() -> None:
+    regressor = small().set_params(dt_s=2e-3, window_s=0.1)
+    assert clone(regressor).get_params() == regressor.get_params()
+    assert clone(regressor).get_params()["dt_s"] == 2e-3
+    fitted = small("hammerstein").fit(X, Y)
+    again = pickle.loads(pickle.dumps(fitted))
+    np.testing.assert_array_equal(again.predict(X[:1])[0], fitted.predict(X[:1])[0])
+    with pytest.raises(NotFittedError):
+        clone(fitted).predict(X)
+
+
+def test_cross_validation_holds_out_recordings_in_a_pipeline() -> None:
+    steps = Pipeline([("as it is", FunctionTransformer()), ("model", small("hammerstein"))])
+    scores = cross_val_score(steps, X, Y, cv=3)
+    assert scores.shape == (3,)
+    assert scores.min() > 0.9
+    search = GridSearchCV(small(), {"kind": ["springpot", "hammerstein"]}, cv=3).fit(X, Y)
+    assert search.best_params_["kind"] in {"springpot", "hammerstein"}
+    assert len(search.predict(X[:2])) == 2
+
+
+@pytest.mark.parametrize("backend", ["threading", "loky"])
+def test_joblib_backends_agree(backend: str) -> None:
+    alone = cross_val_score(small(), X, Y, cv=2)
+    with parallel_backend(backend, n_jobs=2):
+        np.testing.assert_array_equal(cross_val_score(small(), X, Y, cv=2), alone)
+        forces = Parallel()(delayed(small("springpot").fit(X, Y).predict)([x]) for x in X[:2])
+    assert [len(force[0]) for force in forces] == [len(x) for x in X[:2]]
+
+
+def test_weights_count_recordings() -> None:
+    fitted = small("springpot").fit(X, Y)
+    only = np.zeros(len(X))
+    only[3] = 1.0
+    assert fitted.score(X, Y, only) == pytest.approx(fitted.score(X[3:4], Y[3:4]))
+
+
+def test_what_is_no_recording_is_refused() -> None:
+    with pytest.raises(DataError, match=r"X\[0\] has shape \(\): X is a list of sequences"):
+        small().fit(X[0], Y[0])
+    with pytest.raises(DataError, match="11 position and 12 force"):
+        small().fit(X[1:], Y)
+    with pytest.raises(UsageError, match="kind 'forest': use one of rf-fd"):
+        small("forest").fit(X, Y)
+    with pytest.raises(SpringpotError, match="recording 0"):
+        small().fit([X[0][:-1]], [Y[0]])
+
+
+ENSEMBLES = [
+    RandomForestRegressor(5, min_samples_leaf=20, random_state=0),
+    ExtraTreesRegressor(5, min_samples_leaf=20, random_state=0),
+    HistGradientBoostingRegressor(max_iter=30, learning_rate=0.3, random_state=0),
+    HistGradientBoostingRegressor(
+        max_iter=30, learning_rate=0.3, random_state=0, loss="absolute_error"
+    ),
+]
+
+
+@pytest.mark.parametrize("lags", [False, True])
+@pytest.mark.parametrize("number", ["float32", "float64"])
+@pytest.mark.parametrize("ensemble", ENSEMBLES, ids=["forest", "extra", "boosted", "absolute"])
+def test_ensembles_become_c(tmp_path: Path, ensemble: object, number: str, lags: bool) -> None:
+    features = history_features(1e-3, None) if lags else None
+    values, force_n = ensemble_data(training(), features)
+    regressor = clone(ensemble).fit(values, force_n)
+    model = from_ensemble(regressor, training(), features, name="mine")
+    item = recording("new", 0.8 * X[-1])
+    assert predict_n(model, item).max() == pytest.approx(item.force_n.max(), rel=0.2)
+    emission = emit(scene(number=number), model_file(tmp_path, model), tmp_path / "c")
+    force_c, _ = SceneLibrary(emission.folder).new_state().run(item.position_m)
+    inside = item.position_m > 0.002
+    error_n = force_c[inside] - predict_n(model, item)[inside]
+    assert np.percentile(np.abs(error_n), 99) < 0.03 * item.force_n.max()
+    SceneLibrary(emission.folder).new_state().run(wandering(3))
+
+
+def test_ensembles_of_something_else_are_refused() -> None:
+    values, force_n = ensemble_data(training())
+    forest = RandomForestRegressor(3, min_samples_leaf=20)
+    with pytest.raises(UsageError, match="GradientBoostingRegressor: give a fitted"):
+        from_ensemble(GradientBoostingRegressor(n_estimators=3).fit(values, force_n), training())
+    with pytest.raises(UsageError, match="fitted on 4 features, these are 10"):
+        from_ensemble(clone(forest).fit(values[:, :4], force_n), training())
+    with pytest.raises(UsageError, match="worse on these recordings than their mean force"):
+        from_ensemble(clone(forest).fit(values / 1000, force_n), training())
+    two = clone(forest).fit(values, np.stack([force_n, force_n], axis=1))
+    with pytest.raises(UsageError, match="outputs: fit it on one force"):
+        from_ensemble(two, training())
+    poisson = HistGradientBoostingRegressor(max_iter=50, loss="poisson")
+    poisson.fit(values, np.maximum(force_n, 0.0))
+    with pytest.raises(UsageError, match="no weighted sum of its trees"):
+        from_ensemble(poisson, training())
+
+
+def test_preloaded_recordings() -> None:
+    moved = [Recording(r.name, r.position_m, r.force_n - 1.0, r.dt_s, "first") for r in training()]
+    fitted = PositionRegressor("hammerstein", zero="first")
+    fitted.fit([r.position_m for r in moved], [r.force_n for r in moved])
+    assert fitted.model_.contact == "always"
+    assert fitted.score([moved[0].position_m], [moved[0].force_n]) > 0.9

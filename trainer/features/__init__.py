@@ -1,0 +1,1 @@
+"""Features along a recording: fractional derivatives, past positions, velocity."""

@@ -1,0 +1,60 @@
+"""Engine `fir-fast`: a window of taps imitated by direct taps and truncated exponentials."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.model.ir import FastFirBank, FirBank
+
+Samples = NDArray[np.float64]
+DIRECT = 4
+POLES = 8
+_FASTEST_TICKS = (1.0, 1.5, 2.0, 3.0, 4.0)
+_SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
+
+
+def fast_fir_bank(bank: FirBank) -> FastFirBank:
+    """Fit the sums of taps C_k of all orders with shared poles, by least squares.
+
+    The poles are log-spaced; their ends are those of a few that give the least error.
+    """
+    length = len(bank.taps)
+    candidates = [
+        _fitted(bank, np.geomspace(fastest, slowest * length, POLES))
+        for fastest in _FASTEST_TICKS
+        for slowest in _SLOWEST_WINDOWS
+    ]
+    return min(candidates, key=lambda fast: imitation_error(bank, fast))
+
+
+def _fitted(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
+    length = len(bank.taps)
+    sums = np.cumsum(bank.taps, axis=0)
+    age = np.arange(length - 1 - DIRECT)
+    scale = sums[DIRECT : length - 1].mean(axis=1, keepdims=True)
+    poles, *_ = np.linalg.lstsq(
+        np.exp(-age[:, None] / tau_ticks) / scale, sums[DIRECT : length - 1] / scale, rcond=1e-10
+    )
+    weights = np.concatenate([sums[:DIRECT], poles, sums[-1:]])
+    return FastFirBank(orders=bank.orders, tau_ticks=tau_ticks, length=length, weights=weights)
+
+
+def equivalent_taps(fast: FastFirBank) -> Samples:
+    """Taps of the same filter, shape (length, orders)."""
+    n_direct = len(fast.weights) - len(fast.tau_ticks) - 1
+    age = np.arange(fast.length - 1 - n_direct)
+    tail = np.exp(-age[:, None] / fast.tau_ticks) @ fast.weights[n_direct:-1]
+    sums = np.concatenate([fast.weights[:n_direct], tail, fast.weights[-1:]])
+    return np.diff(sums, axis=0, prepend=np.zeros((1, sums.shape[1])))
+
+
+def imitation_error(bank: FirBank, fast: FastFirBank) -> float:
+    """Greatest error of an order's response, relative RMS over slow to fast sines.
+
+    Frequencies are log-spaced from one period in ten windows to a tenth of the sample rate.
+    """
+    length = len(bank.taps)
+    turns = np.geomspace(0.1 / length, 0.1, 60)
+    phase = np.exp(-2j * np.pi * turns[:, None] * np.arange(length))
+    wanted, found = phase @ bank.taps, phase @ equivalent_taps(fast)
+    relative = np.abs(found - wanted) / np.abs(wanted)
+    return float(np.sqrt((relative**2).mean(axis=0)).max())

@@ -1,0 +1,81 @@
+"""Values of a model's features along a recording, in float64, only at the rows that are used."""
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from springpot.codegen.model.ir import (
+    FastFirBank,
+    Features,
+    FirBank,
+    Lags,
+    PositionVelocity,
+    RecursiveBank,
+)
+from springpot.codegen.stages.position_velocity import foaw_of
+from springpot.codegen.stages.recursive import loss_and_gain
+from springpot.trainer.features.fast_fir import equivalent_taps
+
+Samples = NDArray[np.float64]
+Rows = NDArray[np.intp]
+_CHUNK = 8192  # rows whose windows are gathered at once
+
+
+def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+    """Features at `rows` of one recording, shape (rows, features).
+
+    Before its first sample the object has rested at that sample.
+    """
+    if isinstance(features, FirBank):
+        return _fir(features.taps, depth_m, rows)
+    if isinstance(features, FastFirBank):
+        return _fir(equivalent_taps(features), depth_m, rows)
+    if isinstance(features, RecursiveBank):
+        return recursive_values(features, depth_m, dt_s, rows)
+    if isinstance(features, Lags):
+        return _lags(features, depth_m, rows)
+    return _position_velocity(features, depth_m, dt_s, rows)
+
+
+def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+    """Weighted states of the poles."""
+    values = np.zeros((len(rows), len(bank.orders)))
+    for tau_s, weights in zip(bank.tau_s, bank.weights, strict=True):
+        values += highpass(depth_m, float(tau_s), dt_s)[rows, None] * weights
+    return values
+
+
+def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
+    """State h of a pole: h' = x' - h/tau, x linear within each step, at rest before the first."""
+    loss, gain = loss_and_gain(np.array([tau_s]), dt_s)
+    rises = np.diff(values, prepend=values[:1])
+    filtered: Samples = lfilter([gain[0]], [1.0, loss[0] - 1.0], rises)
+    return filtered
+
+
+def _fir(taps: Samples, depth_m: Samples, rows: Rows) -> Samples:
+    held = np.concatenate([np.full(len(taps) - 1, depth_m[0]), depth_m])
+    windows = sliding_window_view(held, len(taps))
+    newest_last = taps[::-1]
+    parts = [
+        windows[rows[begin : begin + _CHUNK]] @ newest_last for begin in range(0, len(rows), _CHUNK)
+    ]
+    return np.concatenate(parts) if parts else np.empty((0, taps.shape[1]))
+
+
+def _lags(lags: Lags, depth_m: Samples, rows: Rows) -> Samples:
+    past = [depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples]
+    if lags.difference:
+        past = [past[0], *(past[0] - values for values in past[1:])]
+    return np.stack(past, axis=1)
+
+
+def _position_velocity(
+    features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Rows
+) -> Samples:
+    per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
+    held = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
+    windows = sliding_window_view(held, features.length + 1)[rows]
+    velocity = foaw_of(per_step, np.float64(features.band_m), windows)
+    return np.stack([depth_m[rows], velocity], axis=1)

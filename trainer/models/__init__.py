@@ -1,0 +1,1 @@
+"""Fitting each kind of model, and predicting with it."""

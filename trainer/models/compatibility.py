@@ -1,0 +1,24 @@
+"""Whether a recording and a model mean the same by a position and a tick."""
+
+from springpot.codegen.errors import DataError
+from springpot.codegen.model.ir import Model
+from springpot.trainer.recordings.recording import Recording
+
+
+def refuse_other_frame(recording: Recording, model: Model, tick_s: float | None = None) -> None:
+    """Raise DataError for another sampling rate, or another meaning of position 0.
+
+    tick_s: of the scene, which may have a rate of its own; without one, the model's.
+    """
+    dt_s, whose = (model.dt_s, "model") if tick_s is None else (tick_s, "scene")
+    if abs(recording.dt_s / dt_s - 1.0) > 1e-3:
+        raise DataError(
+            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
+            f"{1 / dt_s:g} Hz: import it with --resample-hz {1 / dt_s:g}"
+        )
+    if (recording.zero != "none") != (model.contact == "always"):
+        raise DataError(
+            f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "
+            f"{'with' if model.contact == 'always' else 'without'} --zero first or min: import "
+            "all the same way"
+        )

@@ -1,0 +1,95 @@
+"""What every kind of model is fitted with, and what a fit returns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from typing import Any, Literal
+
+from springpot.codegen.model.ir import Features, Hammerstein, Model, Regressor
+from springpot.trainer.models.passive_terms import POLES
+from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.paper import PAPER_SMOOTH_S
+
+PAPER_TREES = 100
+PAPER_LEAF = 5
+PAPER_CENTERS = 100
+
+Engine = Literal["fir", "fir-fast", "recursive"]
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """How a model is fitted. None: the kind's default.
+
+    fraction: share of rows. window_s: length of the filters. trees, leaf: of forests.
+    centers: number and choice of radial basis functions. select: how orders are chosen.
+    engine: of the fractional filters; by default taps, and exponentials where the window is long.
+    round_features: trees are fitted on features in whole steps of 16 bits.
+    orders: fractional orders; the paper's ten by default.
+    poles: time constants that hammerstein, and every kind's passive part, may use.
+    within: the smallest forest whose error is at most this share above that of the one asked for.
+    """
+
+    seed: int = 0
+    fraction: float | None = None
+    window_s: float | None = None
+    smooth_s: float = PAPER_SMOOTH_S
+    trees: int = PAPER_TREES
+    leaf: int = PAPER_LEAF
+    n_centers: int = PAPER_CENTERS
+    centers: Literal["farthest", "greedy"] = "farthest"
+    select: Literal["cv", "paper"] = "cv"
+    monotone: bool = False
+    engine: Engine | None = None
+    round_features: bool = False
+    orders: tuple[float, ...] | None = None
+    within: float | None = None
+    poles: int = POLES
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A fitted model and what it took: seconds for features, fit and search; further facts."""
+
+    model: Model
+    rows: int
+    feature_s: float
+    fit_s: float
+    search_s: float = 0.0
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+
+def assemble(
+    kind: str,
+    name: str,
+    data: TrainingSet,
+    options: FitOptions,
+    rows: int,
+    parts: tuple[Features | None, Regressor | None],
+    passive: Hammerstein,
+    adds: bool,
+    facts: Mapping[str, Any],
+) -> Model:
+    """Put a model together with its provenance. `passive` is added, or kept as the fallback."""
+    return Model(
+        kind=kind,
+        name=name,
+        dt_s=data.dt_s,
+        contact=data.contact,
+        trained=data.trained,
+        features=parts[0],
+        regressor=parts[1],
+        hammerstein=passive,
+        hammerstein_adds=adds,
+        provenance={
+            "seed": options.seed,
+            "rows": rows,
+            "rows_total": data.rows_total,
+            "smooth_s": options.smooth_s,
+            "recordings": {rec.name: rec.content_hash for rec in data.recordings},
+            "scikit-learn": version("scikit-learn"),
+            "springpot": version("springpot"),
+            **facts,
+        },
+    )

@@ -1,0 +1,60 @@
+"""Folds of cross-validation that do not leak: whole recordings, blocks, or conditions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.cluster import KMeans
+
+from springpot.trainer.models.training_set import TrainingSet
+
+N_FOLDS = 5
+_CONDITIONS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Folds:
+    """A fold number for each row; folds in `tested` are held out in turn."""
+
+    number: NDArray[np.intp]
+    tested: tuple[int, ...]
+
+
+def recording_folds(data: TrainingSet, rows: NDArray[np.intp], seed: int) -> Folds:
+    """Five folds of whole recordings; of one recording, five contiguous blocks."""
+    n = len(data.recordings)
+    if n == 1:
+        number = rows * N_FOLDS // data.rows_total
+        return Folds(number, tuple(range(N_FOLDS)))
+    fold = np.random.default_rng(seed).permutation(n) % min(N_FOLDS, n)
+    return Folds(fold[data.owner(rows)], tuple(range(min(N_FOLDS, n))))
+
+
+def condition_folds(data: TrainingSet, rows: NDArray[np.intp], seed: int) -> Folds | None:
+    """Recordings clustered on range and speed; the one with the greatest force is never held out.
+
+    Holding that one out measures extrapolation only. None where there are fewer than three
+    recordings.
+    """
+    n = len(data.recordings)
+    if n < 3:
+        return None
+    facts = np.array(
+        [
+            (np.ptp(depth), np.percentile(np.abs(np.diff(depth)), 95) / data.dt_s)
+            for depth in data.depths_m
+        ]
+    )
+    logs = np.log(np.maximum(facts, 1e-12))
+    spread = np.maximum(logs.std(axis=0), 1e-9)
+    points = np.round(logs / spread, 3)
+    clusters = min(_CONDITIONS, len(np.unique(points, axis=0)))  # repeats may be one point
+    fold = KMeans(clusters, n_init=10, random_state=seed).fit_predict(points)
+    strongest = fold[int(np.argmax([rec.force_n.max() for rec in data.recordings]))]
+    tested = tuple(int(number) for number in np.unique(fold) if number != strongest)
+    return Folds(fold[data.owner(rows)].astype(np.intp), tested) if tested else None
+
+
+def geometric_mean(errors: list[float]) -> float:
+    """Mean that one fold of extrapolation does not decide alone."""
+    return float(np.exp(np.mean(np.log(np.maximum(errors, 1e-12)))))

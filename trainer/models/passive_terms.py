@@ -1,0 +1,138 @@
+"""The passive model: non-negative least squares on springs, Maxwell branches and stop operators."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.model.ir import Basis, Hammerstein
+from springpot.codegen.stages.hammerstein import BASIS_SIZE, basis
+from springpot.trainer.features.values import Rows, Samples, highpass
+from springpot.trainer.models.training_set import TrainingSet
+
+POLES = 12
+RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
+_CHUNK = 1 << 16  # samples that stand as Python's numbers at once
+
+
+@dataclass(frozen=True)
+class Terms:
+    """The terms that a fit chooses from.
+
+    Columns: the spring's basis; each pole's branches; each radius's stops; then, where the bias is
+    fitted, +1 and -1.
+    """
+
+    basis: Basis
+    origin_m: float
+    span_m: float
+    tau_s: tuple[float, ...]
+    radius_m: tuple[float, ...]
+    bias: bool
+
+    @property
+    def n_basis(self) -> int:
+        """Functions of the basis."""
+        return BASIS_SIZE[self.basis]
+
+    @property
+    def count(self) -> int:
+        """Columns."""
+        blocks = 1 + len(self.tau_s) + len(self.radius_m)
+        return self.n_basis * blocks + 2 * self.bias
+
+
+def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = POLES) -> Terms:
+    """Twelve poles, or as many as asked for, from two samples to the longest recording,
+    and four radii.
+    """
+    trained = data.trained
+    span_m = trained.greatest_m - trained.least_m
+    tau_s = np.geomspace(2.0 * data.dt_s, max(data.longest_s, 4.0 * data.dt_s), poles)
+    return Terms(
+        basis=kind,
+        origin_m=trained.least_m,
+        span_m=span_m,
+        tau_s=tuple(tau_s.tolist()),
+        radius_m=tuple(share * span_m for share in RADIUS_SHARES),
+        bias=bias,
+    )
+
+
+def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+    """Values of all terms along one recording, at rows: shape (rows, terms).
+
+    One function of the basis at a time: a day's recording has 1e8 samples.
+    """
+    u = (depth_m - terms.origin_m) / terms.span_m
+    n, poles = terms.n_basis, len(terms.tau_s)
+    values = np.ones((len(rows), terms.count))
+    for j, along in enumerate(basis(terms.basis, u)):
+        values[:, j] = along[rows]
+        for k, tau_s in enumerate(terms.tau_s, 1):
+            values[:, n * k + j] = highpass(along, tau_s, dt_s)[rows]
+    for k, radius_m in enumerate(terms.radius_m, 1 + poles):
+        played = basis(terms.basis, play(u, radius_m / terms.span_m)[rows])
+        for j, behind in enumerate(played):
+            values[:, n * k + j] = values[:, j] - behind
+    if terms.bias:
+        values[:, -1] = -1.0
+    return values
+
+
+def play(u: Samples, radius: float) -> Samples:
+    """Play operator of one radius, from rest at the first sample."""
+    out = np.empty_like(u)
+    p = float(u[0])
+    for begin in range(0, len(u), _CHUNK):
+        for i, x in enumerate(u[begin : begin + _CHUNK].tolist(), begin):
+            p = min(max(p, x - radius), x + radius)
+            out[i] = p
+    return out
+
+
+def hammerstein_force(model: Hammerstein, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+    """Force of a fitted model along one recording, at rows, N, in float64."""
+    terms, weights = _terms_and_weights(model)
+    force_n: Samples = columns(terms, depth_m, dt_s, rows) @ weights
+    return force_n
+
+
+def to_model(terms: Terms, weights: Samples) -> Hammerstein:
+    """Terms and their non-negative weights -> IR, without the poles and radii of weight 0."""
+    n, poles, radii = terms.n_basis, len(terms.tau_s), len(terms.radius_m)
+    branch = weights[n : n * (1 + poles)].reshape(poles, n)
+    stop = weights[n * (1 + poles) : n * (1 + poles + radii)].reshape(radii, n)
+    kept, stops = branch.any(axis=1), stop.any(axis=1)
+    return Hammerstein(
+        basis=terms.basis,
+        origin_m=terms.origin_m,
+        span_m=terms.span_m,
+        elastic_n=weights[:n],
+        tau_s=np.array(terms.tau_s)[kept],
+        branch_n=branch[kept],
+        radius_m=np.array(terms.radius_m)[stops],
+        stop_n=stop[stops],
+        bias_n=float(weights[-2] - weights[-1]) if terms.bias else 0.0,
+    )
+
+
+def parameter_count(model: Hammerstein) -> int:
+    """Numbers that the fit chose: weights above 0, and the bias."""
+    weights = (model.elastic_n, model.branch_n, model.stop_n)
+    return sum(int(np.count_nonzero(w)) for w in weights) + (model.bias_n != 0.0)
+
+
+def _terms_and_weights(model: Hammerstein) -> tuple[Terms, NDArray[np.float64]]:
+    terms = Terms(
+        basis=model.basis,
+        origin_m=model.origin_m,
+        span_m=model.span_m,
+        tau_s=tuple(model.tau_s.tolist()),
+        radius_m=tuple(model.radius_m.tolist()),
+        bias=model.bias_n != 0.0,
+    )
+    bias: Iterable[float] = (model.bias_n, 0.0) if terms.bias else ()
+    blocks = [model.elastic_n, model.branch_n.ravel(), model.stop_n.ravel(), np.array([*bias])]
+    return terms, np.concatenate(blocks)

@@ -1,0 +1,48 @@
+"""A model's own prediction on recordings: no guard, contact, coupling or limits."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from springpot.codegen.forest.leaves import used_features
+from springpot.codegen.forest.quantisation import rounded
+from springpot.codegen.forest.traverse import forest_force, table_sums
+from springpot.codegen.forest.wide import forest_table
+from springpot.codegen.model.ir import Forest, Model, Rbf
+from springpot.trainer.features.values import Rows, Samples, feature_values
+from springpot.trainer.models.passive_terms import hammerstein_force
+from springpot.trainer.models.radial import rbf_force
+from springpot.trainer.models.training_set import depth_m
+from springpot.trainer.recordings.recording import Recording
+
+
+def predict_n(model: Model, recording: Recording, rows: Rows | None = None) -> Samples:
+    """Force of the model along a recording's positions, N; at all samples, or at `rows` of it."""
+    rows = np.arange(len(recording.position_m)) if rows is None else rows
+    return predict_each_n(model, [(recording, rows)])
+
+
+def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Rows]]) -> Samples:
+    """The same at rows of several recordings, end to end: a forest's table is made once."""
+    depths = [(depth_m(recording, model.contact), rows) for recording, rows in pieces]
+    force_n = np.zeros(sum(len(rows) for _, rows in pieces))
+    if model.features is not None and model.regressor is not None:
+        values = [feature_values(model.features, depth, model.dt_s, rows) for depth, rows in depths]
+        force_n += regressor_force(model.regressor, np.concatenate(values))
+    if model.hammerstein is not None and model.hammerstein_adds:
+        parts = [hammerstein_force(model.hammerstein, d, model.dt_s, rows) for d, rows in depths]
+        force_n += np.concatenate(parts)
+    return force_n
+
+
+def regressor_force(regressor: Forest | Rbf, values: Samples) -> Samples:
+    """Force of features (n, features), N."""
+    if isinstance(regressor, Forest):
+        kept = used_features(regressor)
+        table = forest_table(regressor, np.float64)
+        features = values.astype(np.float32)
+        if regressor.rounding is not None:
+            features = rounded(regressor.rounding, features)
+        force_n: Samples = forest_force(table, table_sums(table, features[:, kept]))
+        return force_n
+    return rbf_force(regressor, values)

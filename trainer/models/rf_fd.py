@@ -1,0 +1,120 @@
+"""Kinds `rf-fd`, `rf-history` and `boosted`: trees on fractional derivatives or past positions."""
+
+import dataclasses
+import time
+
+import numpy as np
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.forest.quantisation import rounded, rounding_over
+from springpot.codegen.model.ir import Features, FirBank, Forest, FractionalBank, Lags
+from springpot.trainer.features.exponentials import recursive_bank
+from springpot.trainer.features.fast_fir import fast_fir_bank
+from springpot.trainer.features.fractional import gl_taps
+from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
+from springpot.trainer.models.forests import depth_scale, fit_boosted, fit_forest
+from springpot.trainer.models.training_set import TrainingSet
+
+PAPER_ORDERS = tuple(round(0.05 * i, 2) for i in range(1, 11))
+PAPER_TAPS = 171
+HISTORY_LAGS = 10
+MOST_TAPS = 1024  # longer windows are cheaper as exponentials
+LEAST_WINDOW = 10  # samples
+MOST_WINDOW_S = 1e5
+RECURSIVE_S = 1000.0
+
+
+def fractional_features(
+    dt_s: float,
+    window_s: float | None,
+    engine: Engine | None = None,
+    orders: tuple[float, ...] = PAPER_ORDERS,
+) -> FractionalBank:
+    """The orders over `window_s`, 171 taps by default, by `engine`.
+
+    Default engine: taps, and exponentials where the window is long. Without a window, exponentials
+    reach far: a true derivative forgets where the tool is held, taps do not.
+    """
+    if engine == "recursive" and window_s is None:
+        return recursive_bank(orders, dt_s, RECURSIVE_S)
+    length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
+    if engine == "recursive" or (engine is None and length > MOST_TAPS):
+        return recursive_bank(orders, dt_s, length * dt_s)
+    if length > MOST_TAPS:
+        raise UsageError(
+            f"--window-s {window_s:g} is {length} taps, at most {MOST_TAPS} are worth their time: "
+            "use --engine recursive"
+        )
+    taps = np.stack([gl_taps(order, length, dt_s) for order in orders], axis=1)
+    bank = FirBank(orders=orders, taps=taps)
+    return fast_fir_bank(bank) if engine == "fir-fast" else bank
+
+
+def window_samples(window_s: float, dt_s: float) -> int:
+    """Samples of a window. Raises UsageError where it holds fewer than ten, or is a day long."""
+    if not LEAST_WINDOW * dt_s <= window_s <= MOST_WINDOW_S:
+        raise UsageError(
+            f"--window-s {window_s:g}: at {1 / dt_s:g} Hz give {LEAST_WINDOW * dt_s:g} to "
+            f"{MOST_WINDOW_S:g} s"
+        )
+    return round(window_s / dt_s)
+
+
+def history_features(dt_s: float, window_s: float | None) -> Lags:
+    """Ten positions, evenly spaced over the window ([24])."""
+    length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
+    lags = np.round(np.linspace(0, length - 1, HISTORY_LAGS)).astype(int)
+    return Lags(samples=tuple(lags.tolist()), difference=False)
+
+
+def fit_rf_fd(
+    name: str, data: TrainingSet, options: FitOptions, features: Features | None = None
+) -> Fit:
+    """The paper's forest."""
+    return _fit("rf-fd", name, data, options, features or _asked_features(data, options))
+
+
+def fit_rf_history(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+    """A forest on past positions: the negative control, known to act with negative damping."""
+    return _fit("rf-history", name, data, options, history_features(data.dt_s, options.window_s))
+
+
+def fit_boosted_fd(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+    """Gradient-boosted trees on fractional derivatives."""
+    return _fit("boosted", name, data, options, _asked_features(data, options))
+
+
+def _asked_features(data: TrainingSet, options: FitOptions) -> FractionalBank:
+    orders = options.orders or PAPER_ORDERS
+    return fractional_features(data.dt_s, options.window_s, options.engine, orders)
+
+
+def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features: Features) -> Fit:
+    from springpot.trainer.models.hammerstein import fit_passive
+
+    begin = time.perf_counter()
+    rows = data.rows(options.fraction, options.seed)
+    values = data.features(features, rows)
+    force_n = data.force_n(rows)
+    feature_s = time.perf_counter() - begin
+    scale, rounding = depth_scale(data.trained.greatest_m - min(data.trained.least_m, 0.0)), None
+    if options.round_features:
+        rounding = rounding_over(values)
+        scale, values = 1.0, rounded(rounding, values).astype(np.float64)
+    begin = time.perf_counter()
+    forest: Forest
+    importance: list[float] = []
+    if kind == "boosted":
+        forest = fit_boosted(values, force_n, scale, options.trees, options.seed, options.monotone)
+    else:
+        forest, shares = fit_forest(
+            values, force_n, scale, options.trees, options.leaf, options.seed
+        )
+        importance = shares.tolist()
+    forest = dataclasses.replace(forest, rounding=rounding)
+    fit_s = time.perf_counter() - begin
+    passive, _, _ = fit_passive(data, options)
+    facts = {"n_nodes": len(forest.feature), "importance": importance}
+    parts = (features, forest)
+    model = assemble(kind, name, data, options, len(rows), parts, passive, False, facts)
+    return Fit(model, len(rows), feature_s, fit_s, facts=facts)

@@ -1,0 +1,173 @@
+"""Training recordings, prepared: what they have in common, and the rows that a fit uses."""
+
+import time
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.ir import Contact, Features, TrainedRange
+from springpot.trainer.features.values import feature_values
+from springpot.trainer.models.rows import MOST_ROWS, choose_rows
+from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.smoothing import smoothed
+
+_STEP_TOLERANCE = 1e-3
+MOST_SMOOTHED = 0.25  # of the shortest recording
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingSet:
+    """Recordings smoothed for a fit. `rows` index the samples of all recordings in a row."""
+
+    recordings: tuple[Recording, ...]
+    depths_m: tuple[Samples, ...]
+    dt_s: float
+    contact: Contact
+    trained: TrainedRange
+    _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
+
+    def once(self, key: Hashable, work: Callable[[], Result]) -> tuple[Result, float]:
+        """Result of `work` and the seconds that it took, done once for a key.
+
+        What fits of many options on the same data have in common: the passive part, the orders.
+        """
+        if key not in self._found:
+            begin = time.perf_counter()
+            result = work()
+            self._found[key] = result, time.perf_counter() - begin
+        return self._found[key]
+
+    @cached_property
+    def bounds(self) -> NDArray[np.intp]:
+        """First row of each recording, and the number of all rows."""
+        return np.concatenate([[0], np.cumsum([len(depth) for depth in self.depths_m])])
+
+    @property
+    def rows_total(self) -> int:
+        """Samples of all recordings."""
+        return int(self.bounds[-1])
+
+    @property
+    def longest_s(self) -> float:
+        """Duration of the longest recording, s."""
+        return max(len(depth) for depth in self.depths_m) * self.dt_s
+
+    def rows(self, fraction: float | None, seed: int) -> NDArray[np.intp]:
+        """Rows of a fit; fraction as in `choose_rows`."""
+        return choose_rows(self.rows_total, fraction, np.random.default_rng(seed))
+
+    def many_rows(self) -> NDArray[np.intp]:
+        """All rows, or 50 000 evenly spaced ones: for fits that cost little a row."""
+        count = min(self.rows_total, MOST_ROWS)
+        return np.linspace(0, self.rows_total - 1, count).astype(np.intp)
+
+    def force_n(self, rows: NDArray[np.intp]) -> Samples:
+        """Measured force at rows, N."""
+        forces = [recording.force_n for recording in self.recordings]
+        return np.concatenate([f[local] for f, local in zip(forces, self.split(rows), strict=True)])
+
+    def features(self, features: Features, rows: NDArray[np.intp]) -> Samples:
+        """Features at rows, shape (rows, features)."""
+        parts = zip(self.depths_m, self.split(rows), strict=True)
+        return np.concatenate(
+            [feature_values(features, depth, self.dt_s, local) for depth, local in parts]
+        )
+
+    def split(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+        """Rows (ascending) of each recording, counted from its first sample."""
+        cuts = np.searchsorted(rows, self.bounds)
+        return [
+            rows[begin:end] - first
+            for begin, end, first in zip(cuts[:-1], cuts[1:], self.bounds[:-1], strict=True)
+        ]
+
+    def owner(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Recording of each row."""
+        return np.searchsorted(self.bounds, rows, side="right") - 1
+
+
+def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
+    """Prepare recordings. Raises DataError where they do not fit together."""
+    dt_s = common_time_step(recordings)
+    contact = contact_of(recordings)
+    shortest = min(recordings, key=lambda recording: len(recording.force_n))
+    if smooth_s > MOST_SMOOTHED * shortest.duration_s:
+        raise UsageError(
+            f"--smooth-s {smooth_s:g}: {shortest.name} lasts {shortest.duration_s:g} s: smooth "
+            "over a quarter of that at most"
+        )
+    prepared = tuple(smoothed(recording, smooth_s) for recording in recordings)
+    depths_m = tuple(depth_m(recording, contact) for recording in prepared)
+    return TrainingSet(
+        recordings=prepared,
+        depths_m=depths_m,
+        dt_s=dt_s,
+        contact=contact,
+        trained=trained_range(prepared, contact),
+    )
+
+
+def common_time_step(recordings: Sequence[Recording]) -> float:
+    """Time step of all recordings, s. Raises DataError where there are none, or two."""
+    if not recordings:
+        raise DataError("no recordings: give files or folders of recordings")
+    first = recordings[0]
+    for recording in recordings:
+        if abs(recording.dt_s / first.dt_s - 1.0) > _STEP_TOLERANCE:
+            raise DataError(
+                f"{recording.name} is sampled at {recording.rate_hz:g} Hz, {first.name} at "
+                f"{first.rate_hz:g} Hz: import both with one --resample-hz"
+            )
+    return first.dt_s
+
+
+def contact_of(recordings: Sequence[Recording]) -> Contact:
+    """Return "always" where an importer moved the zero: position 0 is then no surface."""
+    moved = [recording.name for recording in recordings if recording.zero != "none"]
+    if moved and len(moved) != len(recordings):
+        kept = next(recording.name for recording in recordings if recording.zero == "none")
+        raise DataError(
+            f"{moved[0]} was imported with --zero and {kept} without: import all the same way"
+        )
+    return "always" if moved else "surface"
+
+
+def depth_m(recording: Recording, contact: Contact) -> Samples:
+    """Positions as the model sees them: those above the surface count as 0."""
+    if contact == "always":
+        return recording.position_m
+    return np.maximum(recording.position_m, 0.0)
+
+
+def trained_range(recordings: Sequence[Recording], contact: Contact) -> TrainedRange:
+    """Extremes over all recordings. Raises DataError where nothing moved."""
+    depths = [depth_m(recording, contact) for recording in recordings]
+    least_m = min(float(depth.min()) for depth in depths)
+    greatest_m = max(float(depth.max()) for depth in depths)
+    if greatest_m <= (0.0 if contact == "surface" else least_m):
+        raise DataError(
+            f"{recordings[0].name}: positions never go deeper than {greatest_m:g} m: position must "
+            "grow into the object; check the sign and the unit on import"
+        )
+    if contact == "surface" and max(float(rec.force_n.max()) for rec in recordings) <= 0.0:
+        raise DataError(
+            f"{recordings[0].name}: the force never pushes out (all at or below 0): turn its sign "
+            "round on import, for example --map force=COL:-1N"
+        )
+    speeds = [
+        float(np.abs(np.diff(depth)).max()) / recording.dt_s
+        for depth, recording in zip(depths, recordings, strict=True)
+    ]
+    return TrainedRange(
+        least_m=least_m,
+        greatest_m=greatest_m,
+        greatest_mps=max(speeds),
+        least_n=min(float(recording.force_n.min()) for recording in recordings),
+        greatest_n=max(float(recording.force_n.max()) for recording in recordings),
+    )

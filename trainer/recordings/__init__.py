@@ -1,0 +1,1 @@
+"""Recordings: the type, its file and journal, conditioning; formats and quality beside."""

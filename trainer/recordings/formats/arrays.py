@@ -1,0 +1,143 @@
+"""MAT files (v5, v7.3) and HDF5 files of any layout: one array a channel, found by name or map."""
+
+import io
+import subprocess
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.column_map import EXAMPLE, ColumnMap, stated_rate_hz
+from springpot.trainer.recordings.formats.csv_layout import wanted_columns
+from springpot.trainer.recordings.formats.labels import guess_column, split_unit
+from springpot.trainer.recordings.formats.sampling import RawChannels
+from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
+from springpot.trainer.recordings.recording import Samples
+
+HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
+MAT_MAGIC = b"MATLAB 5.0 MAT-file"
+MAT73_MAGIC = b"MATLAB 7.3 MAT-file"
+_TIMEOUT_S = 150.0
+_MOST_SHOWN = 12
+
+
+@dataclass(frozen=True, eq=False)
+class _Array:
+    name: str
+    unit: str
+    values: Samples
+
+
+def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[RawChannels, str]:
+    """Read one recording from a MAT file (kind "mat") or an HDF5 file ("hdf5").
+
+    A channel is a vector, or a column of a matrix as `data[2]`; structures and groups are named
+    as `rig.force` and `rig/force`. Raises DataError naming file and array where a channel or its
+    unit is missing or ambiguous, or lengths differ.
+    """
+    arrays = _load(path, kind)
+    wanted = wanted_columns(columns)
+    chosen = {quantity: _choose(path, arrays, quantity, columns) for quantity in wanted}
+    lengths = {quantity: len(array.values) for quantity, array in chosen.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{chosen[q].name!r} {n}" for q, n in lengths.items())
+        raise DataError(f"{path}: channels of different lengths ({told}): correct --map")
+    units = {q: _unit(path, q, array, columns) for q, array in chosen.items()}
+    scaled = {q: array.values * units[q].to_si for q, array in chosen.items()}
+    told = ", ".join(
+        f"{q} = {array.name!r} in {units[q].text} ({units[q].origin})"
+        for q, array in chosen.items()
+    )
+    facts: dict[str, Any] = {q: unit.facts() for q, unit in units.items()}
+    rate_hz = stated_rate_hz(columns)
+    if rate_hz is not None:
+        scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
+        facts["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+        told = f"time = samples counted at the stated {rate_hz:g} Hz, {told}"
+    guess = f"{'MAT' if kind == 'mat' else 'HDF5'} file: {told}"
+    raw = RawChannels(
+        name=name,
+        time_s=scaled["time"],
+        position_m=scaled["position"],
+        force_n=scaled["force"],
+        time_digit_s=0.0,
+        source=str(path),
+        line_of=lambda sample: sample + 1,
+        details={"columns": guess, "units": facts},
+    )
+    return raw, guess
+
+
+def _load(path: Path, kind: str) -> list[_Array]:
+    if kind == "mat" and find_spec("scipy") is None:
+        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
+    command = [
+        sys.executable,
+        "-m",
+        "springpot.trainer.recordings.formats.array_process",
+        str(path),
+        kind,
+    ]
+    try:
+        result = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        raise DataError(f"{path}: reading it does not end: damaged, export it again") from None
+    if result.returncode:
+        reason = result.stderr.decode(errors="replace").strip().splitlines()
+        why = reason[-1] if reason and result.returncode > 0 else "it crashes the reader"
+        raise DataError(f"{path}: damaged or of another format ({why}): export it again")
+    with np.load(io.BytesIO(result.stdout), allow_pickle=False) as stored:
+        names, units = stored["names"], stored["units"]
+        arrays = [
+            _Array(str(name), str(unit), stored[f"a{k}"])
+            for k, (name, unit) in enumerate(zip(names, units, strict=True))
+        ]
+    if not arrays:
+        raise DataError(
+            f"{path}: holds no vectors of numbers (tables and objects of MATLAB cannot be read): "
+            "save plain arrays"
+        )
+    return arrays
+
+
+def _choose(path: Path, arrays: list[_Array], quantity: Quantity, columns: ColumnMap) -> _Array:
+    column = columns.get(quantity)
+    names = [array.name for array in arrays]
+    shown = ", ".join(map(repr, names[:_MOST_SHOWN])) + (", ..." if names[_MOST_SHOWN:] else "")
+    if column is None:
+        found = _guess(arrays, quantity)
+        if len(found) == 1:
+            return found[0]
+        what = "may be " + ", ".join(repr(a.name) for a in found) if found else "has no array"
+        raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {EXAMPLE}")
+    if isinstance(column.header_or_number, int):
+        if column.header_or_number > len(arrays):
+            raise DataError(f"{path}: --map {quantity}={column.header_or_number}: it holds {shown}")
+        return arrays[column.header_or_number - 1]
+    wanted = column.header_or_number.strip("/")
+    exact = [array for array in arrays if array.name == wanted]
+    if len(exact) != 1:
+        raise DataError(f"{path}: --map {quantity}: no array {wanted!r}; it holds {shown}")
+    return exact[0]
+
+
+def _guess(arrays: list[_Array], quantity: Quantity) -> list[_Array]:
+    """Guess by the last part of the names: groups and structures are named after rigs."""
+    labels = [array.name.replace(".", "/").rpartition("/")[2] for array in arrays]
+    return [arrays[index] for index in guess_column(labels, quantity)]
+
+
+def _unit(path: Path, quantity: Quantity, array: _Array, columns: ColumnMap) -> Unit:
+    column = columns.get(quantity)
+    label = array.name.replace(".", "/").rpartition("/")[2]
+    found = {
+        "map": column.unit if column else None,
+        "attribute": array.unit,
+        "name": split_unit(label, quantity)[1] if not label.endswith("]") else None,
+    }
+    origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
+    return Unit(text, factor_to_si(text, quantity, f"{path}, array {array.name!r}"), origin)

@@ -1,0 +1,175 @@
+"""Files from outside -> recordings: chooses the reader by what is in the file."""
+
+import re
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.conditioning import Conditioning, condition
+from springpot.trainer.recordings.formats.arrays import (
+    HDF5_MAGIC,
+    MAT73_MAGIC,
+    MAT_MAGIC,
+    read_arrays,
+)
+from springpot.trainer.recordings.formats.can_log import BLF_MAGIC, is_candump, read_can_log
+from springpot.trainer.recordings.formats.column_map import ColumnMap
+from springpot.trainer.recordings.formats.csv_text import read_csv
+from springpot.trainer.recordings.formats.decimals import DecimalMark
+from springpot.trainer.recordings.formats.mach1 import MAGIC as MACH1_MAGIC
+from springpot.trainer.recordings.formats.mach1 import read_mach1
+from springpot.trainer.recordings.formats.sampling import RawChannels, to_recording
+from springpot.trainer.recordings.formats.uneven_tail import tail_note
+from springpot.trainer.recordings.journal_blocks import is_journal
+from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
+from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.recording_file import is_sealed, read_recording
+
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+_UNSAFE = re.compile(r"[^\w.+-]+")
+
+
+@dataclass(frozen=True)
+class ImportOptions:
+    """What only some files need.
+
+    dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file.
+    decimal: what marks decimals in a CSV file, None: guessed.
+    conditioning: delays, mass, tare and contact point.
+    """
+
+    dbc: Path | None = None
+    block: str | None = None
+    decimal: DecimalMark | None = None
+    conditioning: Conditioning = field(default_factory=Conditioning)
+
+
+@dataclass(frozen=True)
+class ImportResult:
+    """What one file gave, and one line that says how it was understood."""
+
+    recordings: list[Recording]
+    guess: str
+
+
+def import_file(
+    path: Path,
+    mapping: ColumnMap | None,
+    zero: Zero,
+    resample_hz: float | None,
+    options: ImportOptions | None = None,
+) -> ImportResult:
+    """Read every recording of one file, in SI units.
+
+    mapping: columns and units; what it leaves out is guessed from the headers.
+    zero: subtract nothing, the first sample or the smallest one, of each channel.
+    resample_hz: rate for linear interpolation; None refuses uneven steps before the file's end.
+    Raises DataError naming file and row, UsageError for a map where the file needs none.
+    """
+    if resample_hz is not None and not 0.0 < resample_hz < np.inf:
+        raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
+    options = options or ImportOptions()
+    try:
+        with path.open("rb") as file:
+            start = file.read(512 + len(HDF5_MAGIC))
+        if is_journal(start):
+            return _import_journal(path, options)
+        if start.startswith(HDF5_MAGIC) and is_sealed(path):
+            return _import_again(path, mapping, zero, resample_hz, options)
+        raws, guess = _read(path, start, mapping, options, resample_hz)
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
+    names = _unique([raw.name for raw in raws])
+    recordings = []
+    for raw, name in zip(raws, names, strict=True):
+        try:
+            recording = to_recording(raw, name, zero, resample_hz)
+            recording, told = condition(recording, options.conditioning)
+        except DataError as error:
+            other = "; or leave such blocks out, --block KIND" if len(raws) > 1 else ""
+            raise DataError(f"{error}{other}") from None
+        recordings.append(recording)
+        notes = [tail_note(recording), *told]
+        if _pulls(recording):
+            notes.append(
+                f"note: {name}: force falls as position rises, where pressing should push back: "
+                "turn a sign round with a factor in --map (position=COL:-1mm)"
+            )
+        guess += "".join(f"; {note}" for note in notes if note)
+    return ImportResult(recordings, f"{path}: {guess}")
+
+
+def _read(
+    path: Path,
+    start: bytes,
+    mapping: ColumnMap | None,
+    options: ImportOptions,
+    resample_hz: float | None,
+) -> tuple[list[RawChannels], str]:
+    columns = mapping or {}
+    text = start.removeprefix(_BYTE_ORDER_MARK)
+    if text.startswith(MACH1_MAGIC):
+        if mapping:
+            raise UsageError(f"{path}: a Mach-1 file names its own columns: leave out --map")
+        return read_mach1(path, options.block)
+    if start.startswith(BLF_MAGIC) or is_candump(text):
+        raw, guess = read_can_log(path, columns, path.stem, options.dbc, resample_hz is not None)
+    elif start.startswith((HDF5_MAGIC, MAT73_MAGIC)) or HDF5_MAGIC in start[512:]:
+        raw, guess = read_arrays(path, "hdf5", columns, path.stem)
+    elif start.startswith(MAT_MAGIC):
+        raw, guess = read_arrays(path, "mat", columns, path.stem)
+    else:
+        raw, guess = read_csv(path, columns, path.stem, options.decimal)
+    return [raw], guess
+
+
+def _import_journal(path: Path, options: ImportOptions) -> ImportResult:
+    if is_being_recorded(path):
+        raise DataError(f"{path}: still being recorded: wait until that ends")
+    parts, told = read_parts(path)
+    recordings = []
+    for part, name in zip(parts, _unique([part.name for part in parts]), strict=True):
+        details = {**part.details, "recovered": told}
+        whole, said = condition(replace(part, name=name, details=details), options.conditioning)
+        recordings.append(whole)
+        told += "".join(f"; {line}" for line in said)
+    return ImportResult(recordings, f"{path}: {told}")
+
+
+def _import_again(
+    path: Path,
+    mapping: ColumnMap | None,
+    zero: Zero,
+    resample_hz: float | None,
+    options: ImportOptions,
+) -> ImportResult:
+    """Take a recording of springpot's own, to condition it."""
+    if mapping or zero != "none" or resample_hz is not None:
+        raise UsageError(
+            f"{path}: is a springpot recording already: only --contact-force, --tare, --mass-kg, "
+            "delays and --align apply to it"
+        )
+    recording, told = condition(read_recording(path), options.conditioning)
+    return ImportResult(
+        [recording], f"{path}: a springpot recording" + "".join(f"; {t}" for t in told)
+    )
+
+
+def _unique(names: list[str]) -> list[str]:
+    """Make names fit for file systems, with a number behind those that came before."""
+    unique: list[str] = []
+    for name in names:
+        safe = _UNSAFE.sub("_", name).strip("._") or "recording"
+        numbered, count = safe, 1
+        while numbered in unique:
+            count += 1
+            numbered = f"{safe}-{count}"
+        unique.append(numbered)
+    return unique
+
+
+def _pulls(recording: Recording) -> bool:
+    position_m = recording.position_m - np.mean(recording.position_m)
+    return float(np.dot(position_m, recording.force_n)) < 0.0

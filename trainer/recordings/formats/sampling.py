@@ -1,0 +1,199 @@
+"""From time-stamped samples to a recording: what is refused, and resampling on request."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
+from springpot.trainer.recordings.recording import Recording, Samples, Zero
+
+MIN_ROWS = 3
+GAP = 1.5  # a step longer than this many usual steps is a gap
+STEP_TOLERANCE = 0.01
+MOST_UPSAMPLING = 20  # beyond it nearly every sample would be invented
+# Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
+_DRIFT_STEPS = 100
+_MANY_STEPS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class RawChannels:
+    """Time-stamped samples as a file has them, in SI units, unchecked.
+
+    time_s, position_m, force_n: shape (n,), float64.
+    time_digit_s: one unit in the last printed digit of the time stamps.
+    source: file and block, for messages and for the recording.
+    line_of: the 1-based line of the file on which sample k stands.
+    """
+
+    name: str
+    time_s: Samples
+    position_m: Samples
+    force_n: Samples
+    time_digit_s: float
+    source: str
+    line_of: Callable[[int], int]
+    details: Mapping[str, Any] = field(default_factory=dict)
+
+
+def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | None) -> Recording:
+    """Check the samples, resample them if `resample_hz` is given, subtract the zero.
+
+    Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
+    without `resample_hz`, uneven steps before the file's end; too few rows. What was done is kept
+    in `details`.
+    """
+    _check_finite(raw)
+    _check_order(raw)
+    _check_gaps(raw)
+    details = {**raw.details, "sampling": _sampling(raw)}
+    last_even = None if resample_hz else _last_even(raw)
+    if last_even is not None:
+        grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
+        details["sampling"]["tail"]["from_row"] = raw.line_of(last_even + 1)
+        position_m = on_grid(raw.time_s, raw.position_m, grid_s, last_even)
+        force_n = on_grid(raw.time_s, raw.force_n, grid_s, last_even)
+        dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
+    elif resample_hz is None:
+        _check_even(raw)
+        position_m, force_n = raw.position_m, raw.force_n
+        dt_s = float(raw.time_s[-1] - raw.time_s[0]) / (len(raw.time_s) - 1)
+    else:
+        grid_s = _grid(raw, resample_hz)
+        position_m = np.interp(grid_s, raw.time_s, raw.position_m)
+        force_n = np.interp(grid_s, raw.time_s, raw.force_n)
+        dt_s = 1.0 / resample_hz
+        details |= {
+            "resampled_hz": resample_hz,
+            "resampled_by": "linear interpolation",
+            "source_rows": len(raw.time_s),
+            "source_median_step_s": float(np.median(np.diff(raw.time_s))),
+        }
+    if zero != "none":
+        pick = np.min if zero == "min" else lambda samples: samples[0]
+        details |= {
+            "zero_position_m": float(pick(position_m)),
+            "zero_force_n": float(pick(force_n)),
+        }
+        position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
+    return Recording(name, position_m, force_n, dt_s, zero, source=raw.source, details=details)
+
+
+def _sampling(raw: RawChannels) -> dict[str, Any]:
+    """Facts about the time stamps that uniform samples no longer show."""
+    steps_s = np.diff(raw.time_s)
+    usual_s = float(np.median(steps_s))
+    return {
+        "median_step_s": usual_s,
+        "shortest_step_s": float(steps_s.min()),
+        "longest_step_s": float(steps_s.max()),
+        "jitter_rms_s": float(np.sqrt(np.mean((steps_s - steps_s.mean()) ** 2))),
+        "stamp_digit_s": raw.time_digit_s,
+    }
+
+
+def _last_even(raw: RawChannels) -> int | None:
+    last_even = last_even_sample(raw.time_s, _slack_s(raw, 1), raw.time_digit_s + _rounding_s(raw))
+    if last_even is not None:
+        channels = (raw.time_s, raw.position_m, raw.force_n)
+        time_s, position_m, force_n = (samples[: last_even + 1] for samples in channels)
+        _check_even(replace(raw, time_s=time_s, position_m=position_m, force_n=force_n))
+    return last_even
+
+
+def _slack_s(raw: RawChannels, span: int) -> float:
+    usual_s = float(np.median(np.diff(raw.time_s)))
+    return STEP_TOLERANCE * usual_s + (raw.time_digit_s + _rounding_s(raw)) / span
+
+
+def _check_finite(raw: RawChannels) -> None:
+    channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
+    for channel, samples in channels.items():
+        bad = np.flatnonzero(~np.isfinite(samples))
+        if len(bad):
+            raise DataError(
+                f"{_at(raw, bad[0])}: {channel} is not a finite number ({len(bad)} such rows): "
+                "cut or repair those rows in the source"
+            )
+
+
+def _check_order(raw: RawChannels) -> None:
+    if len(raw.time_s) < MIN_ROWS:
+        raise DataError(
+            f"{raw.source}: {len(raw.time_s)} rows of numbers: a recording needs {MIN_ROWS} or more"
+        )
+    bad = np.flatnonzero(np.diff(raw.time_s) <= 0.0)
+    if len(bad):
+        usual_s = float(np.median(np.diff(raw.time_s)))
+        rate = f" (--map time={1.0 / usual_s:.6g}Hz)" if usual_s > 0.0 else ""
+        before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
+        what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
+        raise DataError(
+            f"{_at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s ({len(bad)} such rows): "
+            "correct the time stamps in the source, cut the file there or, where every row is one "
+            f"step, state the rate in place of the column{rate}"
+        )
+
+
+def _check_gaps(raw: RawChannels) -> None:
+    steps_s = np.diff(raw.time_s)
+    usual_s = float(np.median(steps_s))
+    # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
+    # along: where there are many, the mean is the better measure of what is usual.
+    if len(steps_s) >= _MANY_STEPS:
+        usual_s = max(usual_s, float(np.mean(steps_s)))
+    bad = np.flatnonzero(steps_s > GAP * usual_s + _rounding_s(raw))
+    if len(bad):
+        raise DataError(
+            f"{_at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "
+            f"{usual_s:.6g} s ({len(bad)} gaps): cut the recording there and import the parts"
+        )
+
+
+def _check_even(raw: RawChannels) -> None:
+    median_s = float(np.median(np.diff(raw.time_s)))
+    remedy = f"nothing is resampled unasked, pass --resample-hz {1.0 / median_s:.6g}"
+    for span in (1, _DRIFT_STEPS):
+        if span >= len(raw.time_s):
+            continue
+        steps_s = (raw.time_s[span:] - raw.time_s[:-span]) / span
+        usual_s = median_s if span == 1 else float(np.mean(np.diff(raw.time_s)))
+        slack_s = STEP_TOLERANCE * usual_s + (raw.time_digit_s + _rounding_s(raw)) / span
+        bad = np.flatnonzero(np.abs(steps_s - usual_s) > slack_s)
+        if len(bad):
+            what = "the time step" if span == 1 else f"the mean of the last {span} time steps"
+            raise DataError(
+                f"{_at(raw, bad[0] + span)}: {what} is {steps_s[bad[0]]:.6g} s where "
+                f"{usual_s:.6g} s is usual ({len(bad)} such rows): {remedy}"
+            )
+
+
+def _rounding_s(raw: RawChannels) -> float:
+    """Return what the last bits of a double can add to a difference of two time stamps."""
+    return 4.0 * float(np.spacing(np.abs(raw.time_s[[0, -1]]).max()))
+
+
+def _grid(raw: RawChannels, rate_hz: float) -> Samples:
+    span_s = float(raw.time_s[-1] - raw.time_s[0])
+    source_hz = (len(raw.time_s) - 1) / span_s
+    if rate_hz > MOST_UPSAMPLING * source_hz:
+        raise DataError(
+            f"{raw.source}: {rate_hz:g} Hz is more than {MOST_UPSAMPLING} times its own "
+            f"{source_hz:.6g} Hz: give a lower --resample-hz"
+        )
+    # 1e-6 of a step: the last sample is kept when rounding puts it a hair before the grid's.
+    count = int(span_s * rate_hz + 1e-6) + 1
+    if count < MIN_ROWS:
+        raise DataError(
+            f"{raw.source}: {span_s:.6g} s at {rate_hz:g} Hz leave {count} samples: "
+            "give a higher --resample-hz"
+        )
+    grid_s: Samples = raw.time_s[0] + np.arange(count) / rate_hz
+    return grid_s
+
+
+def _at(raw: RawChannels, sample: int | np.intp) -> str:
+    return f"{raw.source}, row {raw.line_of(int(sample))}"

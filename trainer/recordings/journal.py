@@ -1,0 +1,204 @@
+"""Recording without losing anything: an append-only journal, and an HDF5 file only at the end.
+
+HDF5 survives neither SIGKILL nor a full disk. A journal left behind by either is read like a
+recording (`journal_reader.py`), short of what was not yet written: at most half a second.
+"""
+
+import fcntl
+import json
+import os
+import secrets
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.trainer.recordings.journal_blocks import (
+    FACTS,
+    LAST_FACTS,
+    PAYLOAD_BYTES,
+    SAMPLES,
+    encode,
+    most_rows,
+)
+from springpot.trainer.recordings.journal_reader import journal_of, read_journal
+from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.recording import Samples, Zero
+from springpot.trainer.recordings.recording_file import store_recording, sync_folder
+
+_MOST_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
+_SYNC_S = 0.5  # of wall clock between two syncs: what a power cut may take
+
+
+class JournalWriter:
+    """Write one recording as it is made; `finish` turns it into an HDF5 file.
+
+    Use it as a context manager: where it is left by an error, what was recorded is kept in the
+    journal, and a line says so.
+    """
+
+    def __init__(
+        self,
+        file: Path,
+        name: str,
+        dt_s: float,
+        source: str,
+        details: Mapping[str, Any],
+        *,
+        zero: Zero = "none",
+        channels: Sequence[str] = (),
+    ) -> None:
+        """Begin the recording `file`; name, dt_s (s), source, details and zero as in `Recording`.
+
+        channels: names of what each row holds beside position and force.
+        Raises UsageError where it exists, is being recorded, or was left behind by a crash;
+        DeviceError where it cannot be written.
+        """
+        self.file, self.journal = file, journal_of(file)
+        if file.exists():
+            raise UsageError(f"{file}: exists and is not overwritten: give another --out")
+        self._descriptor = self._create()
+        self._number = secrets.randbits(64)
+        self._blocks = 0
+        self._width = 2 + len(channels)
+        self._rows = max(1, min(most_rows(self._width), int(_MOST_S / dt_s)))
+        self._pending = np.empty((0, self._width))
+        self._synced_s = monotonic()
+        self.full = False
+        self._closed = False
+        facts = {
+            "schema": 1,
+            "name": name,
+            "dt_s": dt_s,
+            "source": source,
+            "zero": zero,
+            "details": dict(details),
+            "channels": list(channels),
+            "block_s": self._rows * dt_s,
+        }
+        self._write_facts(json.dumps(facts).encode())
+        sync_folder(file.parent)
+
+    def append(
+        self, position_m: Samples, force_n: Samples, channels: Samples | None = None
+    ) -> None:
+        """Take the next samples, each shape (n,). Raises DeviceError where the disk is full.
+
+        channels: shape (n, k), a column for each channel beside them.
+        """
+        new = np.empty((len(position_m), self._width))
+        new[:, 0], new[:, 1] = position_m, force_n
+        if channels is not None:
+            new[:, 2:] = channels
+        self._pending = np.concatenate((self._pending, new))
+        while len(self._pending) >= self._rows:
+            self._write_samples(self._rows)
+        if monotonic() - self._synced_s > _SYNC_S:
+            self._sync()
+
+    def finish(self, details: Mapping[str, Any] | None = None) -> None:
+        """Write the HDF5 file aside, sync it, rename it, and only then remove the journal.
+
+        details: what became known since the start, added to the recording's.
+        Raises DeviceError where there is no room for it; the journal then stays and is readable.
+        """
+        self._flush()
+        try:
+            recording = read_journal(self.journal).recording
+            told = {**recording.details, **(details or {})}
+            store_recording(self.file, replace(recording, details=told), overwrite=False)
+        except FileExistsError:
+            raise UsageError(
+                f"{self.file}: another program wrote it meanwhile; this recording is kept in "
+                f"{self.journal}: move one of them away"
+            ) from None
+        except OSError as error:
+            raise self._failure(error) from None
+        self.journal.unlink()
+        self._close()
+
+    def discard(self) -> None:
+        """Remove the journal of a recording that never began."""
+        self.journal.unlink(missing_ok=True)
+        self._close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._closed:
+            return
+        try:
+            if not self.full:
+                self._flush()
+        except DeviceError:
+            pass  # the error that is under way says more
+        self._close()
+        if self._blocks:
+            notice(f"{self.journal}: what was recorded until now is kept there and can be read")
+
+    def _create(self) -> int:
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
+        try:
+            descriptor = os.open(self.journal, flags, 0o644)
+        except FileExistsError:
+            raise UsageError(
+                f"{self.journal}: another springpot is recording it, or a crash left it behind: "
+                "give another --out; `springpot import` turns a journal into a recording"
+            ) from None
+        except OSError as error:
+            raise UsageError(f"{self.journal}: {error.strerror}: give another --out") from None
+        fcntl.flock(descriptor, fcntl.LOCK_EX)  # readers see by it that somebody still records
+        return descriptor
+
+    def _write_facts(self, text: bytes) -> None:
+        parts = [text[k : k + PAYLOAD_BYTES] for k in range(0, len(text), PAYLOAD_BYTES)]
+        for part in parts[:-1]:
+            self._write(FACTS, part)
+        self._write(LAST_FACTS, parts[-1])
+
+    def _write_samples(self, count: int) -> None:
+        self._write(SAMPLES, self._pending[:count].astype("<f8").tobytes())
+        self._pending = self._pending[count:]
+
+    def _write(self, kind: int, payload: bytes) -> None:
+        content = encode(self._number, self._blocks, kind, payload)
+        try:
+            while content:
+                content = content[os.write(self._descriptor, content) :]
+        except OSError as error:
+            self.full = True
+            raise self._failure(error) from None
+        self._blocks += 1
+
+    def _flush(self) -> None:
+        if len(self._pending):
+            self._write_samples(len(self._pending))
+        self._sync()
+
+    def _sync(self) -> None:
+        try:
+            os.fdatasync(self._descriptor)
+        except OSError as error:
+            raise self._failure(error) from None
+        self._synced_s = monotonic()
+
+    def _failure(self, error: OSError) -> DeviceError:
+        return DeviceError(
+            f"{self.file}: cannot go on writing ({error.strerror or error}), recording stopped: "
+            f"make room; {self.journal.name} holds what was recorded and can be read"
+        )
+
+    def _close(self) -> None:
+        os.close(self._descriptor)
+        self._closed = True

@@ -1,0 +1,179 @@
+"""Reading a journal that a crash left behind: what is whole, what is lost, and saying so."""
+
+import fcntl
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.journal_blocks import (
+    BLOCK_BYTES,
+    LAST_FACTS,
+    SAMPLES,
+    Block,
+    decode,
+)
+from springpot.trainer.recordings.recording import SUFFIX, Recording, Samples
+
+JOURNAL_SUFFIX = ".journal"
+MOST_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """What a journal held. lost: one line for people about what it does not hold, or empty."""
+
+    recording: Recording
+    lost: str
+
+
+@dataclass(frozen=True)
+class _Journal:
+    facts: Mapping[str, Any]
+    blocks: list[Block | None]  # of samples, None where damaged
+
+    @property
+    def channels(self) -> list[str]:
+        """Names of the channels beside position and force."""
+        return list(self.facts.get("channels", ()))
+
+    def rows(self, blocks: list[Block | None]) -> list[Samples]:
+        """Samples of the whole blocks among these, each (n, 2 + channels)."""
+        return [block.rows(2 + len(self.channels)) for block in blocks if block]
+
+
+def journal_of(file: Path) -> Path:
+    """Path of the journal of the recording `file`."""
+    return file.with_name(file.name.removesuffix(SUFFIX) + JOURNAL_SUFFIX)
+
+
+def is_being_recorded(journal: Path) -> bool:
+    """Tell whether a living process still writes this journal."""
+    descriptor = os.open(journal, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def read_journal(path: Path) -> Recovered:
+    """Recover the recording of one journal.
+
+    Raises DataError where it holds no samples, where more than the last second is damaged, or
+    where damage lies between whole blocks.
+    """
+    journal = _read(path)
+    blocks = journal.blocks
+    damaged = [k for k, block in enumerate(blocks) if block is None]
+    whole = len(blocks)
+    while whole and blocks[whole - 1] is None:
+        whole -= 1
+    lost_s = (len(blocks) - whole) * float(journal.facts["block_s"])
+    if (damaged and damaged[0] < whole) or lost_s > MOST_LOST_S + 1e-9:
+        begin_s = _seconds(journal, damaged[0])
+        raise DataError(
+            f"{path}: {len(damaged)} of {len(blocks)} blocks of samples are damaged, the first "
+            f"{begin_s:.3f} s after the start: `springpot import {path.name} --out DIR` cuts out "
+            "the whole parts"
+        )
+    recording = _recording(path, journal, blocks[:whole], "")
+    lost = f", up to {lost_s:.3f} s at its end are lost" if damaged else ""
+    return Recovered(recording, lost)
+
+
+def read_parts(path: Path) -> tuple[list[Recording], str]:
+    """Cut the whole parts out of a damaged journal, and say in one line what lies between them."""
+    journal = _read(path)
+    parts: list[list[Block | None]] = [[]]
+    holes = []
+    for k, block in enumerate(journal.blocks):
+        if block is not None:
+            parts[-1].append(block)
+        elif parts[-1]:
+            parts.append([])
+        if block is None:
+            holes.append(f"{_seconds(journal, k):.3f} s")
+    parts = [part for part in parts if sum(map(len, journal.rows(part))) >= 2]
+    if not parts:
+        raise DataError(f"{path}: no whole block of samples: nothing can be recovered")
+    recordings = [
+        _recording(path, journal, part, f"-part{k}" if len(parts) > 1 else "")
+        for k, part in enumerate(parts, 1)
+    ]
+    told = f"journal of a recording that was interrupted, {len(journal.blocks)} blocks"
+    if holes:
+        told += f", {len(holes)} damaged and left out (from {', '.join(holes[:5])}"
+        told += f"{', ...' if len(holes) > 5 else ''}), cut there into {len(parts)} parts"
+    return recordings, told
+
+
+def _read(path: Path) -> _Journal:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
+    raw = [decode(content[k : k + BLOCK_BYTES]) for k in range(0, len(content), BLOCK_BYTES)]
+    first = raw[0] if raw else None
+    blocks = [
+        block if block and first and (block.journal, block.index) == (first.journal, k) else None
+        for k, block in enumerate(raw)
+    ]
+    facts = _facts(path, blocks)
+    begin = next(k for k, block in enumerate(blocks) if block and block.kind == LAST_FACTS) + 1
+    samples = [b if b and b.kind == SAMPLES else None for b in blocks[begin:]]
+    row_bytes = 8 * (2 + len(facts.get("channels", ())))
+    samples = [b if b and len(b.payload) % row_bytes == 0 else None for b in samples]
+    journal = _Journal(facts, samples)
+    if sum(map(len, journal.rows(samples))) < 2:
+        raise DataError(f"{path}: a recording that was interrupted before its first samples: "
+                        "remove it")  # fmt: skip
+    return journal
+
+
+def _facts(path: Path, blocks: list[Block | None]) -> Mapping[str, Any]:
+    text = b""
+    for block in blocks:
+        if block is None or block.kind == SAMPLES:
+            break
+        text += block.payload
+        if block.kind == LAST_FACTS:
+            facts = json.loads(text)
+            if facts["schema"] > 1:
+                break
+            assert isinstance(facts, dict)
+            return facts
+    raise DataError(
+        f"{path}: a recording that was interrupted at its very start, or whose first block is "
+        "damaged: without its rate and name nothing can be read, remove it"
+    )
+
+
+def _seconds(journal: _Journal, block: int) -> float:
+    """Time at which a block begins: exact unless blocks before it were cut short."""
+    return block * float(journal.facts["block_s"])
+
+
+def _recording(path: Path, journal: _Journal, blocks: list[Block | None], suffix: str) -> Recording:
+    rows = np.concatenate(journal.rows(blocks))
+    facts = journal.facts
+    return Recording(
+        name=str(facts["name"]) + suffix,
+        position_m=np.ascontiguousarray(rows[:, 0], dtype=np.float64),
+        force_n=np.ascontiguousarray(rows[:, 1], dtype=np.float64),
+        dt_s=float(facts["dt_s"]),
+        zero=facts.get("zero", "none"),
+        source=str(facts["source"]),
+        details=facts["details"],
+        channels={
+            name: np.ascontiguousarray(rows[:, 2 + k], dtype=np.float64)
+            for k, name in enumerate(journal.channels)
+        },
+    )

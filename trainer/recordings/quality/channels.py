@@ -1,0 +1,188 @@
+"""Checks of each channel by itself: constant, clipped, held, coarse; its unit and its clock."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.recording import Recording, Samples
+
+_CLIPPED_RUN = 5  # samples in a row exactly at the extreme
+_CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
+_HELD_S = 0.02
+_COARSE = 0.01  # quantisation step over the signal's range
+_JITTER = 0.05  # of a step
+# Beyond these a unit is doubted. Micrometres, millinewtons and 20 000 N load cells are real.
+_TRAVEL_M = (1e-6, 1.0)
+_FORCE_N = (1e-5, 2e4)
+_RATE_HZ = (0.05, 1e6)
+
+
+def channel_findings(recording: Recording) -> Iterator[Finding]:
+    """Yield what is wrong with the channels of one recording."""
+    constant = list(_constant(recording))
+    yield from constant
+    if constant:
+        return
+    yield from _units(recording)
+    yield from _clipping(recording)
+    yield from _held(recording)
+    yield from _quantisation(recording)
+    yield from _clock(recording)
+
+
+def quantisation_step(samples: Samples) -> float | None:
+    """Smallest step between values where they lie on a grid, in the channel's unit; None else."""
+    values = np.unique(samples)
+    steps = np.diff(values)
+    span = float(values[-1] - values[0])
+    steps = steps[steps > 1e-9 * span]  # the same value, converted twice
+    if not len(steps):
+        return None
+    step = float(steps.min())
+    off_grid = np.abs(steps / step - np.round(steps / step))
+    return step if len(values) < len(samples) / 2 and off_grid.max() < 0.2 else None
+
+
+def _channels(recording: Recording) -> tuple[tuple[str, Samples, str], ...]:
+    return (("position", recording.position_m, "m"), ("force", recording.force_n, "N"))
+
+
+def _constant(recording: Recording) -> Iterator[Finding]:
+    for channel, samples, unit in _channels(recording):
+        if np.ptp(samples) == 0.0:
+            yield refusal(
+                "constant", recording.name, f"{channel} is {samples[0]:.6g} {unit} all along",
+                "there is nothing to learn from it",
+                "take the right column (--map), or check the sensor's cable",
+            )  # fmt: skip
+
+
+def _units(recording: Recording) -> Iterator[Finding]:
+    """Refuse a unit that the importer read off a header; warn of one that a person stated."""
+    values = {
+        "position": (float(np.ptp(recording.position_m)), _TRAVEL_M, "m of travel"),
+        "force": (float(np.abs(recording.force_n).max()), _FORCE_N, "N of peak force"),
+        "time": (recording.rate_hz, _RATE_HZ, "samples a second"),
+    }
+    stored = recording.details.get("units", {})
+    for channel, (value, (low, high), what) in values.items():
+        if low <= value <= high:
+            continue
+        facts = stored.get(channel, {})
+        guessed = bool(facts) and facts.get("from") not in ("map", "device")
+        unit = facts.get("unit", "")
+        so_what = "its unit looks wrong" + (f" ({unit!r} was read off the file)" if guessed else "")
+        to_do = (
+            f"state it if it is right: --map {channel}=COL:{unit}"
+            if guessed
+            else "check it against the rig"
+        )
+        make = refusal if guessed else warning
+        yield make("unit", recording.name, f"{value:.4g} {what}", so_what, to_do)
+
+
+def _clipping(recording: Recording) -> Iterator[Finding]:
+    """Look for a flat extreme of one channel while the other goes on, and comes back or not."""
+    position, force = _channels(recording)
+    for (channel, samples, unit), (_, other, _) in ((force, position), (position, force)):
+        for extreme, side in ((samples.max(), "greatest"), (samples.min(), "least")):
+            if side == "least" and extreme >= 0.0:
+                continue  # out of contact, or at rest
+            moved, longest = 0.0, 0
+            for begin, end in _runs(samples == extreme):
+                if end - begin < _CLIPPED_RUN:
+                    continue
+                longest = max(longest, end - begin)
+                moved = max(moved, _excursion(other[begin:end], channel))
+            if moved > _CLIPPED_MOVE * np.ptp(other):
+                yield warning(
+                    "clipping", recording.name,
+                    f"{channel} stays at its {side} value, {extreme:.6g} {unit}, for up to "
+                    f"{longest * recording.dt_s:.3g} s while the other channel moves on",
+                    "the sensor's limit is recorded in place of the object",
+                    "record again with less amplitude or a larger sensor",
+                )  # fmt: skip
+
+
+def _excursion(other: Samples, channel: str) -> float:
+    """How far the other channel goes within a run.
+
+    A held position lets force relax one way; only a force that rises and falls shows clipping.
+    """
+    if channel == "force":
+        return float(np.ptp(other))
+    ends = float(max(other[0], other[-1])), float(min(other[0], other[-1]))
+    return max(float(other.max()) - ends[0], ends[1] - float(other.min()))
+
+
+def _held(recording: Recording) -> Iterator[Finding]:
+    """Look for both channels standing still exactly, and then catching up."""
+    same = (np.diff(recording.position_m) == 0.0) & (np.diff(recording.force_n) == 0.0)
+    # Coarse channels at low speed repeat themselves honestly.
+    for samples in (recording.position_m, recording.force_n):
+        if quantisation_step(samples) is not None:
+            return
+    least = max(3, round(_HELD_S / recording.dt_s))
+    runs = [(begin, end) for begin, end in _runs(same) if end - begin >= least]
+    inner = [run for run in runs if _catches_up(recording.position_m, *run)]
+    if inner:
+        begin, end = max(inner, key=lambda run: run[1] - run[0])
+        yield warning(
+            "gap", recording.name,
+            f"both channels stand still {len(inner)} times, longest {(end - begin)} samples at "
+            f"{begin * recording.dt_s:.3f} s",
+            "lost samples were filled by the last one",
+            "cut there, or record again with less load on the computer",
+        )  # fmt: skip
+
+
+def _catches_up(position_m: Samples, begin: int, end: int) -> bool:
+    """Tell whether the position jumps behind a rest by what it would have moved meanwhile."""
+    steps = np.abs(np.diff(position_m))
+    around = np.concatenate((steps[max(0, begin - 20) : begin], steps[end + 1 : end + 21]))
+    if begin == 0 or end >= len(steps) or not len(around):
+        return False
+    usual = float(np.median(around))
+    return usual > 0.0 and float(steps[end]) > 0.5 * (end - begin + 1) * usual
+
+
+def _quantisation(recording: Recording) -> Iterator[Finding]:
+    for channel, samples, unit in _channels(recording):
+        step = quantisation_step(samples)
+        share = step / float(np.ptp(samples)) if step else 0.0
+        if step and share > _COARSE:
+            yield warning(
+                "quantisation", recording.name,
+                f"{channel} has steps of {step:.3g} {unit}, {100 * share:.2g} % of its range",
+                f"no model can be better than about {step / np.sqrt(12):.2g} {unit} in it",
+                "use a finer sensor or range, or more amplitude",
+            )  # fmt: skip
+
+
+def _clock(recording: Recording) -> Iterator[Finding]:
+    sampling = recording.details.get("sampling", {})
+    jitter_s = float(sampling.get("jitter_rms_s", 0.0))
+    rounding_s = float(sampling.get("stamp_digit_s", 0.0))
+    if jitter_s > _JITTER * recording.dt_s + rounding_s:
+        yield warning(
+            "jitter", recording.name,
+            f"time steps vary by {jitter_s:.3g} s rms about {recording.dt_s:.3g} s",
+            "samples were moved by interpolation, fast changes are blurred",
+            "record with a hardware clock",
+        )  # fmt: skip
+    tail = sampling.get("tail")
+    if tail:
+        yield warning(
+            "jitter", recording.name,
+            f"the last {tail['rows']} rows, from row {tail['from_row']} on, were out of step",
+            "they were interpolated onto the steps before them",
+            "cut them off in the source to do without",
+        )  # fmt: skip
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Begin and end (one behind) of each run of true."""
+    edges = np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))
+    return list(zip(*(np.flatnonzero(edges == e).tolist() for e in (1, -1)), strict=True))

@@ -1,0 +1,184 @@
+"""Cyclic recordings: frequency, stiffness, energy lost a cycle, and how these repeat."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.trainer.recordings.recording import Recording, Samples
+
+_LEAST_SHARE = 0.5  # of the position's variance that one tone must explain
+_HARMONICS = 5
+_NEARLY = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
+_CLOSED = 0.05  # of the travel
+_MOST_SAMPLES = 200_000
+
+
+@dataclass(frozen=True, eq=False)
+class Cycles:
+    """A recording at one frequency.
+
+    stiffness_npm: ratio of the amplitudes of force and position at that frequency.
+    lead_rad: how far force leads position, as the energy lost a cycle says (asin of W / pi F X):
+    a nonlinear spring loses none, whatever the shape of its force.
+    energy_j: W, lost a cycle. skew_rad_per_s: what a second of delay of the force takes off the
+    lead. noise_n: rms difference between cycles that their motion does not explain; drift_n: mean
+    force of the last cycle less that of the first; both None for fewer than three cycles.
+    """
+
+    frequency_hz: float
+    amplitude_m: float
+    stiffness_npm: float
+    lead_rad: float
+    energy_j: float
+    skew_rad_per_s: float
+    noise_n: float | None
+    drift_n: float | None
+    count: int
+
+
+def find_cycles(recording: Recording) -> Cycles | None:
+    """Analyse a recording that moves at one frequency; None where it does not."""
+    if not 16 <= len(recording.position_m) <= _MOST_SAMPLES or not np.ptp(recording.position_m):
+        return None
+    position_m, force_n = _moving(recording.position_m, recording.force_n)
+    frequency = _frequency(position_m)
+    if frequency is None or frequency * len(position_m) < 1.5:
+        if not _is_one_press(recording.position_m, recording.force_n):
+            return None
+        position_m, force_n = recording.position_m, recording.force_n
+        frequency = 1.0 / len(position_m)
+    period = 1.0 / frequency  # samples
+    count = int(len(position_m) / period + _NEARLY)
+    if count < 1 or period < 8:
+        return None
+    used = min(len(position_m), round(count * period))
+    first = used - round((count - 1) * period) if count > 3 else 0  # the first cycle settles
+    x, f = position_m[first:used], force_n[first:used]
+    phase: Samples = 2.0 * np.pi * frequency * np.arange(len(x), dtype=np.float64)
+    x1, f1 = _tone(x, phase), _tone(f, phase)
+    if abs(x1) ** 2 / 2 < _LEAST_SHARE * np.var(x) or not abs(f1):
+        return None  # a ramp, or several tones
+    cycles = max(1, round(len(x) / period))
+    energy_j = _loop(f, x) / cycles
+    reference_j = np.pi * abs(x1) * abs(f1)
+    # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
+    slope = -_loop(np.gradient(f), x) / cycles / recording.dt_s / reference_j
+    noise_n, drift_n = _repeat(x, f, period)
+    return Cycles(
+        frequency_hz=frequency / recording.dt_s,
+        amplitude_m=float(abs(x1)),
+        stiffness_npm=float(abs(f1) / abs(x1)),
+        lead_rad=float(np.arcsin(np.clip(energy_j / reference_j, -1.0, 1.0))),
+        energy_j=energy_j,
+        skew_rad_per_s=slope,
+        noise_n=noise_n,
+        drift_n=drift_n,
+        count=count,
+    )
+
+
+def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
+    """Cut rests at both ends: test rigs wait before and behind their cycles."""
+    moved = np.flatnonzero(np.abs(np.diff(position_m)) > 2e-3 * np.ptp(position_m))
+    slow = np.flatnonzero(np.abs(position_m - position_m[0]) > 0.02 * np.ptp(position_m))
+    begin = int(slow[0]) if len(slow) else 0
+    back = np.flatnonzero(np.abs(position_m - position_m[-1]) > 0.02 * np.ptp(position_m))
+    end = int(back[-1]) + 1 if len(back) else len(position_m)
+    if len(moved):
+        begin, end = min(begin, int(moved[0])), max(end, int(moved[-1]) + 2)
+    return position_m[begin:end], force_n[begin:end]
+
+
+def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
+    """Tell whether the path goes in and out once and is closed: a cycle of its own length.
+
+    Where force is 0 at both ends, what is missing in position costs no energy.
+    """
+    open_m = abs(float(position_m[-1] - position_m[0]))
+    end_n = max(abs(float(force_n[0])), abs(float(force_n[-1])))
+    span_m, peak_n = float(np.ptp(position_m)), float(np.abs(force_n).max())
+    if open_m > _CLOSED * span_m and end_n > _CLOSED * peak_n:
+        return False
+    phase = 2.0 * np.pi * np.arange(len(position_m)) / len(position_m)
+    left = _residual(position_m, phase)
+    return left < (1.0 - _LEAST_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
+
+
+def _frequency(position_m: Samples) -> float | None:
+    """Frequency of the one tone, cycles a sample, by least squares around the spectrum's peak."""
+    n = len(position_m)
+    centred = position_m - position_m.mean()
+    spectrum = np.abs(np.fft.rfft(centred * np.hanning(n), 4 * n))
+    peak = int(np.argmax(spectrum[2:])) + 2
+    low, high = (peak - 4) / (4 * n), (peak + 4) / (4 * n)
+    step = max(1, min(n // 2000, int(4 * n / peak) // 16))
+    thin, time = centred[::step], np.arange(n)[::step]
+    tried = np.linspace(max(low, 0.2 / n), high, 11)
+    for _ in range(3):
+        left = [_residual(thin, 2.0 * np.pi * t * time) for t in tried]
+        best = float(tried[int(np.argmin(left))])
+        width = float(tried[1] - tried[0])
+        tried = np.linspace(best - width, best + width, 11)
+    explained = 1.0 - min(left) / float(thin @ thin)
+    return best if explained > _LEAST_SHARE and best * n >= 0.5 else None
+
+
+def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
+    drift = np.linspace(-1.0, 1.0, len(phase))
+    tones = [g(k * phase) for k in range(1, harmonics + 1) for g in (np.cos, np.sin)]
+    return np.stack([np.ones(len(phase)), drift, *tones], axis=1)
+
+
+def _residual(samples: Samples, phase: Samples) -> float:
+    """Sum of squares that one tone and a drift leave."""
+    basis = _basis(phase, 1)
+    # Normal equations: these columns are nearly orthogonal, and this is called often.
+    found = np.linalg.lstsq(basis.T @ basis, basis.T @ samples, rcond=None)[0]
+    return float(np.sum((samples - basis @ found) ** 2))
+
+
+def _tone(samples: Samples, phase: Samples) -> complex:
+    """Complex amplitude of the fundamental, harmonics and drift fitted beside it."""
+    found = np.linalg.lstsq(_basis(phase, _HARMONICS), samples, rcond=None)[0]
+    return complex(found[2], -found[3])
+
+
+def _loop(f: Samples, x: Samples) -> float:
+    """Integral of f dx by trapezoids: held samples would give energy even with a spring."""
+    return float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
+
+
+def _repeat(
+    position_m: Samples, force_n: Samples, period: float
+) -> tuple[float | None, float | None]:
+    """Noise floor and drift of cycles that should be the same, N; None for fewer than three."""
+    count = int(len(force_n) / period + _NEARLY)
+    if count < 3:
+        return None, None
+    points = max(8, int(period))
+    at = (np.arange(count)[:, None] + np.arange(points) / points) * period
+    time = np.arange(len(force_n))
+    force, position = (
+        np.interp(at.ravel(), time, samples).reshape(count, points)
+        for samples in (force_n, position_m)
+    )
+    share = at % 1.0
+    smoothed = float(np.sqrt(np.mean(share**2 + (1.0 - share) ** 2)))  # of white noise, left over
+    means = force.mean(axis=1)
+    noise_n = noise_floor_n(position, force - means[:, None]) / smoothed
+    return noise_n, float(means[-1] - means[0])
+
+
+def noise_floor_n(position_m: NDArray[np.float64], force_n: NDArray[np.float64]) -> float:
+    """RMS of what repeats differ by in force, N, beyond what they differ by in motion.
+
+    position_m, force_n: shape (repeats, samples). The part of the difference that goes linearly
+    with differences of position and of its rate could be predicted; the rest no model can.
+    """
+    count = len(force_n)
+    off_n = (force_n - force_n.mean(axis=0)).ravel()
+    off_m = position_m - position_m.mean(axis=0)
+    motion = np.stack((off_m.ravel(), np.gradient(off_m, axis=1).ravel()), axis=1)
+    left_n = off_n - motion @ np.linalg.lstsq(motion, off_n, rcond=None)[0]
+    return float(np.sqrt(np.mean(left_n**2) * count / (count - 1)))

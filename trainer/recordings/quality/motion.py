@@ -1,0 +1,132 @@
+"""Checks of the motion: sign, depth, speeds, where contact begins."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.recording import Recording, Samples
+
+_WRONG_SIGN = -0.5
+_DOUBTFUL_SIGN = 0.0
+_STROKE = 0.1  # of the travel: smaller strokes are noise, or nothing to learn from
+_SAME_SPEED = 1.3
+_PRELOAD = 0.05  # of the peak force, at the lowest position
+_SURFACE_OFF = 0.05  # of the travel
+
+
+def sign_findings(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding where pressing seems to pull."""
+    if min(np.ptp(recording.position_m), np.ptp(recording.force_n)) == 0.0:
+        return
+    together = float(np.corrcoef(recording.position_m, recording.force_n)[0, 1])
+    if together >= _DOUBTFUL_SIGN:
+        return
+    make = refusal if together < _WRONG_SIGN else warning
+    yield make(
+        "sign", recording.name,
+        f"force falls as position rises (correlation {together:.2f})",
+        "the model would pull the hand in",
+        "turn one sign round on import, for instance --map position=COL:-1mm",
+    )  # fmt: skip
+
+
+def strokes(position_m: Samples, dt_s: float) -> Samples:
+    """Mean speed of each stroke between turning points, m/s, shape (n,); rests are no strokes."""
+    least_m = _STROKE * float(np.ptp(position_m))
+    if least_m == 0.0:
+        return np.empty(0)
+    turns = _turning_points(position_m, least_m)
+    speeds = []
+    for begin, end in pairwise(turns):
+        part = position_m[begin : end + 1]
+        # The middle four fifths of the way: holds at the ends are no motion.
+        begin_m, way_m = float(part[0]), float(part[-1] - part[0])
+        low_m, high_m = sorted((begin_m + 0.1 * way_m, begin_m + 0.9 * way_m))
+        inside = int(np.count_nonzero((part >= low_m) & (part <= high_m)))
+        speeds.append((high_m - low_m) / (max(inside, 1) * dt_s))
+    return np.array(speeds)
+
+
+def _turning_points(position_m: Samples, least_m: float) -> list[int]:
+    """Indices at which the motion turns round by at least `least_m`, with both ends."""
+    turns, best, rising = [0], 0, None
+    for k, value in enumerate(position_m.tolist()):
+        if rising is None:
+            if abs(value - position_m[0]) >= least_m:
+                rising, best = value > position_m[0], k
+        elif (value > position_m[best]) == rising and value != position_m[best]:
+            best = k
+        elif abs(value - position_m[best]) >= least_m:
+            turns.append(best)
+            rising, best = not rising, k
+    return [*turns, best] if rising is not None else []
+
+
+def distinct_speeds(recordings: Sequence[Recording]) -> list[float]:
+    """Speeds of all strokes, m/s, those within 30 % of each other counted once."""
+    found = [strokes(_thinned(r), r.dt_s * _thinning(r)) for r in recordings]
+    ranked = np.sort(np.concatenate(found)) if found else np.empty(0)
+    speeds: list[float] = []
+    for speed in ranked[ranked > 0.0].tolist():
+        if not speeds or speed > _SAME_SPEED * speeds[-1]:
+            speeds.append(speed)
+    return speeds
+
+
+def speed_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
+    """Yield a finding where all strokes have one speed."""
+    speeds = distinct_speeds(recordings)
+    if len(speeds) == 1:
+        yield warning(
+            "speeds", _where(recordings), f"one speed of pressing only, {speeds[0] * 1e3:.3g} mm/s",
+            "rate dependence cannot be learned from one",
+            "record at three speeds or more, a factor of 10 apart",
+        )  # fmt: skip
+
+
+def contact_findings(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding where position 0 is said to be the surface and is not."""
+    if recording.zero != "none" or np.ptp(recording.force_n) == 0.0:
+        return
+    low = recording.position_m <= np.quantile(recording.position_m, 0.02)
+    rest_n, peak_n = float(np.median(recording.force_n[low])), float(recording.force_n.max())
+    try:
+        contact = find_contact(recording)
+    except DataError:
+        if abs(rest_n) > _PRELOAD * peak_n:
+            yield warning(
+                "contact", recording.name,
+                f"never leaves the object, {rest_n:.3g} N at its lowest position",
+                "position 0 is no surface, and the model would fall to 0 N there",
+                "import with --zero first or min",
+            )  # fmt: skip
+        return
+    off_m = contact.position_m
+    if abs(off_m) > _SURFACE_OFF * float(np.ptp(recording.position_m)) + 2 * contact.uncertainty_m:
+        yield warning(
+            "contact", recording.name,
+            f"force begins at {off_m * 1e3:.3g} +- {contact.uncertainty_m * 1e3:.2g} mm, not at 0",
+            "the surface is not where position is 0",
+            "import with --contact-force auto",
+        )  # fmt: skip
+    if abs(contact.tare_n) > max(3 * contact.threshold_n, 0.02 * peak_n):
+        yield warning(
+            "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
+            "the model would push where nothing is touched", "import with --tare auto",
+        )  # fmt: skip
+
+
+def _thinning(recording: Recording) -> int:
+    return max(1, len(recording.position_m) // 20_000)
+
+
+def _thinned(recording: Recording) -> Samples:
+    return recording.position_m[:: _thinning(recording)]
+
+
+def _where(recordings: Sequence[Recording]) -> str:
+    return recordings[0].name if len(recordings) == 1 else f"all {len(recordings)} recordings"

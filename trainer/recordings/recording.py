@@ -1,0 +1,84 @@
+"""A recording: position and force of one press or one session, uniformly sampled, in SI units."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.errors import DataError
+
+Samples = NDArray[np.float64]
+Zero = Literal["none", "first", "min"]
+
+SUFFIX = ".h5"
+SIGN_RULE = (
+    "position: penetration from the undeformed surface, positive into the object; "
+    "force: positive pushes the tool out of the object"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Uniform samples of position and force.
+
+    position_m, force_n: shape (n,), float64, finite; signs as in `SIGN_RULE`.
+    dt_s: time between samples.
+    zero: what the importer subtracted from both channels; "none": position 0 is the surface.
+    position_delay_s, force_delay_s: how much later than the truth each channel was sampled.
+    source: where the samples came from, for people (file and block, or device).
+    details: further facts of the source, for people and reports; JSON values.
+    channels: more samples beside the two, each (n,); of a session what each tick was given and
+    returned. A fit does not see them.
+
+    Raises DataError where the channels cannot be a recording.
+    """
+
+    name: str
+    position_m: Samples
+    force_n: Samples
+    dt_s: float
+    zero: Zero = "none"
+    position_delay_s: float = 0.0
+    force_delay_s: float = 0.0
+    source: str = ""
+    details: Mapping[str, Any] = field(default_factory=dict)
+    channels: Mapping[str, Samples] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.position_m.ndim != 1 or self.position_m.shape != self.force_n.shape:
+            raise DataError(
+                f"{self.name}: position has {self.position_m.shape} samples and force "
+                f"{self.force_n.shape}: give two 1-D channels of one length"
+            )
+        if len(self.position_m) < 2:
+            raise DataError(f"{self.name}: {len(self.position_m)} rows: a recording needs two")
+        if not (np.isfinite(self.dt_s) and self.dt_s > 0.0):
+            raise DataError(f"{self.name}: a time step of {self.dt_s} s is not a time step")
+        for channel, samples in (("position", self.position_m), ("force", self.force_n)):
+            bad = np.flatnonzero(~np.isfinite(samples))
+            if len(bad):
+                raise DataError(
+                    f"{self.name}: {channel} is not finite at row {bad[0]} "
+                    f"({len(bad)} rows in all): cut or repair those rows in the source"
+                )
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples a second."""
+        return 1.0 / self.dt_s
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first sample to one step after the last."""
+        return len(self.position_m) * self.dt_s
+
+    @property
+    def content_hash(self) -> str:
+        """SHA-256 of what a fit can see: both channels and the time step."""
+        digest = hashlib.sha256()
+        for values in (np.float64(self.dt_s), self.position_m, self.force_n):
+            digest.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
+        return digest.hexdigest()

@@ -1,0 +1,224 @@
+"""Recordings as HDF5 files: one file a recording, a 1-D data set a channel, facts as attributes."""
+
+import hashlib
+import io
+import json
+import os
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.journal_reader import (
+    JOURNAL_SUFFIX,
+    is_being_recorded,
+    journal_of,
+    read_journal,
+)
+from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.recording import SIGN_RULE, SUFFIX, Recording, Samples
+
+SCHEMA = 1
+# Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
+# flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
+_SEAL = b"springpot sha256"
+_SEAL_BYTES = len(_SEAL) + hashlib.sha256().digest_size
+_CHANNEL_UNITS = {"position_m": "m", "force_n": "N"}
+_MORE = "channels"  # group of the channels beside these two
+_CHUNK_SAMPLES = 1 << 17
+
+
+def write_recording(path: Path, recording: Recording) -> None:
+    """Write `recording` aside and rename it to `path`, so that a reader never sees half a file."""
+    store_recording(path, recording, overwrite=True)
+
+
+def store_recording(path: Path, recording: Recording, *, overwrite: bool) -> None:
+    """Write aside, sync, rename. Raises OSError, and leaves nothing aside, where that fails.
+
+    overwrite: False raises FileExistsError where `path` exists, even if it came meanwhile.
+    """
+    content = _hdf5(recording)
+    seal = _SEAL + hashlib.sha256(content).digest()
+    aside = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        with aside.open("wb") as file:
+            file.write(content)
+            file.write(seal)
+            file.flush()
+            os.fsync(file.fileno())
+        if overwrite:
+            aside.replace(path)
+        else:
+            path.hardlink_to(aside)
+    finally:
+        aside.unlink(missing_ok=True)
+    sync_folder(path.parent)
+
+
+def sync_folder(folder: Path) -> None:
+    """Make new names in a folder survive a power cut."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _hdf5(recording: Recording) -> bytes:
+    """Lay the file out in memory: on a full disk, HDF5 itself leaves ruins and dies on closing."""
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", track_order=True) as file:
+        file.attrs["schema"] = SCHEMA
+        file.attrs["name"] = recording.name
+        file.attrs["dt_s"] = recording.dt_s
+        file.attrs["sign_rule"] = SIGN_RULE
+        file.attrs["zero"] = recording.zero
+        file.attrs["position_delay_s"] = recording.position_delay_s
+        file.attrs["force_delay_s"] = recording.force_delay_s
+        file.attrs["source"] = recording.source
+        file.attrs["details"] = json.dumps(dict(recording.details), sort_keys=True)
+        for channel, unit in _CHANNEL_UNITS.items():
+            _data_set(file, channel, getattr(recording, channel)).attrs["unit"] = unit
+        for channel, samples in recording.channels.items():
+            _data_set(file, f"{_MORE}/{channel}", samples)
+    return memory.getvalue()
+
+
+def _data_set(file: h5py.File, name: str, samples: Samples) -> h5py.Dataset:
+    return file.create_dataset(
+        name,
+        data=samples,
+        chunks=(min(len(samples), _CHUNK_SAMPLES),),
+        compression="gzip",
+        compression_opts=1,
+        shuffle=True,
+        fletcher32=True,
+    )
+
+
+def read_recording(path: Path) -> Recording:
+    """Read one recording, or recover what a crash left of it and say so.
+
+    path: an HDF5 file, or a journal. Raises DataError with the file's name where it cannot be used.
+    """
+    if path.suffix == JOURNAL_SUFFIX:
+        return _recovered(path)
+    if not path.exists() and path.suffix == SUFFIX and journal_of(path).exists():
+        return _recovered(journal_of(path))
+    return _read_hdf5(path)
+
+
+def _recovered(journal: Path) -> Recording:
+    if not journal.exists():
+        raise DataError(f"{journal}: no such file")
+    if is_being_recorded(journal):
+        raise DataError(f"{journal}: still being recorded: wait until that ends")
+    found = read_journal(journal)
+    told = (
+        f"recovered {found.recording.duration_s:.3f} s from the journal of a recording that was "
+        f"interrupted{found.lost}"
+    )
+    notice(f"{journal}: {told}")
+    return replace(found.recording, details={**found.recording.details, "recovered": told})
+
+
+def _read_hdf5(path: Path) -> Recording:
+    try:
+        _check_seal(path)
+        with h5py.File(path, "r") as file:
+            schema = int(file.attrs["schema"])
+            if schema > SCHEMA:
+                raise DataError(
+                    f"{path}: recording schema {schema}, this springpot reads up to {SCHEMA}: "
+                    "upgrade springpot"
+                )
+            for channel, unit in _CHANNEL_UNITS.items():
+                found = file[channel].attrs["unit"]
+                if found != unit:
+                    raise DataError(
+                        f"{path}: {channel} is in {found!r}, not {unit!r}: import again"
+                    )
+            return Recording(
+                name=str(file.attrs["name"]),
+                position_m=np.asarray(file["position_m"], dtype=np.float64),
+                force_n=np.asarray(file["force_n"], dtype=np.float64),
+                dt_s=float(file.attrs["dt_s"]),
+                zero=file.attrs["zero"],
+                position_delay_s=float(file.attrs["position_delay_s"]),
+                force_delay_s=float(file.attrs["force_delay_s"]),
+                source=str(file.attrs["source"]),
+                details=json.loads(file.attrs["details"]),
+                channels={
+                    name: np.asarray(file[_MORE][name], dtype=np.float64)
+                    for name in file.get(_MORE, ())
+                },
+            )
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file") from None
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise DataError(
+            f"{path}: not a springpot recording ({reason}): make one with `springpot import`"
+        ) from None
+
+
+def is_sealed(path: Path) -> bool:
+    """Tell whether a file is a recording that springpot wrote and nobody edited since."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - _SEAL_BYTES))
+        return file.read().startswith(_SEAL)
+
+
+def _check_seal(path: Path) -> None:
+    """Compare the bytes with the seal behind them; a file that others edited has none."""
+    content, seal = path.stat().st_size - _SEAL_BYTES, b""
+    with path.open("rb") as file:
+        if content > 0:
+            file.seek(content)
+            seal = file.read()
+        if not seal.startswith(_SEAL):
+            return
+        digest = hashlib.sha256()
+        file.seek(0)
+        while content > 0:
+            chunk = file.read(min(content, 1 << 20))
+            digest.update(chunk)
+            content -= len(chunk)
+    if seal != _SEAL + digest.digest():
+        raise DataError(f"{path}: damaged, its bytes differ from those written: import it again")
+
+
+def read_recordings(paths: Iterable[Path]) -> list[Recording]:
+    """Read files and folders of recordings, folders in the order of their files' names.
+
+    Journals that a crash left in a folder are recovered.
+    """
+    return [read_recording(file) for file in recording_files(paths)]
+
+
+def recording_files(paths: Iterable[Path]) -> list[Path]:
+    """Return the files behind arguments that are files and folders of recordings.
+
+    Raises DataError for a folder without any.
+    """
+    files: list[Path] = []
+    for path in paths:
+        files += _in_folder(path) if path.is_dir() else [path]
+    return files
+
+
+def _in_folder(folder: Path) -> list[Path]:
+    files = list(folder.glob(f"*{SUFFIX}"))
+    for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
+        finished = journal.with_name(journal.name.removesuffix(JOURNAL_SUFFIX) + SUFFIX)
+        if finished in files:
+            notice(f"{journal}: left out, its recording was finished in {finished.name}: remove it")
+        else:
+            files.append(journal)
+    if not files:
+        raise DataError(f"{folder}: no {SUFFIX} file in this folder: `springpot import` makes them")
+    return sorted(files)

@@ -1,0 +1,1 @@
+"""Choosing between models: cross-validation, `auto`, smaller forests, the benchmark's sweep."""

@@ -1,0 +1,177 @@
+"""The smallest forest whose cross-validated error is within a given loss of the one asked for.
+
+What costs no error is taken first: features in 16-bit steps, which need no thresholds, and the
+window by exponentials. Then larger leaves, fewer trees and fewer orders are tried.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.forest.quantisation import rounded, rounding_over
+from springpot.trainer.features.values import Samples, feature_values
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.folds import recording_folds
+from springpot.trainer.models.forests import random_forest
+from springpot.trainer.models.rf_fd import (
+    MOST_TAPS,
+    PAPER_ORDERS,
+    PAPER_TAPS,
+    fractional_features,
+    window_samples,
+)
+from springpot.trainer.models.training_set import TrainingSet, depth_m
+from springpot.trainer.recordings.recording import Recording
+
+_TREES = (0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0)  # of the trees asked for
+_LEAVES = (1, 2, 4, 8, 16)  # times the leaf asked for
+_ORDERS = (3, 4, 5, 7)
+_ROWS = 10_000
+_FOLDS = 3
+
+
+@dataclass(frozen=True)
+class Trim:
+    """One size: its held-out error, and its nodes as the mean over the folds."""
+
+    trees: int
+    leaf: int
+    orders: tuple[float, ...]
+    rmse_n: float
+    nodes: int
+
+
+@dataclass(frozen=True)
+class Search:
+    """asked: the size that was asked for; tried: all; options: of the smallest within the loss."""
+
+    asked: Trim
+    chosen: Trim
+    tried: tuple[Trim, ...]
+    options: FitOptions
+
+    def facts(self) -> dict[str, Any]:
+        """What was asked for and what came out, for the command line."""
+        return {"asked": asdict(self.asked), "trimmed": asdict(self.chosen)}
+
+
+def trimmed_options(
+    data: TrainingSet, options: FitOptions, loss: float, validation: Sequence[Recording]
+) -> Search:
+    """Search by cross-validation over recordings; with options.select "paper", on `validation`.
+
+    Raises UsageError where validation recordings are needed and there are none.
+    """
+    if options.select == "paper" and not validation:
+        raise UsageError("--select paper needs validation recordings: give --validate REC")
+    engine = options.engine
+    if engine is None and _length(data, options) <= MOST_TAPS:
+        engine = "fir-fast"
+    options = replace(options, engine=engine, round_features=True)
+    judges = validation if options.select == "paper" else ()
+    orders = options.orders or PAPER_ORDERS
+    tried = list(_sizes(data, options, orders, _LEAVES, judges))
+    asked = next(
+        trim for trim in tried if trim.trees == options.trees and trim.leaf == options.leaf
+    )
+    allowed_n = (1.0 + loss) * asked.rmse_n
+    best = _smallest(tried, allowed_n)
+    ranked = _by_importance(data, replace(options, leaf=best.leaf), orders)
+    for count in _ORDERS:
+        if count < len(orders):
+            fewer = tuple(sorted(ranked[:count]))
+            tried += _sizes(data, options, fewer, (best.leaf / options.leaf,), judges)
+    best = _smallest(tried, allowed_n)
+    chosen = replace(options, trees=best.trees, leaf=best.leaf, orders=best.orders)
+    return Search(asked, best, tuple(tried), chosen)
+
+
+def _smallest(tried: Sequence[Trim], allowed_n: float) -> Trim:
+    """Fewest nodes within the error; nodes are what a tick reads and what a table holds."""
+    return min((trim for trim in tried if trim.rmse_n <= allowed_n), key=lambda trim: trim.nodes)
+
+
+def _length(data: TrainingSet, options: FitOptions) -> int:
+    window_s = options.window_s
+    return PAPER_TAPS if window_s is None else window_samples(window_s, data.dt_s)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """One fit and what it is judged on."""
+
+    values: NDArray[np.float32]
+    force_n: Samples
+    tested: NDArray[np.float32]
+    tested_n: Samples
+
+
+def _trials(
+    data: TrainingSet,
+    options: FitOptions,
+    orders: tuple[float, ...],
+    judges: Sequence[Recording],
+) -> list[_Trial]:
+    """Folds of whole recordings; or all rows, judged on recordings of their own."""
+    rows = data.rows(options.fraction, options.seed)
+    rows = rows[:: -(-len(rows) // _ROWS)]
+    bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
+    values, force_n = data.features(bank, rows), data.force_n(rows)
+    rounding = rounding_over(values)
+    steps = rounded(rounding, values)
+    if judges:
+        tested = [
+            feature_values(
+                bank, depth_m(item, data.contact), item.dt_s, np.arange(len(item.force_n))
+            )
+            for item in judges
+        ]
+        tested_n = np.concatenate([item.force_n for item in judges])
+        return [_Trial(steps, force_n, rounded(rounding, np.concatenate(tested)), tested_n)]
+    folds = recording_folds(data, rows, options.seed)
+    held = [folds.number == fold for fold in folds.tested[:_FOLDS]]
+    return [_Trial(steps[~out], force_n[~out], steps[out], force_n[out]) for out in held]
+
+
+def _sizes(
+    data: TrainingSet,
+    options: FitOptions,
+    orders: tuple[float, ...],
+    leaves: Sequence[float],
+    judges: Sequence[Recording],
+) -> Iterator[Trim]:
+    """Error of every number of trees and size of leaf; one fit a leaf and trial."""
+    trials = _trials(data, options, orders, judges)
+    counts = sorted({max(1, round(share * options.trees)) for share in _TREES})
+    for times in leaves:
+        leaf = max(1, round(options.leaf * times))
+        squares = np.zeros(len(counts))
+        nodes = np.zeros(len(counts))
+        for trial in trials:
+            forest = random_forest(options.trees, leaf, options.seed)
+            forest.fit(trial.values, trial.force_n)
+            by_tree = np.stack([tree.predict(trial.tested) for tree in forest.estimators_])
+            means = np.cumsum(by_tree, axis=0) / np.arange(1, len(by_tree) + 1)[:, None]
+            sizes = np.cumsum([tree.tree_.node_count for tree in forest.estimators_])
+            for i, count in enumerate(counts):
+                squares[i] += np.sum((means[count - 1] - trial.tested_n) ** 2)
+                nodes[i] += sizes[count - 1] / len(trials)
+        errors_n = np.sqrt(squares / sum(len(trial.tested_n) for trial in trials))
+        for count, error_n, size in zip(counts, errors_n, nodes, strict=True):
+            yield Trim(count, leaf, orders, float(error_n), round(size))
+
+
+def _by_importance(
+    data: TrainingSet, options: FitOptions, orders: tuple[float, ...]
+) -> list[float]:
+    rows = data.rows(options.fraction, options.seed)
+    bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
+    values = data.features(bank, rows)
+    steps = rounded(rounding_over(values), values)
+    forest = random_forest(options.trees, options.leaf, options.seed).fit(steps, data.force_n(rows))
+    ranking = np.argsort(-forest.feature_importances_)
+    return [orders[i] for i in ranking]
