@@ -5,7 +5,7 @@ import sys
 
 import click
 
-from springpot.codegen.errors import SpringpotError
+from springpot.codegen import errors
 from springpot.host.console.output import say
 
 # Command -> module and object. Loaded when used: replaying never loads what only training needs.
@@ -29,6 +29,20 @@ _COMMANDS = {
     "reproduce": ("models.reproduce", "reproduce"),
     "material": ("models.material", "material"),
 }
+
+_EXIT_STATUS: dict[type[Exception], int] = {
+    errors.UsageError: 2,
+    errors.DataError: 3,
+    errors.BudgetError: 4,
+    errors.DeviceError: 5,
+    errors.UnsafeError: 6,
+    errors.MismatchError: 7,
+}
+
+
+def exit_status(error: errors.SpringpotError) -> int:
+    """What an error ends the command line with; 1 for a check that failed."""
+    return next((_EXIT_STATUS[kind] for kind in type(error).__mro__ if kind in _EXIT_STATUS), 1)
 
 
 class _Commands(click.Group):
@@ -54,9 +68,9 @@ def main() -> None:
     """Entry point: run a command; a refusal is one line on standard error and its exit status."""
     try:
         springpot.main(standalone_mode=False)
-    except SpringpotError as error:
+    except errors.SpringpotError as error:
         say(f"springpot: {error}")
-        sys.exit(error.exit_status)
+        sys.exit(exit_status(error))
     except click.ClickException as error:
         say(f"springpot: {error.format_message()}")
         sys.exit(2)

@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from springpot.host.benchmark.labels import hover
-from springpot.host.validation.figures import STYLE, svg_text
+from springpot.host.plot_style import STYLE, svg_text
 
 Facts = dict[str, Any]
 Places = NDArray[np.float64]

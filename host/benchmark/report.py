@@ -1,15 +1,12 @@
 """The front page: which model for which budget, and why; from a benchmark's result."""
 
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
-
-import jinja2
-import numpy as np
 
 from springpot.host.benchmark import figures
 from springpot.host.benchmark.labels import KINDS, kilobytes, label, options_text
 from springpot.host.benchmark.store import read_result
+from springpot.host.page import page_text, plain
 from springpot.host.paper.claims import PAPER_MODELLING_S, PAPER_RATES_HZ
 
 Facts = dict[str, Any]
@@ -28,18 +25,18 @@ def bench_page(result: Facts, folder: str) -> str:
     by_key = {point["key"]: point for point in result["points"]}
     picks = [_pick(found, by_key) for found in result["picks"].values()]
     front = sorted((p for p in result["points"] if p["pareto"]), key=lambda p: p["tick_ns_hot"])
-    return _template().render(
-        result=result,
-        folder=folder,
-        kinds=KINDS,
-        picks=picks,
-        summary=_summary(picks),
-        defaults=options_text(result["defaults"]),
-        front=front,
-        refused=result["refused"],
-        points=sorted(result["points"], key=lambda p: p["rmse_n"]),
-        chart=figures.front_figure(result),
-        curves=[
+    context = {
+        "result": result,
+        "folder": folder,
+        "kinds": KINDS,
+        "picks": picks,
+        "summary": _summary(picks),
+        "defaults": options_text(result["defaults"]),
+        "front": front,
+        "refused": result["refused"],
+        "points": sorted(result["points"], key=lambda p: p["rmse_n"]),
+        "chart": figures.front_figure(result),
+        "curves": [
             (figures.family_figure(result["points"]), "Whole models against the measured force."),
             (
                 figures.curve_figure(
@@ -58,10 +55,13 @@ def bench_page(result: Facts, folder: str) -> str:
                 "closer while it is stable, the exact one is stable with any gains.",
             ),
         ],
-        verdicts=[(key, by_key[key], _cases(result["closed_loop"][key])) for key in _picked(picks)],
-        paper=paper_rows(result["points"]),
-        quality=result["quality"],
-    )  # fmt: skip
+        "verdicts": [
+            (key, by_key[key], _cases(result["closed_loop"][key])) for key in _picked(picks)
+        ],
+        "paper": paper_rows(result["points"]),
+        "quality": result["quality"],
+    }  # fmt: skip
+    return page_text("bench.html", context, us=_microseconds, size=kilobytes, label=label)
 
 
 def paper_rows(points: list[Facts]) -> list[dict[str, str]]:
@@ -93,11 +93,6 @@ def paper_rows(points: list[Facts]) -> list[dict[str, str]]:
             }
         )
     return rows
-
-
-def plain(value: float, digits: int = 3) -> str:
-    """A number for people: significant digits, no exponent."""
-    return np.format_float_positional(value, digits, fractional=False, trim="-")
 
 
 def _pick(found: Facts, by_key: dict[str, Facts]) -> Facts:
@@ -142,14 +137,5 @@ def _cases(outcomes: list[Facts]) -> list[Facts]:
     return rows
 
 
-def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["si"] = plain
-    environment.filters["us"] = lambda value: "–" if value is None else plain(1e-3 * value)
-    environment.filters["size"] = kilobytes
-    environment.filters["label"] = label
-    environment.filters["short"] = lambda text: text[:16]
-    text = (files("springpot.host") / "templates" / "bench.html").read_text(encoding="utf-8")
-    return environment.from_string(text)
+def _microseconds(value_ns: float | None) -> str:
+    return "–" if value_ns is None else plain(1e-3 * value_ns)

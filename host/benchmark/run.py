@@ -26,7 +26,6 @@ from springpot.host.benchmark.picks import Budget, budgets, pareto, pick, why
 from springpot.host.benchmark.point import Data, Job, measure_point
 from springpot.host.benchmark.store import Store, data_key, key_of, measured_by, point_key
 from springpot.host.benchmark.work_precision import work_precision
-from springpot.host.commands.recordings.check import as_result
 from springpot.host.console.output import progress_console
 from springpot.host.native.machine import cpu_s, machine_facts
 from springpot.trainer.recordings.quality.report import check_recordings
@@ -99,7 +98,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
             "training": [_named(recording) for recording in bench.training],
             "validation": [_named(recording) for recording in bench.validation],
         },
-        "quality": as_result(check_recordings(bench.training)),
+        "quality": check_recordings(bench.training).as_dict(),
         "work_precision": curves,
         "closed_loop": alone.matrices,
         "computed": computed,

@@ -14,9 +14,8 @@ from springpot.codegen.reference.tick import LATCHED
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.url import parse_device
 from springpot.host.devices.wire import constant
-from springpot.host.native.loop_library import IDLE, RESET
+from springpot.host.native.loop_library import IDLE, INPUT, RESET
 from springpot.host.native.replay import Replay
-from springpot.host.session.log import INPUT
 from springpot.host.session.session import wanted_of
 
 _ANSWER_S = 1.0

@@ -1,13 +1,11 @@
 """The figure of `springpot material`: moduli against frequency, and relaxation."""
 
-import io
-
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from springpot.host.validation.figures import ERROR, MEASURED, PREDICTED
+from springpot.host.plot_style import ERROR, MEASURED, PREDICTED, STYLE, svg_text
 
 Samples = NDArray[np.float64]
 Dynamic = NDArray[np.complex128]
@@ -22,7 +20,7 @@ def moduli_figure(
     unit: str,
 ) -> str:
     """SVG text. law, prony: dynamic values at the frequencies; relaxation: times (s), values."""
-    with mpl.rc_context({"font.size": 9.0, "svg.hashsalt": "springpot", "svg.fonttype": "path"}):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8.0, 3.2), layout="constrained")
         left, right = figure.subplots(1, 2)
         left.loglog(frequency_hz, law.real, color=MEASURED, label="storage")
@@ -36,7 +34,4 @@ def moduli_figure(
         right.semilogx(*relaxation, color=MEASURED)
         right.set_xlabel("time after a step, s")
         right.set_ylabel(f"relaxation, {_LABELS[unit]}")
-        text = io.StringIO()
-        nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
-        figure.savefig(text, format="svg", metadata=nothing)
-    return text.getvalue()
+        return svg_text(figure)

@@ -28,6 +28,7 @@ COLUMNS = (
     "tick_s",
 )
 COLUMN = {name: k for k, name in enumerate(COLUMNS)}
+INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
 GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8
 

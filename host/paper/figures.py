@@ -10,15 +10,9 @@ from matplotlib.figure import Figure
 
 from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
 from springpot.host.paper.reproduce import PAPER_KINDS, ObjectResult
-from springpot.host.validation.figures import MEASURED
+from springpot.host.plot_style import MEASURED, MUTED, STYLE, SVG_METADATA, stride
 
-STYLE: Any = {
-    "font.size": 8.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "springpot",
-    "svg.fonttype": "path",
-}
+PAPER_STYLE: Any = {**STYLE, "font.size": 8.0}
 # Distinct in colour, and in black and white by line style.
 COLORS = {
     "rf-fd": "#d1495b",
@@ -30,7 +24,7 @@ COLORS = {
 _LINES = {"rf-fd": "-", "rbf-fd": "--", "rbf-pv": ":"}
 _POINTS = 3000
 _METADATA: dict[str, dict[str, None]] = {
-    "svg": dict.fromkeys(("Date", "Creator", "Format", "Type")),
+    "svg": SVG_METADATA,
     "pdf": {"CreationDate": None},
 }
 
@@ -48,7 +42,7 @@ def save(figure: Figure, out: Path, name: str, caption: str) -> list[str]:
 def error_figures(results: Sequence[ObjectResult], out: Path, data: str) -> list[str]:
     """Draw figures 7 to 11 into `out`; data: what the captions say of the recordings."""
     files = []
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PAPER_STYLE):
         for draw in (_predictions, _percentages, _errors, _times, _importances):
             files += draw(results, out, data)
     return files
@@ -68,7 +62,7 @@ def _predictions(results: Sequence[ObjectResult], out: Path, data: str) -> list[
     for result, upper, lower in zip(results, panels[::2], panels[1::2], strict=True):
         number = typical(result)
         recording = result.data.validation[number]
-        step = max(1, len(recording.force_n) // _POINTS)
+        step = stride(len(recording.force_n), _POINTS)
         time_s = np.arange(len(recording.force_n))[::step] * recording.dt_s
         upper.plot(time_s, recording.force_n[::step], color=MEASURED, lw=1.2, label="measured")
         for kind in PAPER_KINDS:
@@ -99,7 +93,7 @@ def _percentages(results: Sequence[ObjectResult], out: Path, data: str) -> list[
             axes.scatter(measured_n[shown], percent, s=1, color=COLORS[kind], linewidths=0,
                          rasterized=True)  # fmt: skip
             axes.plot(curve_n, just_noticeable_percent(curve_n), color=MEASURED, lw=1.0)
-            axes.axvline(SCORED_ABOVE_N, color="#888888", lw=0.7, ls=":")
+            axes.axvline(SCORED_ABOVE_N, color=MUTED, lw=0.7, ls=":")
             axes.set_ylim(0.0, 50.0)
             axes.set_title(f"{result.data.name}, {kind}", loc="left", fontsize=8)
         row[0].set_ylabel("error, %")

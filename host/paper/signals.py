@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from springpot.host.paper.figures import STYLE, save, typical
+from springpot.host.paper.figures import PAPER_STYLE, save, typical
 from springpot.host.paper.reproduce import ObjectResult, by_softness
 from springpot.host.paper.sampling import (
     SHOWN_ORDERS,
@@ -18,7 +18,7 @@ from springpot.host.paper.sampling import (
     derivative,
     example_press,
 )
-from springpot.host.validation.figures import ERROR, MEASURED, PREDICTED
+from springpot.host.plot_style import ERROR, MEASURED, PREDICTED
 
 _SHOWN_S = 5.0
 
@@ -28,7 +28,7 @@ def signal_figures(
 ) -> list[str]:
     """Draw figures 5, 13, 14, 19 and 20 into `out`; data: what captions say of the recordings."""
     middle = shown_object(results)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(PAPER_STYLE):
         return [
             *_collected(by_softness(results)[0], out, data),
             *_coupled(middle, out, data),

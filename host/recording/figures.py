@@ -8,18 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from springpot.host.plot_style import ERROR, MUTED, PREDICTED, stride
 from springpot.trainer.recordings.quality.report import QualityReport
 from springpot.trainer.recordings.recording import Recording
 
-POSITION, FORCE, DOUBT = "#2e6f95", "#d1495b", "#888888"
-_MOST_POINTS = 6000
-_MOST_SHOWN = 12
-STYLE: Any = {
-    "font.size": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "springpot",
-}
+POSITION, FORCE, DOUBT = ERROR, PREDICTED, MUTED
+_MAX_POINTS = 6000
+_MAX_SHOWN = 12
 
 
 def time_series(recordings: Sequence[Recording], report: QualityReport) -> Figure:
@@ -28,7 +23,7 @@ def time_series(recordings: Sequence[Recording], report: QualityReport) -> Figur
     upper, lower = figure.subplots(2, 1, sharex=True)
     begin_s = 0.0
     for recording in recordings:
-        step = _stride(len(recording.position_m) * len(recordings))
+        step = stride(len(recording.position_m) * len(recordings), _MAX_POINTS)
         time_s = begin_s + np.arange(len(recording.position_m))[::step] * recording.dt_s
         upper.plot(time_s, recording.position_m[::step] * 1e3, color=POSITION, lw=0.8)
         lower.plot(time_s, recording.force_n[::step], color=FORCE, lw=0.8)
@@ -51,13 +46,13 @@ def loops(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     styles = ("-", "--", ":", "-.")
     low, high = min(rates), max(*rates, min(rates) * 1.001)
     for k, (recording, rate, travel) in enumerate(zip(recordings, rates, travels, strict=True)):
-        step = _stride(len(recording.position_m))
+        step = stride(len(recording.position_m), _MAX_POINTS)
         share = np.log(rate / low) / np.log(high / low)
         amplitude = distinct.index(round(np.log2(travel) * 2)) if travel > 0 else 0
         axes.plot(
             recording.position_m[::step] * 1e3, recording.force_n[::step], lw=0.8,
             color=mpl.colormaps["viridis"](0.9 * share), ls=styles[amplitude % len(styles)],
-            label=f"{rate:.3g} Hz, {travel * 1e3:.3g} mm" if k < _MOST_SHOWN else None,
+            label=f"{rate:.3g} Hz, {travel * 1e3:.3g} mm" if k < _MAX_SHOWN else None,
         )  # fmt: skip
     axes.set_xlabel("position, mm")
     axes.set_ylabel("force, N")
@@ -69,7 +64,7 @@ def spectra(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     """Amplitude spectra of position and force."""
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
-    for recording in recordings[:_MOST_SHOWN]:
+    for recording in recordings[:_MAX_SHOWN]:
         for axes, samples, scale, colour in (
             (upper, recording.position_m, 1e3, POSITION),
             (lower, recording.force_n, 1.0, FORCE),
@@ -121,12 +116,8 @@ def _amplitudes(
     spectrum = np.abs(np.fft.rfft((samples - samples.mean()) * window)) * 2.0 / window.sum()
     frequency_hz = np.fft.rfftfreq(len(samples), dt_s)
     # Peaks must survive the thinning: keep the greatest of each group.
-    step = _stride(len(spectrum))
+    step = stride(len(spectrum), _MAX_POINTS)
     whole = (len(spectrum) - 1) // step * step
     grouped = spectrum[1 : whole + 1].reshape(-1, step)
     kept = np.argmax(grouped, axis=1) + np.arange(len(grouped)) * step + 1
     return frequency_hz[kept], np.maximum(spectrum[kept], 1e-15)
-
-
-def _stride(samples: int) -> int:
-    return max(1, -(-samples // _MOST_POINTS))

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
-from springpot.host.native.loop_library import COLUMN, COLUMNS, Rows
+from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, Rows
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Samples, Zero
 
-INPUT = "input_m"  # the position as sp_step got it, which may not be finite
 _KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
 CHANNELS = (INPUT, *_KEPT)
 _FLIGHT_S = 5.0

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
+from springpot.host.plot_style import ERROR, MEASURED, PREDICTED, STYLE, stride, svg_text
 from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.small_signal import ACTIVE, Map
-from springpot.host.validation.figures import ERROR, MEASURED, PREDICTED, STYLE, svg_text
 
 _POINTS = 1500
 
@@ -42,7 +42,7 @@ def case_figure(outcomes: Sequence[Outcome]) -> str:
         figure = Figure(figsize=(9.0, 2.5), layout="constrained")
         depth, force, speed = figure.subplots(1, 3)
         time_s = np.cumsum(shown.dt_s)
-        step = max(1, len(time_s) // _POINTS)
+        step = stride(len(time_s), _POINTS)
         depth.plot(time_s[::step], 1e3 * shown.trace.position_m[::step], color=MEASURED, lw=0.9)
         force.plot(time_s[::step], shown.alone_n[::step], color=MEASURED, lw=1.2, label="model")
         force.plot(time_s[::step], shown.trace.felt_n[::step], color=PREDICTED, lw=0.8, ls="--",

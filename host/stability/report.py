@@ -1,10 +1,8 @@
 """The stability check as one self-contained HTML page."""
 
-from importlib.resources import files
 from pathlib import Path
 
-import jinja2
-
+from springpot.host.page import page_text
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability
 
@@ -17,16 +15,14 @@ def write_stability_report(found: Stability, path: Path) -> None:
     for name in names:
         outcomes = [outcome for outcome in found.outcomes if outcome.case == name]
         cases.append({"name": name, "rows": outcomes, "picture": figures.case_figure(outcomes)})
-    template = (files("springpot.host") / "templates" / "stability.html").read_text("utf-8")
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
-    page = environment.from_string(template).render(
-        title=checked.plan.scene.name,
-        facts=found.as_dict(),
-        maps=[
+    context = {
+        "title": checked.plan.scene.name,
+        "facts": found.as_dict(),
+        "maps": [
             figures.map_figure(checked.model_map, "the model alone"),
             figures.map_figure(checked.scene_map, "the whole scene"),
         ],
-        cases=cases,
-    )
+        "cases": cases,
+    }
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page, encoding="utf-8")
+    path.write_text(page_text("stability.html", context), encoding="utf-8")

@@ -1,8 +1,6 @@
 """Figures of a validation, as SVG text. The paper's figures 7, 8, 11 and 17, on one's own data."""
 
-import io
 from collections.abc import Sequence
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -10,20 +8,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
+from springpot.host.plot_style import ERROR, MEASURED, MUTED, PREDICTED, STYLE, stride, svg_text
 from springpot.host.validation.store import Series
 
 Samples = NDArray[np.float64]
-
-# Distinct in colour, and in black and white by line style or lightness.
-MEASURED, PREDICTED, ERROR = "#1b1b1b", "#d1495b", "#2e6f95"
-_MOST_POINTS = 4000
-STYLE: Any = {
-    "font.size": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "springpot",
-    "svg.fonttype": "path",
-}
 
 
 def typical(series: Sequence[Series]) -> Series:
@@ -37,7 +25,7 @@ def prediction(item: Series) -> str:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 4.2), layout="constrained")
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
-        step = _stride(len(item.measured_n))
+        step = stride(len(item.measured_n))
         time_s = np.arange(len(item.measured_n))[::step] * item.dt_s
         upper.plot(time_s, item.measured_n[::step], color=MEASURED, lw=1.2, label="measured")
         upper.plot(time_s, item.predicted_n[::step], color=PREDICTED, lw=1.0, ls="--", label="C")
@@ -45,7 +33,7 @@ def prediction(item: Series) -> str:
         upper.legend(loc="upper right", frameon=False, ncols=2)
         upper.set_title(item.name, loc="left", fontsize=9)
         lower.plot(time_s, (item.predicted_n - item.measured_n)[::step], color=ERROR, lw=0.8)
-        lower.axhline(0.0, color="#888888", lw=0.6)
+        lower.axhline(0.0, color=MUTED, lw=0.6)
         lower.set_ylabel("error, N")
         lower.set_xlabel("time, s")
         return svg_text(figure)
@@ -56,7 +44,7 @@ def hysteresis(item: Series) -> str:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.4, 3.6), layout="constrained")
         axes = figure.subplots()
-        step = _stride(len(item.measured_n))
+        step = stride(len(item.measured_n))
         depth_mm = 1e3 * item.position_m[::step]
         axes.plot(depth_mm, item.measured_n[::step], color=MEASURED, lw=0.9, label="measured")
         axes.plot(depth_mm, item.predicted_n[::step], color=PREDICTED, lw=0.8, ls="--", label="C")
@@ -74,7 +62,7 @@ def percentage_error(series: Sequence[Series]) -> str:
         figure = Figure(figsize=(4.4, 3.6), layout="constrained")
         axes = figure.subplots()
         shown = measured_n > 0.02 * measured_n.max()
-        step = _stride(int(shown.sum()))
+        step = stride(int(shown.sum()))
         force_n = measured_n[shown][::step]
         axes.scatter(
             force_n, 100.0 * np.abs(error_n[shown][::step]) / force_n,
@@ -82,7 +70,7 @@ def percentage_error(series: Sequence[Series]) -> str:
         )  # fmt: skip
         curve_n = np.linspace(0.05, max(measured_n.max(), 1.1 * SCORED_ABOVE_N), 300)
         axes.plot(curve_n, just_noticeable_percent(curve_n), color=MEASURED, lw=1.2, label="JND")
-        axes.axvline(SCORED_ABOVE_N, color="#888888", lw=0.8, ls=":")
+        axes.axvline(SCORED_ABOVE_N, color=MUTED, lw=0.8, ls=":")
         axes.set_ylim(0.0, 50.0)
         axes.set_xlim(left=0.0)
         axes.set_xlabel("measured force, N (scored right of the dotted line)")
@@ -118,17 +106,3 @@ def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
         axes.set_ylabel("ticks")
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2)
         return svg_text(figure)
-
-
-def _stride(samples: int) -> int:
-    return max(1, -(-samples // _MOST_POINTS))
-
-
-def svg_text(figure: Figure) -> str:
-    """The figure as SVG without dates: the same figure, the same text."""
-    text = io.StringIO()
-    figure.savefig(
-        text, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type"))
-    )
-    svg = text.getvalue()
-    return svg[svg.index("<svg") :]

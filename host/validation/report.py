@@ -1,14 +1,12 @@
 """The report: one self-contained HTML page on an emitted and validated scene."""
 
 import json
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import jinja2
-
 from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission
 from springpot.host.native.scene_library import scene_prefix
+from springpot.host.page import page_text
 from springpot.host.validation import figures
 from springpot.host.validation.store import Stored, read_validation
 
@@ -39,9 +37,8 @@ def write_report(folder: Path) -> Path:
         ),
         "commands": _commands(folder, stored, manifest),
     }
-    page = _environment().get_template("report.html").render(context)
     path = folder / REPORT_NAME
-    path.write_text(page, encoding="utf-8")
+    path.write_text(page_text("report.html", context), encoding="utf-8")
     return path
 
 
@@ -56,15 +53,3 @@ def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[st
         f"# model and scene: {folder.name}/{MODEL_COPY}, {folder.name}/{SCENE_COPY}; "
         f"{len(stored.series)} validation recordings",
     ]
-
-
-def _environment() -> jinja2.Environment:
-    template = (files("springpot.host") / "templates" / "report.html").read_text(encoding="utf-8")
-    environment = jinja2.Environment(
-        loader=jinja2.DictLoader({"report.html": template}),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters["si"] = lambda value, digits=4: f"{value:.{digits}g}"
-    environment.filters["short"] = lambda text: text[:16]
-    return environment

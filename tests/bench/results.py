@@ -9,8 +9,8 @@
 
 On a machine with nothing else to do: times are upper bounds otherwise, and the page says so. The
 README takes the first benchmark. Without arguments it writes them again from docs/results.json,
-which keeps what they need. No figure in either page is typed by hand: tests/host/benchmark/test_results.py
-compares.
+which keeps what they need. No figure in either page is typed by hand:
+tests/host/benchmark/test_results.py compares.
 """
 
 import json

@@ -11,9 +11,9 @@ from springpot.codegen.scene import Target
 from springpot.host.benchmark.labels import label, point_line
 from springpot.host.benchmark.store import RESULT
 from springpot.host.commands.models.train import KINDS
-from springpot.host.commands.recordings.check import say_quality
 from springpot.host.console.options import SEED
 from springpot.host.console.output import json_option, print_result, say
+from springpot.host.console.quality import report_quality
 from springpot.trainer.recordings.recording_file import read_recordings
 
 
@@ -56,7 +56,7 @@ def bench(
     from springpot.trainer.selection.held_out import set_aside
 
     training = read_recordings(map(Path, recordings))
-    say_quality(training)
+    report_quality(training)
     if validation:
         testing = read_recordings(map(Path, validation))
     else:

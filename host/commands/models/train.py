@@ -7,7 +7,6 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import SUFFIX, write_model
-from springpot.host.commands.recordings.check import say_quality
 from springpot.host.console.options import NOT_NEGATIVE, PERCENT, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
     json_option,
@@ -16,6 +15,7 @@ from springpot.host.console.output import (
     progress_console,
     say,
 )
+from springpot.host.console.quality import report_quality
 from springpot.host.validation.training import training_result, training_rows, validated
 from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.recordings.recording_file import read_recordings
@@ -131,7 +131,7 @@ def train(
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
-    say_quality(training)
+    report_quality(training)
     with progress_console.status(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for warning in fit.warnings:

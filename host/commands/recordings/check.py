@@ -1,7 +1,6 @@
 """`springpot check`: what is wrong with recordings, and what that means for a model."""
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +8,8 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from springpot.host.console.output import json_option, paths_argument, say
+from springpot.host.console.output import json_option, paths_argument
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
 
 
@@ -22,30 +20,10 @@ def check(recordings: tuple[str, ...], as_json: bool) -> None:
     """Report the quality of RECORDINGS (files or folders); refusals end with status 3."""
     report = check_recordings(read_recordings(map(Path, recordings)))
     if as_json:
-        click.echo(json.dumps(as_result(report), allow_nan=False))
+        click.echo(json.dumps(report.as_dict(), allow_nan=False))
     else:
         _print(report)
     report.refuse()
-
-
-def as_result(report: QualityReport) -> dict[str, Any]:
-    """For JSON."""
-    return {
-        "refused": report.refused,
-        "findings": [finding.facts() for finding in report.findings],
-        "recordings": report.recordings,
-        **report.figures,
-    }
-
-
-def say_quality(recordings: Sequence[Recording]) -> QualityReport:
-    """Say every warning on standard error; raise DataError where there is a refusal."""
-    report = check_recordings(recordings)
-    for finding in report.findings:
-        if finding.severity == "warning":
-            say(finding.line)
-    report.refuse()
-    return report
 
 
 def _print(report: QualityReport) -> None:

@@ -8,9 +8,9 @@ import click
 import numpy as np
 
 from springpot.codegen.errors import UsageError
-from springpot.host.commands.recordings.check import say_quality
 from springpot.host.console.options import NOT_NEGATIVE, FiniteRange
 from springpot.host.console.output import say
+from springpot.host.console.quality import report_quality
 from springpot.trainer.recordings.conditioning import Conditioning
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.decimals import DecimalMark
@@ -105,7 +105,7 @@ def import_(
         say(result.guess)
         recordings += result.recordings
         guesses.append(result.guess)
-    report = say_quality(recordings)
+    report = report_quality(recordings)
     written = _write(out, recordings)
     rows = [_summary(path, recording) for path, recording in written]
     if as_json:

@@ -34,7 +34,8 @@ def plot(recordings: tuple[str, ...], out: Path, forms: tuple[str, ...], as_json
     found = read_recordings(map(Path, recordings))
     import matplotlib as mpl
 
-    from springpot.host.recording.figures import FIGURES, STYLE
+    from springpot.host.plot_style import STYLE
+    from springpot.host.recording.figures import FIGURES
 
     report = check_recordings(found)
     files = []

@@ -12,6 +12,7 @@ from support.peer import CLI, peer, wait_until
 from support.small import model_file, press, recording, scene
 
 from springpot.codegen.errors import DataError, DeviceError, SpringpotError, UsageError
+from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import IDLE, NONE, RESET, SILENT, UNSENT
 from springpot.host.session.session import Session
@@ -169,7 +170,7 @@ def test_limits_end_it_before_the_force_is_sent(tmp_path, folder):
             finish(session)
         assert says in session.line
         assert isinstance(session.error, SpringpotError)
-        assert session.error.exit_status == 1
+        assert exit_status(session.error) == 1
         read = assert_faithful(folder, log)
         assert read.force_n[-1] == 0
         assert read.force_n.max() <= limits.get("max_force_n", 99)

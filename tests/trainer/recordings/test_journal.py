@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.journal_blocks import BLOCK_BYTES, PAIRS
@@ -26,6 +26,7 @@ CHILD = """
 import os, pathlib, resource, signal, sys
 import numpy as np
 from springpot.codegen.errors import SpringpotError
+from springpot.host.cli import exit_status
 from springpot.trainer.recordings.journal import JournalWriter
 file, fault, where, share = pathlib.Path(sys.argv[1]), *sys.argv[2:]
 def die(*_, **__): os.kill(os.getpid(), signal.SIGKILL)
@@ -55,7 +56,7 @@ try:
         journal.finish()
 except SpringpotError as error:
     print(error)
-    sys.exit(error.exit_status)
+    sys.exit(exit_status(error))
 """
 
 
@@ -153,14 +154,14 @@ def test_interrupted_by_the_keyboard(tmp_path: Path) -> None:
 @pytest.mark.parametrize("room", [BLOCK_BYTES * 3, BLOCK_BYTES * 5 + 1000])
 def test_a_full_disk_while_recording(tmp_path: Path, room: int) -> None:
     result = child(tmp_path / "a.h5", "full", str(room))
-    assert result.returncode == DeviceError.exit_status
+    assert result.returncode == 5
     assert "a.h5: cannot go on writing (File too large), recording stopped" in result.stdout
     assert_prefix(tmp_path / "a.h5", (room // BLOCK_BYTES - 1) * PAIRS)
 
 
 def test_a_full_disk_at_the_end(tmp_path: Path) -> None:
     result = child(tmp_path / "a.h5", "full at the end", "5000")
-    assert result.returncode == DeviceError.exit_status
+    assert result.returncode == 5
     assert [file.name for file in tmp_path.iterdir()] == ["a.journal"]
     assert_prefix(tmp_path / "a.h5", N - PAIRS)
 
@@ -177,7 +178,7 @@ def test_a_full_file_system(tmp_path: Path) -> None:
                      "--out", disk / "out"]  # fmt: skip
         result = subprocess.run([*CLI, *map(str, arguments)], capture_output=True, text=True,
                                 check=False)  # fmt: skip
-        assert result.returncode == DeviceError.exit_status, result.stderr
+        assert result.returncode == 5, result.stderr
         assert "No space left on device" in result.stderr
         assert "Traceback" not in result.stderr
         (recording,) = read_recordings([disk / "out"])
@@ -231,7 +232,7 @@ def test_two_writers(tmp_path: Path) -> None:
     with JournalWriter(tmp_path / "a.h5", "a", 1e-3, "test", {"k": 1}) as first:
         first.append(POSITION_M, 2 * POSITION_M)
         second = child(tmp_path / "a.h5", "none", "0")
-        assert second.returncode == UsageError.exit_status
+        assert second.returncode == 2
         assert "another springpot is recording it" in second.stdout
         with pytest.raises(DataError, match="still being recorded"):
             read_recording(tmp_path / "a.journal")

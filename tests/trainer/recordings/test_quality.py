@@ -12,6 +12,7 @@ from click.testing import CliRunner, Result
 from support.small import training
 
 from springpot.codegen.errors import DataError
+from springpot.host.cli import exit_status
 from springpot.host.commands.recordings.check import check
 from springpot.host.commands.recordings.import_ import import_
 from springpot.host.commands.recordings.plot import plot
@@ -245,7 +246,7 @@ def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
     write_recording(tmp_path / "a.h5", replace(good, force_n=-good.force_n))
     result = CliRunner().invoke(check, [str(tmp_path), "--json"])
     assert isinstance(result.exception, DataError)
-    assert result.exception.exit_status == 3
+    assert exit_status(result.exception) == 3
     answer = json.loads(result.stdout)
     assert answer["refused"] is True
     assert {"kind", "severity", "where", "what", "so_what", "to_do", "line"} == set(

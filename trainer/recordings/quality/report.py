@@ -36,6 +36,15 @@ class QualityReport:
         """Whether some finding says that no model can be made of this."""
         return any(finding.severity == "refusal" for finding in self.findings)
 
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of `check --json`."""
+        return {
+            "refused": self.refused,
+            "findings": [finding.facts() for finding in self.findings],
+            "recordings": self.recordings,
+            **self.figures,
+        }
+
     def refuse(self) -> None:
         """Raise DataError for the first refusal, if any, counting the others."""
         refusals = [finding for finding in self.findings if finding.severity == "refusal"]
