@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.reference.tick import RAMPED
-
-Samples = NDArray[np.float64]
 
 # Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
 # drawn, not scored.

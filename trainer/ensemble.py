@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import Features, Model
-from springpot.trainer.features.values import Samples
+from springpot.codegen.model.features import Features
+from springpot.codegen.model.model import Model
 from springpot.trainer.models.fit import FitOptions, assemble
 from springpot.trainer.models.forests import depth_scale, ensemble_ir, unscaled
 from springpot.trainer.models.hammerstein import fit_passive

@@ -9,13 +9,14 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.recordings.recording import Recording, Samples, Zero
+from springpot.trainer.recordings.recording import Recording, Zero
 
 
 class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]

@@ -1,90 +1,127 @@
-"""Kinds of models by name, and how each is fitted."""
+"""The table of model kinds, and how each is fitted. Nothing heavy loads before a fit."""
 
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-
-from threadpoolctl import threadpool_limits
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 from springpot.codegen.errors import UsageError
-from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.hammerstein import fit_hammerstein, fit_hybrid
-from springpot.trainer.models.rbf import fit_rbf_fd, fit_rbf_pv
-from springpot.trainer.models.rf_fd import fit_boosted_fd, fit_rf_fd, fit_rf_history
-from springpot.trainer.models.springpot import fit_springpot
-from springpot.trainer.models.training_set import TrainingSet, training_set
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.auto import fit_auto
+
+if TYPE_CHECKING:
+    from springpot.trainer.models.fit import Fit, FitOptions
+    from springpot.trainer.models.training_set import TrainingSet
 
 WINDOWS = 3  # recordings shorter than this many windows cannot teach what the window holds
 
-_FITS: dict[str, Callable[[str, TrainingSet, FitOptions], Fit]] = {
-    "rf-fd": fit_rf_fd,
-    "rbf-fd": fit_rbf_fd,
-    "rbf-pv": fit_rbf_pv,
-    "rf-history": fit_rf_history,
-    "hammerstein": fit_hammerstein,
-    "hybrid": fit_hybrid,
-    "boosted": fit_boosted_fd,
-    "auto": fit_auto,
-    "springpot": fit_springpot,
-}
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of model.
+
+    fit: "module:function", or the function itself, called with (name, TrainingSet, FitOptions,
+    validation recordings) and returning a Fit. mark, colour: of its points in figures.
+    """
+
+    name: str
+    title: str
+    fit: "str | Callable[[str, TrainingSet, FitOptions, Sequence[Recording]], Fit]"
+    mark: str = "h"
+    colour: str = "#444444"
+
+    def function(self) -> Callable[..., "Fit"]:
+        """Load what fits it."""
+        return _loaded(self.fit) if isinstance(self.fit, str) else self.fit
+
+
+# A shape and a lightness for each: they differ in black and white too.
+KINDS: dict[str, Kind] = {
+    kind.name: kind
+    for kind in (
+        Kind("rf-fd", "the paper's: a forest on fractional derivatives",
+             "models.rf_fd:fit_rf_fd", "o", "#1b6ca8"),
+        Kind("rbf-fd", "the paper's: radial basis functions on two fractional derivatives",
+             "models.rbf:fit_rbf_fd", "s", "#c1121f"),
+        Kind("rbf-pv", "the paper's baseline: radial basis functions on position and velocity",
+             "models.rbf:fit_rbf_pv", "^", "#e09f3e"),
+        Kind("rf-history", "the negative control: a forest on past positions",
+             "models.rf_fd:fit_rf_history", "v", "#8d99ae"),
+        Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",
+             "models.hammerstein:fit_hammerstein", "P", "#2d6a4f"),
+        Kind("hybrid", "hammerstein, and a small forest on what it leaves over",
+             "models.hammerstein:fit_hybrid", "X", "#40916c"),
+        Kind("boosted", "boosted trees on fractional derivatives",
+             "models.rf_fd:fit_boosted", "D", "#5a189a"),
+        Kind("springpot", "fractional Kelvin-Voigt: three numbers",
+             "models.springpot:fit_springpot", "*", "#6c584c"),
+    )
+}  # fmt: skip
+AUTO = "auto"  # the kind of least cross-validated error
+_AUTO_FIT = "selection.auto:fit_auto"
+_REDUCED_FIT = "selection.reduce:fit_reduced"  # --within
+
+
+def register(kind: Kind) -> None:
+    """Add a kind of one's own to the table; its parts register themselves (codegen/stages)."""
+    KINDS[kind.name] = kind
 
 
 def kind_names() -> tuple[str, ...]:
-    """All kinds."""
-    return tuple(_FITS)
+    """All names that `fit_model` takes."""
+    return (AUTO, *KINDS)
 
 
 def fit_model(
     kind: str,
     name: str,
     recordings: Sequence[Recording],
-    options: FitOptions,
+    options: "FitOptions",
     validation: Sequence[Recording] = (),
-) -> Fit:
-    """Fit one model. `validation` decides only for rbf-fd with select "paper".
+) -> "Fit":
+    """Fit one model. `validation` decides only for rbf-fd and --within with select "paper".
 
-    Raises DataError where the recordings do not fit together.
+    Raises UsageError for an unknown kind, DataError where the recordings do not fit together.
     """
+    from springpot.trainer.models.training_set import training_set
+
     return fit_kind(kind, name, training_set(recordings, options.smooth_s), options, validation)
 
 
 def fit_kind(
     kind: str,
     name: str,
-    data: TrainingSet,
-    options: FitOptions,
+    data: "TrainingSet",
+    options: "FitOptions",
     validation: Sequence[Recording] = (),
-) -> Fit:
+) -> "Fit":
     """The same on recordings that are prepared: many fits on one set share what they can."""
+    from threadpoolctl import threadpool_limits
+
+    if kind not in kind_names():
+        raise UsageError(f"kind {kind!r}: use one of {', '.join(kind_names())}")
     if options.within is not None and kind != "rf-fd":
-        raise UsageError(f"--within trims rf-fd; {kind} has no trees to leave out")
+        raise UsageError(f"--within reduces rf-fd; {kind} has no trees to leave out")
     # The matrices are small: more threads of BLAS wait for each other, ten times longer on a
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):
-        if options.within is not None:
-            return _trimmed(name, data, options, validation)
-        if kind == "rbf-fd":
-            fit = fit_rbf_fd(name, data, options, validation)
+        if kind == AUTO:
+            function = _loaded(_AUTO_FIT)
+        elif options.within is not None:
+            function = _loaded(_REDUCED_FIT)
         else:
-            fit = _FITS[kind](name, data, options)
+            function = KINDS[kind].function()
+        fit = function(name, data, options, validation)
     return replace(fit, warnings=(*fit.warnings, *_short_recordings(data, options)))
 
 
-def _trimmed(
-    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording]
-) -> Fit:
-    from springpot.trainer.selection.reduce import trimmed_options
-
-    begin = time.perf_counter()
-    search = trimmed_options(data, options, options.within or 0.0, validation)
-    search_s = time.perf_counter() - begin
-    fit = fit_rf_fd(name, data, search.options)
-    return replace(fit, search_s=search_s, facts={**fit.facts, **search.facts()})
+def _loaded(path: str) -> Callable[..., "Fit"]:
+    """The function "module:name" of this floor."""
+    module, _, name = path.partition(":")
+    found: Callable[..., Fit] = getattr(import_module(f"springpot.trainer.{module}"), name)
+    return found
 
 
-def _short_recordings(data: TrainingSet, options: FitOptions) -> tuple[str, ...]:
+def _short_recordings(data: "TrainingSet", options: "FitOptions") -> tuple[str, ...]:
     window_s = options.window_s
     if window_s is None or data.longest_s >= WINDOWS * window_s:
         return ()

@@ -1,13 +1,13 @@
 """Gains of the virtual coupling: exact discretisation, and the gains that are unit errors."""
 
-import dataclasses
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import CoupleConfig, Real
+from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.scene import Coupling
 
@@ -16,6 +16,17 @@ GREATEST_DAMPING_RATIO = 10.0
 # A proxy may be as light as its step is exact: no printed step judges it, but no device does more.
 GREATEST_PROXY_NPM = 1e6
 GREATEST_PROXY_NSPM = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class CoupleConfig:
+    """sp_couple.h; phi: shape (4,), the 2 x 2 matrix row by row."""
+
+    stiffness_npm: Real
+    damping_nspm: Real
+    compliance_mpn: Real
+    dt_s: Real
+    phi: Reals
 
 
 def printed_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
@@ -82,7 +93,7 @@ def refuse_unit_error(coupling: Coupling) -> None:
     )
     for key, unit in (("damping_nspm", "N s/m"), ("stiffness_npm", "N/m")):
         meant = getattr(coupling, key) / 1e3
-        if _plausible(dataclasses.replace(coupling, **{key: meant})):
+        if _plausible(replace(coupling, **{key: meant})):
             raise UnsafeError(f"{stated}: {key} = {meant:g} ({meant:g} {unit}) was probably meant")
     raise UnsafeError(f"{stated}: the paper's gains are 1500 N/m, 20 N s/m and 0.05 kg")
 

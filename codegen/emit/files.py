@@ -12,15 +12,12 @@ import numpy as np
 from springpot.codegen.emit.glue import public_header, scene_header, scene_source
 from springpot.codegen.emit.golden import golden_positions, golden_velocities, probe_inputs
 from springpot.codegen.emit.project import example_main, example_makefile, selftest_source
-from springpot.codegen.forest.compact import work_at_most
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model.model_file import model_hash
 from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import measured_tables, planned_headers, stages, state_bytes
 from springpot.codegen.reference.run import run_reference
-from springpot.codegen.stages.fir import FirStage
-from springpot.codegen.stages.forest import CompactForestStage, IfsStage, WideForestStage
 from springpot.codegen.stages.stage import RegressorStage, Stage
 from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
 
@@ -101,15 +98,11 @@ def coupling_facts(plan: Plan) -> dict[str, Any]:
 
 def _model_facts(plan: Plan) -> dict[str, Any]:
     features, regressor = plan.features, plan.regressor
-    facts: dict[str, Any] = {"orders": list(getattr(features, "orders", ()))}
-    if isinstance(features, FirStage):
-        facts["window_s"] = features.n_taps * plan.dt_s
-    if isinstance(regressor, WideForestStage | IfsStage):
-        facts["leaf_error_n"] = regressor.table.leaf_error_n
-    if isinstance(regressor, CompactForestStage):
-        facts["leaf_error_n"] = regressor.forest.leaf_error_n
-        facts["work_at_most"] = work_at_most(regressor.forest)
-    return facts
+    return {
+        "orders": list(getattr(features, "orders", ())),
+        "window_s": plan.model.memory_s,
+        **({} if regressor is None else regressor.manifest()),
+    }
 
 
 def _short_manifest(plan: Plan) -> dict[str, Any]:

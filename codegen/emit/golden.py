@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.stages.stage import Probe, Reals
+from springpot.codegen.stages.stage import Probe
 
 LEG_TICKS = 60
 _GLITCH_M = 0.5

@@ -108,7 +108,7 @@ def _model_force(plan: Plan) -> list[str]:
         terms.append(f"{plan.passive.follows}_passive_n")
     if plan.features is not None and plan.regressor is not None:
         lines = [
-            f"sp_real features[{plan.features.room}];",
+            f"sp_real features[{plan.features.capacity}];",
             *plan.features.read(),
             *plan.regressor.force(),
         ]

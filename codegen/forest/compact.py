@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import CompactForest, Real
+from springpot.codegen.arrays import Real
 from springpot.codegen.forest.leaves import (
     largest_float32_below,
     leaf_quanta,
     level_order,
     used_features,
 )
-from springpot.codegen.model.ir import Forest
+from springpot.codegen.forest.tables import CompactForest
+from springpot.codegen.model.regressors import Forest
 
 # Facts of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
 SLOT_BITS = 4
@@ -81,8 +82,15 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
         quantum_n=real(quanta.quantum_n),
         bias_n=real(quanta.bias_n),
         leaf_error_n=quanta.error_n,
-        longest_walk=int(order.level.max()),
+        longest_walks=_longest_walks(order, len(order.roots)),
     )
+
+
+def _longest_walks(order: _Order, n_trees: int) -> Ints:
+    """Splits on the longest way to a leaf, of each tree: shape (trees,)."""
+    longest = np.zeros(n_trees, dtype=np.int64)
+    np.maximum.at(longest, order.tree, order.level)
+    return longest
 
 
 def work_at_most(forest: CompactForest) -> dict[str, int]:
@@ -92,7 +100,8 @@ def work_at_most(forest: CompactForest) -> dict[str, int]:
     nodes: the longest way down each tree.
     """
     searches = [2 + len(below).bit_length() for below in forest.thresholds]
-    return {"thresholds": sum(searches), "nodes": forest.n_trees * (forest.longest_walk + 1)}
+    longest = int(forest.longest_walks.max())
+    return {"thresholds": sum(searches), "nodes": forest.n_trees * (longest + 1)}
 
 
 def _ranks(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.model.ir import Forest
+from springpot.codegen.model.regressors import Forest
 
 _GREATEST_QUANTA = 2**16 - 1
 

@@ -5,10 +5,10 @@ import sys
 from m2cgen import ast
 from m2cgen.interpreters import CInterpreter
 
-from springpot.codegen.configs import ForestTable
 from springpot.codegen.errors import UsageError
+from springpot.codegen.forest.tables import ForestTable
 from springpot.codegen.forest.wide import LEAF_SLOT, SLOT_BITS
-from springpot.codegen.model.ir import Forest
+from springpot.codegen.model.regressors import Forest
 
 GREATEST_NODES = 20_000
 _HEAD = "double score(double * input)"

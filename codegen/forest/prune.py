@@ -6,14 +6,14 @@ import numpy as np
 
 from springpot.codegen.forest.leaves import level_order
 from springpot.codegen.forest.quantisation import GREATEST
-from springpot.codegen.model.ir import Forest, Rounding
+from springpot.codegen.model.regressors import Forest, Quantisation
 
 _ABOVE = 0.01  # of a feature's thresholds: room for values beyond the greatest
 
 
-def fewer_trees(forest: Forest, count: int, mean: bool) -> Forest:
-    """The first `count` trees; mean: the force is the trees' mean, not their sum."""
-    weight = forest.weight * len(forest.roots) / count if mean else forest.weight
+def fewer_trees(forest: Forest, count: int) -> Forest:
+    """The first `count` trees, of which the force is the mean where it was."""
+    weight = forest.weight * len(forest.roots) / count if forest.is_mean else forest.weight
     return _reachable(replace(forest, roots=forest.roots[:count], weight=weight))
 
 
@@ -34,7 +34,7 @@ def larger_leaves(forest: Forest, leaves: int) -> Forest:
     return _reachable(replace(forest, feature=feature, value_n=total_n / count))
 
 
-def stepped(forest: Forest, n_features: int) -> Forest:
+def quantised(forest: Forest, n_features: int) -> Forest:
     """Thresholds in 16-bit steps of their range: no table of them is needed."""
     if forest.rounding is not None:
         return forest
@@ -47,7 +47,7 @@ def stepped(forest: Forest, n_features: int) -> Forest:
             span = (1.0 + _ABOVE) * float(np.ptp(values)) or 1.0
             least[column], per_step[column] = values.min(), (GREATEST - 1) / span
             threshold[here] = np.floor((values - least[column]) * per_step[column] + 0.5)
-    return replace(forest, threshold=threshold, rounding=Rounding(least, per_step))
+    return replace(forest, threshold=threshold, rounding=Quantisation(least, per_step))
 
 
 def _reachable(forest: Forest) -> Forest:

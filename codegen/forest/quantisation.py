@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.model.ir import Rounding
+from springpot.codegen.model.regressors import Quantisation
 
 GREATEST = 2**16 - 1
 
 
-def rounded(rounding: Rounding, features: NDArray[Any]) -> NDArray[np.float32]:
+def rounded(rounding: Quantisation, features: NDArray[Any]) -> NDArray[np.float32]:
     """Whole steps, 0 .. 65535, of each column, shape (n, features), as scikit-learn takes them."""
     least = rounding.least.astype(np.float32)
     per_step = rounding.per_step.astype(np.float32)
@@ -20,8 +20,8 @@ def rounded(rounding: Rounding, features: NDArray[Any]) -> NDArray[np.float32]:
     return whole
 
 
-def rounding_over(features: NDArray[np.float64]) -> Rounding:
+def rounding_over(features: NDArray[np.float64]) -> Quantisation:
     """Steps that cover the values of each column, shape (n, features)."""
     least, greatest = features.min(axis=0), features.max(axis=0)
     span = np.where(greatest > least, greatest - least, 1.0)
-    return Rounding(least=least, per_step=GREATEST / span)
+    return Quantisation(least=least, per_step=GREATEST / span)

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import CompactForest, ForestTable
 from springpot.codegen.forest.compact import ENTRIES, LEVELS
 from springpot.codegen.forest.compact import SLOT_BITS as COMPACT_SLOT_BITS
+from springpot.codegen.forest.tables import CompactForest, ForestTable
 from springpot.codegen.forest.wide import LEAF_SLOT, SLOT_BITS
 
 _CHUNK = 4096  # samples whose walk stays in the cache

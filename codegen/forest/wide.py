@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from springpot.codegen.configs import ForestTable, Real
+from springpot.codegen.arrays import Real
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.leaves import (
     largest_float32_below,
@@ -12,7 +12,8 @@ from springpot.codegen.forest.leaves import (
     level_order,
     used_features,
 )
-from springpot.codegen.model.ir import Forest
+from springpot.codegen.forest.tables import ForestTable
+from springpot.codegen.model.regressors import Forest
 
 # Facts of sp_forest_wide.h; a test compares them with the header.
 SLOT_BITS = 4

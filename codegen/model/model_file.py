@@ -14,20 +14,32 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
-from springpot.codegen.model import ir
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.features import (
+    FastFirBank,
+    FirBank,
+    Lags,
+    PositionVelocity,
+    RecursiveBank,
+)
+from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 
 SCHEMA = 2  # 1: forests without rounding
 MAGIC = b"springpot-model"
 SUFFIX = ".spm"
-# The only types that a file can name.
-_PARTS = {
+# The only types that a file can name; a kind of one's own adds its own with `register_part`.
+_PARTS: dict[str, type[Any]] = {
     part.__name__: part
     for part in (
-        ir.Model, ir.TrainedRange, ir.FirBank, ir.FastFirBank, ir.RecursiveBank, ir.Lags,
-        ir.PositionVelocity, ir.Forest, ir.Rounding, ir.Rbf, ir.Hammerstein,
+        Model, TrainedRange, Hammerstein, FirBank, FastFirBank, RecursiveBank, Lags,
+        PositionVelocity, Forest, Quantisation, Rbf,
     )
 }  # fmt: skip
+
+
+def register_part(part: type[Any]) -> None:
+    """Let model files hold this dataclass of arrays, numbers, strings and tuples."""
+    _PARTS[part.__name__] = part
 
 
 def model_hash(model: Model) -> str:

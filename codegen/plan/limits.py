@@ -1,10 +1,11 @@
 """Limits of a scene: positions that are believed, forces that leave, when the watchdog falls."""
 
+from dataclasses import dataclass
 from typing import Any
 
-from springpot.codegen.configs import GuardConfig, OutputConfig
+from springpot.codegen.arrays import Real
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
@@ -21,6 +22,29 @@ FORCE_MARGIN = 1.2
 # Greatest growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
 LEAST_SLEW_NPS = 1500.0
 SLEW_S = 0.004
+
+
+@dataclass(frozen=True)
+class GuardConfig:
+    """sp_guard.h."""
+
+    jump_m: Real
+    least_m: Real
+    greatest_m: Real
+    resync_ticks: int
+
+
+@dataclass(frozen=True)
+class OutputConfig:
+    """sp_output.h."""
+
+    least_n: Real
+    greatest_n: Real
+    slew_n: Real
+    rise: Real
+    fall_nps: Real
+    watchdog_s: Real
+    dt_s: Real
 
 
 def watchdog_s_of(scene: Scene, dt_s: float) -> float:

@@ -5,23 +5,25 @@ from typing import Any, Literal
 
 import numpy as np
 
-from springpot.codegen.configs import (
-    CoupleConfig,
+from springpot.codegen.arrays import Real
+from springpot.codegen.coupling.auto import Choice, choose, series
+from springpot.codegen.coupling.gains import CoupleConfig, couple_config, refuse_unit_error
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.model import Model
+from springpot.codegen.plan.limits import (
     GuardConfig,
     OutputConfig,
-    RangeConfig,
-    Real,
+    greatest_mps,
+    guard_config,
+    output_config,
+    watchdog_s_of,
 )
-from springpot.codegen.coupling.auto import Choice, choose, series
-from springpot.codegen.coupling.gains import couple_config, refuse_unit_error
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import Model, RecursiveBank
-from springpot.codegen.plan.limits import greatest_mps, guard_config, output_config, watchdog_s_of
-from springpot.codegen.plan.model_stages import LeftOut, ModelStages, lanes_of, model_stages
+from springpot.codegen.plan.model_stages import LeftOut, ModelStages, model_stages
 from springpot.codegen.plan.stiffness import greatest_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.codegen.stages.stage import FeatureStage, RegressorStage
+from springpot.codegen.stages.model_force import RangeConfig
+from springpot.codegen.stages.stage import FeatureStage, RegressorStage, lanes_of
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 
 RATES_HZ = (10.0, 8000.0)
@@ -76,13 +78,10 @@ class Plan:
         minutes has rightly rested elsewhere).
         """
         ramp = round(1.0 / float(self.output.rise))
-        memory_s = [len(getattr(self.features, "taps", ())) * self.dt_s]
-        passive = self.model.hammerstein
-        if passive is not None and len(passive.tau_s):
-            memory_s.append(4.0 * float(passive.tau_s.max()))
-        bank = getattr(self.model.features, "tau_s", None)
-        memory_s += [4.0 * float(bank.max())] if bank is not None else []
-        longest_s = min(max(memory_s), MOST_RECOVERY_S)
+        model = self.model
+        passive_s = 0.0 if model.hammerstein is None else 4.0 * model.hammerstein.memory_s
+        features_s = 0.0 if model.features is None else model.features.settling_s(self.dt_s)
+        longest_s = min(max(features_s, passive_s), MOST_RECOVERY_S)
         return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
 
     @property
@@ -161,7 +160,7 @@ def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[
     if scene.guard.outside != "fallback" or model.hammerstein is not None:
         return stages, _outside_note(model, scene)
     tangent = tangent_fallback(stages, model, dtype)
-    deep = hammerstein_stage(tangent, dt_s, dtype, "deep", lanes_of(scene))
+    deep = hammerstein_stage(tangent, dt_s, dtype, "deep", lanes_of(scene.runtime))
     return replace(stages, passive=deep), (
         "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
         f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
@@ -176,9 +175,7 @@ def _time_step(model: Model, scene: Scene) -> float:
             f"{RATES_HZ[1]:g} Hz: import the recordings with --resample-hz"
         )
     rate_hz = scene.runtime.rate_hz
-    if rate_hz is not None and (
-        model.features is None or isinstance(model.features, RecursiveBank)
-    ):
+    if rate_hz is not None and model.exact_at_any_rate:
         return 1.0 / rate_hz  # poles are exact at any rate
     if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-3:
         raise UsageError(

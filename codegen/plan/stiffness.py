@@ -4,10 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.configs import RangeConfig
-from springpot.codegen.model.ir import Hammerstein, Model
+from springpot.codegen.model.model import Hammerstein, Model
 from springpot.codegen.plan.model_stages import ModelStages
-from springpot.codegen.stages.model_force import clip, model_force
+from springpot.codegen.stages.model_force import RangeConfig, clip, model_force
 
 STEP = 0.05  # of the trained depth: longer than a leaf of a forest, shorter than a press
 REACH = 1.3  # of the trained depth: the fallback counts too

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.tick import Coupled, shaped
 from springpot.codegen.stages.stage import Starts
 
-Reals = NDArray[Any]
 ModelForce = Callable[[Reals, Starts, NDArray[np.bool_]], Reals]
 _CHUNK = 1024  # ticks guessed at a time, at most
 _LEAST = 8  # at least: what a pass costs by itself

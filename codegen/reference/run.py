@@ -1,18 +1,17 @@
 """Numpy reference of the emitted C: the same operations in the same order, bit for bit."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.proxy import Touch, proxy_motion
 from springpot.codegen.reference.tick import HELD, OUTSIDE, RESYNC, Guarding, Tail
 from springpot.codegen.stages.model_force import clip, model_force
 from springpot.codegen.stages.stage import Starts
 
-Reals = NDArray[Any]
 Notes = NDArray[np.int32]
 
 

@@ -5,14 +5,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import CoupleConfig, GuardConfig, OutputConfig, RangeConfig
+from springpot.codegen.arrays import Reals
+from springpot.codegen.coupling.gains import CoupleConfig
+from springpot.codegen.plan.limits import GuardConfig, OutputConfig
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.stages.model_force import RangeConfig
 from springpot.codegen.stages.stage import SMALLEST, flushed
 
 # Bits of sp_notes.h; a test compares them with the header.
 HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED = 1, 2, 4, 8, 16, 32, 64
 
-Reals = NDArray[Any]
 Notes = NDArray[np.int32]
 
 

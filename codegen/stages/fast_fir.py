@@ -1,27 +1,30 @@
 """The same window by direct taps and truncated exponentials: sp_fast_window.h."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.ir import FastFirBank
+from springpot.codegen.model.features import FastFirBank
+from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     REAL,
     SMALLEST,
     U32,
+    Columns,
     Member,
-    Reals,
     Starts,
+    feature_stage,
     held_before,
     segments,
 )
-from springpot.codegen.stages.weighted_sum import WeighedStage, in_lanes
+from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 
 
 @dataclass(frozen=True, eq=False)
-class FastFirStage(WeighedStage):
+class FastFirStage(WeightedSumStage):
     """keep, leave: (poles,). weights: (direct + poles + 1, lanes). length: of the window."""
 
     keep: Reals
@@ -58,8 +61,6 @@ class FastFirStage(WeighedStage):
             array_text("weights", "sp_real", self.weights),
         ]
 
-    measured = None
-
     def restart(self) -> list[str]:
         """Fill the window; no pole has seen a rise."""
         return [
@@ -77,6 +78,10 @@ class FastFirStage(WeighedStage):
             "               sp_window_push(state->history, &state->newest, N_WINDOW, depth),",
             "               N_WINDOW, state->poles, terms);",
         ]
+
+    def instructions(self, costs: Costs) -> float:
+        poles = len(self.keep) * costs.pole + self.n_direct * costs.direct
+        return float(poles + self.sum_instructions(costs) + 60.0)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The same terms and sums in the same order."""
@@ -104,7 +109,8 @@ class FastFirStage(WeighedStage):
         return np.column_stack([*direct, poles, samples[1 : n + 1]])
 
 
-def fast_fir_stage(bank: FastFirBank, kept: NDArray[np.intp], dtype: type) -> FastFirStage:
+@feature_stage.register
+def fast_fir_stage(bank: FastFirBank, kept: Columns, dt_s: float, dtype: type[Any]) -> FastFirStage:
     """Keep the columns `kept` of the bank."""
     n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
     own = bank.length - 1 - n_direct

@@ -1,19 +1,23 @@
 """Fractional derivatives by a window of taps: sp_window.h and sp_taps.h."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.ir import FirBank
+from springpot.codegen.model.features import FirBank
+from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     REAL,
     U32,
+    Columns,
+    FeatureStage,
     Member,
     Probe,
-    Reals,
     Starts,
+    feature_stage,
     held_before,
     padded,
 )
@@ -22,7 +26,7 @@ SUMS = 16  # SP_TAPS_SUMS
 
 
 @dataclass(frozen=True, eq=False)
-class FirStage:
+class FirStage(FeatureStage):
     """orders: those kept. taps: shape (orders, length), zero beyond `n_taps`."""
 
     orders: tuple[float, ...]
@@ -37,8 +41,7 @@ class FirStage:
         return len(self.orders)
 
     @property
-    def room(self) -> int:
-        """Features that are filled."""
+    def capacity(self) -> int:
         return len(self.taps)
 
     @property
@@ -59,8 +62,6 @@ class FirStage:
             f"/* c(r, k), newest first, {self.n_taps} and padding: a row each of {names}. */",
             array_text("taps", "sp_real", self.taps),
         ]
-
-    measured = None
 
     def restart(self) -> list[str]:
         """Fill the window."""
@@ -87,6 +88,10 @@ class FirStage:
             sums=lambda made_up: np.array([tap_sums(row, made_up, 1)[0] for row in self.taps]),
         )
 
+    def instructions(self, costs: Costs) -> float:
+        rows, length = self.taps.shape
+        return float(rows * (length * costs.tap + costs.tap_row))
+
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The same sums in the same order."""
         length = self.taps.shape[1]
@@ -110,7 +115,8 @@ def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
     return total
 
 
-def fir_stage(bank: FirBank, kept: NDArray[np.intp], dtype: type) -> FirStage:
+@feature_stage.register
+def fir_stage(bank: FirBank, kept: Columns, dt_s: float, dtype: type[Any]) -> FirStage:
     """Keep the columns `kept` of the bank."""
     n_taps = len(bank.taps)
     taps: Reals = np.zeros((max(len(kept), 1), padded(n_taps, SUMS)), dtype=dtype)

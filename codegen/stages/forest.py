@@ -5,18 +5,31 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.configs import CompactForest, ForestTable
+from springpot.codegen.arrays import Reals
+from springpot.codegen.forest.compact import LEVELS, compact_forest, work_at_most
 from springpot.codegen.forest.quantisation import rounded
+from springpot.codegen.forest.tables import CompactForest, ForestTable
 from springpot.codegen.forest.traverse import compact_sums, feature_ranks, forest_force, table_sums
+from springpot.codegen.forest.wide import forest_table
 from springpot.codegen.literals import array_text, literal, wrapped
-from springpot.codegen.model.ir import Forest, Rounding
-from springpot.codegen.stages.stage import U32, Member, Reals
+from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.codegen.scene import Runtime
+from springpot.codegen.stages.costs import Costs
+from springpot.codegen.stages.stage import (
+    U32,
+    Columns,
+    Member,
+    RegressorStage,
+    lanes_of,
+    regressor_stage,
+)
 
+_LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
 _FORCE = "const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;"
 
 
 @dataclass(frozen=True, eq=False)
-class CompactForestStage:
+class CompactForestStage(RegressorStage):
     """A forest on `n_features` features in 4-byte nodes; `vectors`: with the host's vector units.
 
     rounding: of the features used, where the forest was fitted on whole steps.
@@ -24,7 +37,7 @@ class CompactForestStage:
 
     forest: CompactForest
     n_features: int
-    rounding: Rounding | None
+    rounding: Quantisation | None
     vectors: bool
 
     @property
@@ -101,6 +114,29 @@ class CompactForestStage:
             "}",
         ]
 
+    @property
+    def table_bytes(self) -> int:
+        return self.forest.top.nbytes + self.forest.nodes.nbytes
+
+    def instructions(self, costs: Costs) -> float:
+        below = np.maximum(self.forest.longest_walks - LEVELS, 0)
+        rounds = below // _LEVELS_A_ROUND + 1
+        steps = sum(len(thresholds).bit_length() for thresholds in self.forest.thresholds)
+        each = costs.rounding if self.rounding is not None else costs.rank
+        return float(
+            len(below) * costs.tree
+            + rounds.sum() * costs.tree_round
+            + steps * costs.rank_step
+            + self.n_features * each
+            + 80.0
+        )
+
+    def manifest(self) -> dict[str, Any]:
+        return {
+            "leaf_error_n": self.forest.leaf_error_n,
+            "work_at_most": work_at_most(self.forest),
+        }
+
     def reference(self, features: Reals) -> Reals:
         """The same leaves and sums."""
         if self.rounding is None:
@@ -111,18 +147,15 @@ class CompactForestStage:
 
 
 @dataclass(frozen=True, eq=False)
-class _OnFloats:
+class _OnFloats(RegressorStage):
     """What the other two have in common: features as floats in slots."""
 
     table: ForestTable
     n_features: int
-    rounding: Rounding | None
+    rounding: Quantisation | None
 
-    members = ()
-
-    def init(self) -> list[str]:
-        """Nothing to look for."""
-        return []
+    def manifest(self) -> dict[str, Any]:
+        return {"leaf_error_n": self.table.leaf_error_n}
 
     def reference(self, features: Reals) -> Reals:
         """The same leaves and sums."""
@@ -209,7 +242,18 @@ class IfsStage(_OnFloats):
         ]
 
 
-ForestStage = CompactForestStage | WideForestStage | IfsStage
+@regressor_stage.register
+def forest_stage(
+    forest: Forest, kept: Columns, runtime: Runtime, dtype: type[Any]
+) -> RegressorStage:
+    """Nodes of 4 bytes where they do, 8 where not; nested ifs where the scene asks for them."""
+    rounding = None if forest.rounding is None else forest.rounding.take(kept)
+    if runtime.forest == "m2cgen":
+        return IfsStage(forest_table(forest, dtype), len(kept), rounding, forest)
+    compact = compact_forest(forest, dtype)
+    if compact is None:
+        return WideForestStage(forest_table(forest, dtype), len(kept), rounding)
+    return CompactForestStage(compact, len(kept), rounding, vectors=lanes_of(runtime) > 1)
 
 
 def _nodes(name: str, nodes: Any) -> list[str]:
@@ -217,7 +261,7 @@ def _nodes(name: str, nodes: Any) -> list[str]:
     return [f"static const sp_forest_node {name}[{len(pairs)}] = {{", *wrapped(pairs), "};"]
 
 
-def _rounding(rounding: Rounding) -> list[str]:
+def _rounding(rounding: Quantisation) -> list[str]:
     return [
         "/* A feature's least value, and its steps in a unit (sp_quantise.h). */",
         array_text("round_least", "float", rounding.least.astype(np.float32)),

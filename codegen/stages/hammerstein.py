@@ -6,8 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, struct_text
-from springpot.codegen.model.ir import Basis, Hammerstein
+from springpot.codegen.model.model import Basis, Hammerstein
+from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.recursive import loss_and_gain
 from springpot.codegen.stages.stage import (
     LANES,
@@ -15,8 +17,7 @@ from springpot.codegen.stages.stage import (
     SMALLEST,
     Measured,
     Member,
-    Real,
-    Reals,
+    Stage,
     Starts,
     padded,
     segments,
@@ -39,7 +40,7 @@ class HammersteinConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class HammersteinStage:
+class HammersteinStage(Stage):
     """Arrays of sp_hammerstein_tables, and the variable of the tick that it follows.
 
     Curves: shape (pieces, degree + 1, curves), highest power first. spring: one, branches: one
@@ -137,6 +138,11 @@ class HammersteinStage:
             f"    state->{self.follows}_held, {self._play}, {self.follows}_branch);",
         ]
 
+    def instructions(self, costs: Costs) -> float:
+        config = self.config
+        branch = costs.branch + config.degree * costs.power
+        return float(costs.passive + config.n_branches * branch + config.n_stops * costs.stop)
+
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Force of every tick, N, by the same operations."""
         config = self.config
@@ -212,12 +218,12 @@ def hammerstein_stage(
     Branches are padded to whole vectors of `lanes`, with curves of 0.
     """
     n_branches, n_stops = len(model.tau_s), len(model.radius_m)
-    room = padded(max(n_branches, 1), lanes)
+    capacity = padded(max(n_branches, 1), lanes)
     pole_loss, gain = loss_and_gain(model.tau_s, dt_s)
     stop_n = model.stop_n.reshape(n_stops, BASIS_SIZE[model.basis])
-    branches = np.zeros((room, BASIS_SIZE[model.basis]))
+    branches = np.zeros((capacity, BASIS_SIZE[model.basis]))
     branches[:n_branches] = gain[:, None] * model.branch_n
-    loss: Reals = np.ones(room, dtype=dtype)
+    loss: Reals = np.ones(capacity, dtype=dtype)
     per_tau, per_gain = loss.copy(), loss.copy()
     loss[:n_branches] = pole_loss
     per_tau[:n_branches], per_gain[:n_branches] = 1.0 / model.tau_s, 1.0 / gain
@@ -229,7 +235,7 @@ def hammerstein_stage(
             bias_n=dtype(model.bias_n),
             n_pieces=len(curves),
             degree=curves.shape[1] - 1,
-            n_branches=room,
+            n_branches=capacity,
             n_stops=n_stops,
         ),
         spring=curve_terms(model.basis, (model.elastic_n + stop_n.sum(axis=0))[None])[

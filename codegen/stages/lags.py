@@ -1,17 +1,29 @@
 """Past positions: sp_lags.h."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.ir import Lags
-from springpot.codegen.stages.stage import REAL, U32, Member, Reals, Starts, held_before
+from springpot.codegen.model.features import Lags
+from springpot.codegen.stages.costs import Costs
+from springpot.codegen.stages.stage import (
+    REAL,
+    U32,
+    Columns,
+    FeatureStage,
+    Member,
+    Starts,
+    feature_stage,
+    held_before,
+)
 
 
 @dataclass(frozen=True, eq=False)
-class LagsStage:
+class LagsStage(FeatureStage):
     """lags: those kept, in samples; difference: past positions enter as x(t) - x(t - lag)."""
 
     lags: NDArray[np.uint32]
@@ -21,11 +33,6 @@ class LagsStage:
 
     @property
     def n_features(self) -> int:
-        """One a lag."""
-        return len(self.lags)
-
-    @property
-    def room(self) -> int:
         """One a lag."""
         return len(self.lags)
 
@@ -48,8 +55,6 @@ class LagsStage:
             array_text("lags", "uint32_t", self.lags),
         ]
 
-    measured = None
-
     def restart(self) -> list[str]:
         """Fill the ring."""
         return ["sp_lags_fill(state->past, &state->newest, N_PAST, depth);"]
@@ -68,8 +73,8 @@ class LagsStage:
             "}",
         ]
 
-    def probe(self) -> None:
-        """No sums."""
+    def instructions(self, costs: Costs) -> float:
+        return len(self.lags) * costs.lag + 40.0
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Look back."""
@@ -83,7 +88,8 @@ class LagsStage:
         return result
 
 
-def lags_stage(lags: Lags, kept: NDArray[np.intp]) -> LagsStage:
+@feature_stage.register
+def lags_stage(lags: Lags, kept: Columns, dt_s: float, dtype: type[Any]) -> LagsStage:
     """Keep the lags `kept`."""
     chosen = np.array([lags.samples[i] for i in kept] or [0], dtype=np.uint32)
     return LagsStage(lags=chosen, difference=lags.difference)

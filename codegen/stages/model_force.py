@@ -1,15 +1,22 @@
 """The model's part of the reference: its force on a motion that is known."""
 
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.configs import RangeConfig
+from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.stages.hammerstein import HammersteinStage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage, Starts
 
-Reals = NDArray[Any]
+
+@dataclass(frozen=True)
+class RangeConfig:
+    """sp_range.h."""
+
+    least_m: Real
+    greatest_m: Real
 
 
 class Stages(Protocol):

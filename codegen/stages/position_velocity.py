@@ -1,17 +1,30 @@
 """Depth and its velocity by first-order adaptive windowing: sp_window.h and sp_velocity.h."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, literal
-from springpot.codegen.model.ir import PositionVelocity
-from springpot.codegen.stages.stage import REAL, U32, Member, Real, Reals, Starts, segments
+from springpot.codegen.model.features import PositionVelocity
+from springpot.codegen.stages.costs import Costs
+from springpot.codegen.stages.stage import (
+    REAL,
+    U32,
+    Columns,
+    FeatureStage,
+    Member,
+    Stage,
+    Starts,
+    feature_stage,
+    segments,
+)
 
 
 @dataclass(frozen=True, eq=False)
-class VelocityStage:
+class VelocityStage(Stage):
     """per_step: shape (length,), 1/s; `source` is the variable whose velocity it estimates."""
 
     per_step: Reals
@@ -37,8 +50,6 @@ class VelocityStage:
             array_text(f"{self.source}_per_step", "sp_real", self.per_step),
             f"static const sp_real {self.source}_band_m = {literal(self.band_m)};",
         ]
-
-    measured = None
 
     def restart(self) -> list[str]:
         """Fill the window."""
@@ -66,13 +77,12 @@ class VelocityStage:
 
 
 @dataclass(frozen=True, eq=False)
-class PositionVelocityStage:
+class PositionVelocityStage(FeatureStage):
     """Features: depth, velocity of the depth."""
 
     velocity: VelocityStage
 
     n_features = 2
-    room = 2
 
     @property
     def headers(self) -> tuple[str, ...]:
@@ -88,8 +98,6 @@ class PositionVelocityStage:
         """Those of the velocity."""
         return self.velocity.tables()
 
-    measured = None
-
     def restart(self) -> list[str]:
         """That of the velocity."""
         return self.velocity.restart()
@@ -102,12 +110,20 @@ class PositionVelocityStage:
         """Equation (13)."""
         return ["features[0] = depth;", "features[1] = depth_mps;"]
 
-    def probe(self) -> None:
-        """No sums."""
+    def instructions(self, costs: Costs) -> float:
+        return float(len(self.velocity.per_step) * costs.velocity_step + 60.0)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Shape (n, 2)."""
         return np.stack([depth, self.velocity.reference(depth, starts)], axis=1)
+
+
+@feature_stage.register
+def position_velocity_stage(
+    features: PositionVelocity, kept: Columns, dt_s: float, dtype: type[Any]
+) -> PositionVelocityStage:
+    """Depth and its velocity: both are kept always."""
+    return PositionVelocityStage(velocity_stage(features, dt_s, dtype, "depth"))
 
 
 def velocity_stage(

@@ -1,19 +1,23 @@
 """Radial basis functions on two features: sp_rbf.h."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.ir import Rbf
-from springpot.codegen.stages.stage import Reals, padded
+from springpot.codegen.model.regressors import Rbf
+from springpot.codegen.scene import Runtime
+from springpot.codegen.stages.costs import Costs
+from springpot.codegen.stages.stage import Columns, RegressorStage, padded, regressor_stage
 
 LANES = 8  # SP_RBF_LANES
 
 
 @dataclass(frozen=True, eq=False)
-class RbfStage:
+class RbfStage(RegressorStage):
     """standard: shape (2, 4): least, greatest, mean, 1/scale of each feature.
 
     centers: (2, padded centers); weights_n: (padded centers,); tail_n: (3,).
@@ -25,11 +29,6 @@ class RbfStage:
     tail_n: Reals
 
     headers = ("sp_number.h", "sp_rbf.h")
-    members = ()
-
-    def init(self) -> list[str]:
-        """Nothing to find out."""
-        return []
 
     def tables(self) -> list[str]:
         """Centers, weights and scales."""
@@ -55,6 +54,9 @@ class RbfStage:
             "const sp_real model_n = sp_rbf_force(z, centers, center_weights, N_CENTERS, tail);",
         ]
 
+    def instructions(self, costs: Costs) -> float:
+        return len(self.weights_n) * costs.center + 100.0
+
     def reference(self, features: Reals) -> Reals:
         """The same eight partial sums, added in the same order."""
         z = []
@@ -77,15 +79,16 @@ class RbfStage:
         return force_n
 
 
-def rbf_stage(rbf: Rbf, dtype: type) -> RbfStage:
+@regressor_stage.register
+def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: type[Any]) -> RbfStage:
     """Pad the centers. Raises UsageError for anything but two features."""
     n, n_features = rbf.centers.shape
     if n_features != 2:
         raise UsageError(f"radial basis functions on {n_features} features: the C has two")
-    room = padded(n, LANES)
-    centers: Reals = np.zeros((2, room), dtype=dtype)
+    capacity = padded(n, LANES)
+    centers: Reals = np.zeros((2, capacity), dtype=dtype)
     centers[:, :n] = rbf.centers.T
-    weights: Reals = np.zeros(room, dtype=dtype)
+    weights: Reals = np.zeros(capacity, dtype=dtype)
     weights[:n] = rbf.weights_n
     standard = np.stack([rbf.least, rbf.greatest, rbf.mean, 1.0 / rbf.scale], axis=1)
     return RbfStage(

@@ -1,23 +1,27 @@
 """Fractional derivatives by exponentials that all orders share: sp_poles.h."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.ir import RecursiveBank
+from springpot.codegen.model.features import RecursiveBank
+from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
     SMALLEST,
+    Columns,
     Measured,
     Member,
-    Reals,
     Starts,
+    feature_stage,
     segments,
 )
-from springpot.codegen.stages.weighted_sum import WeighedStage, in_lanes
+from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
 
@@ -42,7 +46,7 @@ def pole_states(loss: Reals, rises: Reals, n_poles: int) -> Reals:
 
 
 @dataclass(frozen=True, eq=False)
-class RecursiveStage(WeighedStage):
+class RecursiveStage(WeightedSumStage):
     """Poles fast first; weights: shape (poles, lanes), gains folded in.
 
     per_tau, per_gain: (poles,), 1/s and the inverse of those gains.
@@ -139,6 +143,10 @@ class RecursiveStage(WeighedStage):
             ]
         return lines
 
+    def instructions(self, costs: Costs) -> float:
+        poles = len(self.loss) * costs.pole + len(self.slow_loss) * costs.slow_pole
+        return float(poles + self.sum_instructions(costs) + 40.0)
+
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The same recurrences and sums in the same order."""
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
@@ -152,8 +160,9 @@ class RecursiveStage(WeighedStage):
         return result
 
 
+@feature_stage.register
 def recursive_stage(
-    bank: RecursiveBank, kept: NDArray[np.intp], dt_s: float, dtype: type
+    bank: RecursiveBank, kept: Columns, dt_s: float, dtype: type[Any]
 ) -> RecursiveStage:
     """Keep the columns `kept`; order the poles fast first."""
     order = np.argsort(bank.tau_s)

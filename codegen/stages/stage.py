@@ -1,15 +1,22 @@
-"""What every stage of a model tells: headers, state, tables, lines of glue, and its reference."""
+"""What every stage of a model has: headers, state, tables, lines of glue, and its reference."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import singledispatch
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Real = np.float32 | np.float64
-Reals = NDArray[Any]
+from springpot.codegen.arrays import Reals
+from springpot.codegen.model.features import Features
+from springpot.codegen.model.regressors import Regressor
+from springpot.codegen.scene import Runtime
+from springpot.codegen.stages.costs import Costs
+
+Columns = NDArray[np.intp]
 Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample held
 
 REAL, U32, DOUBLE = "real", "u32", "double"
@@ -47,91 +54,127 @@ class Measured:
     advance: tuple[str, ...]
 
 
-class Stage(Protocol):
+class Stage(ABC):
     """A part of the tick with a state. Lines of C see `state`, `depth` and what they declare."""
 
     @property
+    @abstractmethod
     def headers(self) -> tuple[str, ...]:
         """Headers of runtime_c/src, those that they include first."""
-        ...
 
     @property
+    @abstractmethod
     def members(self) -> tuple[Member, ...]:
         """What it keeps from tick to tick."""
-        ...
 
+    @abstractmethod
     def tables(self) -> list[str]:
         """Definitions of its constant arrays and sizes."""
-        ...
 
+    @abstractmethod
     def restart(self) -> list[str]:
         """Lines that forget the past: the object has rested at `depth` for ever."""
-        ...
 
+    @abstractmethod
     def advance(self) -> list[str]:
         """Lines of every tick."""
-        ...
 
     @property
     def measured(self) -> Measured | None:
         """The same over a measured time step; None where the stage is exact at one rate only."""
-        ...
+        return None
+
+    def instructions(self, costs: Costs) -> float:
+        """Bound of the instructions of its part of a tick; a part of the fixed ones by default."""
+        return 0.0
 
 
-class FeatureStage(Stage, Protocol):
+class FeatureStage(Stage):
     """Fills `features`."""
 
     @property
+    @abstractmethod
     def n_features(self) -> int:
         """Features that the regressor uses."""
-        ...
 
     @property
-    def room(self) -> int:
+    def capacity(self) -> int:
         """Length of the array that `read` fills."""
-        ...
+        return self.n_features
 
+    @abstractmethod
     def read(self) -> list[str]:
         """Lines that fill `features`."""
-        ...
 
     def probe(self) -> Probe | None:
         """Its sums, where it has any: leaves of trees hide small differences of features."""
-        ...
+        return None
 
+    @abstractmethod
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """The features of every tick, shape (n, n_features)."""
-        ...
 
 
-class RegressorStage(Protocol):
+class RegressorStage(ABC):
     """Features -> force."""
 
     @property
+    @abstractmethod
     def headers(self) -> tuple[str, ...]:
         """Headers of runtime_c/src, those that they include first."""
-        ...
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """What sp_init finds out once."""
-        ...
+        """What sp_init finds out once, and what it keeps from tick to tick."""
+        return ()
+
+    @property
+    def table_bytes(self) -> int:
+        """Bytes of its largest tables: what a budget of flash cannot go below."""
+        return 0
 
     def init(self) -> list[str]:
         """Lines of sp_init."""
-        ...
+        return []
 
+    @abstractmethod
     def tables(self) -> list[str]:
         """Definitions of its constant arrays and sizes."""
-        ...
 
+    @abstractmethod
     def force(self) -> list[str]:
         """Lines that declare `model_n` from `features`."""
-        ...
 
+    @abstractmethod
     def reference(self, features: Reals) -> Reals:
-        """Force of each row of features, N."""
-        ...
+        """Force of each row of features (n, n_features), N, shape (n,)."""
+
+    def instructions(self, costs: Costs) -> float | None:
+        """Bound of its instructions in a tick; None where there is no bound."""
+        return None
+
+    def manifest(self) -> dict[str, Any]:
+        """What the manifest says of it."""
+        return {}
+
+
+@singledispatch
+def feature_stage(features: Features, kept: Columns, dt_s: float, dtype: type[Any]) -> FeatureStage:
+    """The C of the columns `kept` of some features; each kind registers its own."""
+    raise TypeError(f"{type(features).__name__} has no stage: register one with feature_stage")
+
+
+@singledispatch
+def regressor_stage(
+    regressor: Regressor, kept: Columns, runtime: Runtime, dtype: type[Any]
+) -> RegressorStage:
+    """The C of a regressor on the columns `kept`; each kind registers its own."""
+    raise TypeError(f"{type(regressor).__name__} has no stage: register one with regressor_stage")
+
+
+def lanes_of(runtime: Runtime) -> int:
+    """Numbers that tables are padded to whole vectors of; 1 where the target has no vectors."""
+    return LANES if runtime.target == "host" else 1
 
 
 def flushed(x: Any) -> Any:

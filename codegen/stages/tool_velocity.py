@@ -4,14 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import literal
-from springpot.codegen.stages.stage import REAL, Member, Real, Reals, Starts, flushed, segments
+from springpot.codegen.stages.stage import REAL, Member, Stage, Starts, flushed, segments
 
 TIME_S = 0.004  # of the low-pass
 
 
 @dataclass(frozen=True)
-class ToolVelocityStage:
+class ToolVelocityStage(Stage):
     """Follows the guarded position; its value is the C variable `position_mps`."""
 
     rate_hz: Real
@@ -26,8 +27,6 @@ class ToolVelocityStage:
             f"static const sp_real rate_hz = {literal(self.rate_hz)};",
             f"static const sp_real velocity_weight = {literal(self.weight)};",
         ]
-
-    measured = None
 
     def restart(self) -> list[str]:
         """At rest."""

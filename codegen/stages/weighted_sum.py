@@ -6,11 +6,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.stages.stage import Probe, Reals, padded
+from springpot.codegen.arrays import Reals
+from springpot.codegen.stages.costs import Costs
+from springpot.codegen.stages.stage import FeatureStage, Probe, padded
 
 
 @dataclass(frozen=True, eq=False)
-class WeighedStage:
+class WeightedSumStage(FeatureStage):
     """orders of the lanes in use; weights: shape (terms, lanes).
 
     terms, n_terms: what holds the terms in the C, and their number.
@@ -28,8 +30,7 @@ class WeighedStage:
         return len(self.orders)
 
     @property
-    def room(self) -> int:
-        """Lanes."""
+    def capacity(self) -> int:
         return int(self.weights.shape[1])
 
     @property
@@ -51,9 +52,14 @@ class WeighedStage:
             sums=self.weigh,
         )
 
+    def sum_instructions(self, costs: Costs) -> float:
+        """Of the weighted sums alone."""
+        terms, lanes = self.weights.shape
+        return float(lanes * (terms * costs.weight + costs.lane))
+
     def weigh(self, terms: Reals) -> Reals:
         """Terms (..., terms) by the weights, each lane's sum in order: (..., lanes)."""
-        total: Reals = np.zeros((*terms.shape[:-1], self.room), dtype=self.weights.dtype)
+        total: Reals = np.zeros((*terms.shape[:-1], self.capacity), dtype=self.weights.dtype)
         for k, row in enumerate(self.weights):
             total += terms[..., k, None] * row
         return total

@@ -14,16 +14,11 @@ from numpy.typing import NDArray
 
 from springpot.host.benchmark.labels import hover
 from springpot.host.plot_style import STYLE, svg_text
+from springpot.trainer.kinds import KINDS
 
 Facts = dict[str, Any]
 Places = NDArray[np.float64]
 Curves = dict[str, list[Facts]]  # points of each family: name, time, error
-# A shape and a lightness for each kind: they differ in black and white too.
-_MARKS = {
-    "rf-fd": ("o", "#1b6ca8"), "rbf-fd": ("s", "#c1121f"), "rbf-pv": ("^", "#e09f3e"),
-    "rf-history": ("v", "#8d99ae"), "boosted": ("D", "#5a189a"), "hammerstein": ("P", "#2d6a4f"),
-    "hybrid": ("X", "#40916c"), "springpot": ("*", "#6c584c"),
-}  # fmt: skip
 _FRONT, _OFF = 8.5, 5.5  # size of marks, points
 _PICK = 9.0  # of letters, points
 # Of a label from its point: near, to the right, and then farther, around it.
@@ -45,7 +40,7 @@ def front_figure(result: Facts) -> str:
         _noise_floor(axes, result["quality"]["noise_floor_n"])
         _log_axes(axes, "time of a tick, hot, ns", "RMSE on the validation recordings, N")
         for kind in dict.fromkeys(point["model"] for point in points):
-            shape, color = _MARKS[kind]
+            shape, color = KINDS[kind].mark, KINDS[kind].colour
             axes.plot([], [], shape, color=color, ms=7, label=kind)
         axes.plot([], [], "o", color="white", mec="black", mew=1.6, ms=8, label="on the front")
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -60,7 +55,7 @@ def family_figure(points: Sequence[Facts]) -> str:
         figure, axes = _small()
         for i, kind in enumerate(dict.fromkeys(point["model"] for point in points)):
             family = _best([point for point in points if point["model"] == kind])
-            shape, color = _MARKS[kind]
+            shape, color = KINDS[kind].mark, KINDS[kind].colour
             axes.plot(
                 [point["tick_ns_hot"] for point in family], [point["rmse_n"] for point in family],
                 marker=shape, color=color, ls=_DASHES[i % len(_DASHES)], lw=1.2, ms=6, label=kind,
@@ -80,7 +75,7 @@ def curve_figure(curves: Curves, x: str, y: str) -> str:
 
 def draw_curves(axes: Axes, curves: Curves, x: str, y: str) -> None:
     """The same into axes of a larger figure."""
-    marks = list(_MARKS.values())
+    marks = [(kind.mark, kind.colour) for kind in KINDS.values()]
     for i, (family, curve) in enumerate(curves.items()):
         shape, color = marks[i]
         axes.plot([p["time"] for p in curve], [p["error"] for p in curve], marker=shape,
@@ -103,12 +98,12 @@ def _small() -> tuple[Figure, Axes]:
 
 
 def _mark(axes: Axes, point: Facts, gid: str) -> None:
-    shape, color = _MARKS[point["model"]]
+    kind = KINDS[point["model"]]
     front = point["pareto"]
     axes.plot(
-        [point["tick_ns_hot"]], [point["rmse_n"]], shape, gid=gid, zorder=4 if front else 3,
-        ms=_FRONT if front else _OFF, mfc=color if front else "none",
-        mec="black" if front else color, mew=1.4 if front else 1.0,
+        [point["tick_ns_hot"]], [point["rmse_n"]], kind.mark, gid=gid, zorder=4 if front else 3,
+        ms=_FRONT if front else _OFF, mfc=kind.colour if front else "none",
+        mec="black" if front else kind.colour, mew=1.4 if front else 1.0,
     )  # fmt: skip
 
 

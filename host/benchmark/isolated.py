@@ -5,7 +5,7 @@ from typing import Any
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Number, Runtime, Scene, Target

@@ -4,16 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 Facts = dict[str, Any]
-KINDS = {
-    "rf-fd": "the paper's: a forest on fractional derivatives",
-    "rbf-fd": "the paper's: radial basis functions on two fractional derivatives",
-    "rbf-pv": "the paper's baseline: radial basis functions on position and velocity",
-    "rf-history": "the negative control: a forest on past positions",
-    "boosted": "boosted trees on fractional derivatives",
-    "hammerstein": "springs, Maxwell branches and stops with non-negative weights",
-    "hybrid": "hammerstein, and a small forest on what it leaves over",
-    "springpot": "fractional Kelvin-Voigt: three numbers",
-}
 _WORDS = {
     "trees": "{} trees",
     "leaf": "{} in a leaf",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.model.ir import Model, RecursiveBank
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_bytes, model_hash
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.plan.units import state_bytes
@@ -23,13 +23,13 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import toolchain
 from springpot.host.native.trial_build import built
 from springpot.host.stability.small_signal import small_signal_map
-from springpot.host.validation.training import engine, window_s
+from springpot.trainer.kinds import Kind, register
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
     from springpot.trainer.models.training_set import TrainingSet
-    from springpot.trainer.selection.held_out import Split
+    from springpot.trainer.selection.cross_validation import Split
     from springpot.trainer.selection.sweep import Candidate
 
 NAME = "bench"
@@ -48,9 +48,10 @@ class Data:
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """What a worker needs for one point; `key` names its files."""
+    """What a worker needs for one point; `key` names its files. kind: may be a user's own."""
 
     key: str
+    kind: Kind
     candidate: "Candidate"
     data: Data
     target: Target
@@ -68,6 +69,7 @@ class Point:
 def measure_point(job: Job) -> Point:
     """Fit, cross-validate, build and measure. A refusal is a fact of the point, not an error."""
     candidate = job.candidate
+    register(job.kind)
     stated = {"key": job.key, "model": candidate.kind, "options": candidate.named_options()}
     begin, cpu = time.perf_counter(), cpu_s()
     try:
@@ -94,24 +96,19 @@ def bench_scene(number: Number, target: Target = "host") -> Scene:
     )
 
 
-def any_rate(model: Model) -> bool:
-    """Whether the model's features are the true ones at any sampling rate."""
-    return model.features is None or isinstance(model.features, RecursiveBank)
-
-
 def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
     from springpot.trainer.kinds import fit_kind
-    from springpot.trainer.selection.held_out import cross_validated_rmse_n
+    from springpot.trainer.selection.cross_validation import cross_validated_rmse_n
 
     candidate, options = job.candidate, job.candidate.options
     whole, folds = _prepared(job.data, options.smooth_s, options.seed)
     fit = fit_kind(candidate.kind, NAME, whole, options)
     facts = {
         "number": candidate.number,
-        "engine": engine(fit.model),
-        "window_s": window_s(fit.model),
-        "orders": list(getattr(fit.model.features, "orders", ())),
-        "any_rate": any_rate(fit.model),
+        "engine": fit.model.engine,
+        "window_s": fit.model.memory_s,
+        "orders": list(fit.model.orders),
+        "any_rate": fit.model.exact_at_any_rate,
         "rows": fit.rows,
         "feature_s": fit.feature_s,
         "fit_s": fit.fit_s,
@@ -126,9 +123,9 @@ def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
 def _prepared(data: Data, smooth_s: float, seed: int) -> tuple["TrainingSet", tuple["Split", ...]]:
     """All training recordings and their folds: a worker's points share them, and what is found."""
     from springpot.trainer.models.training_set import training_set
-    from springpot.trainer.selection.held_out import splits
+    from springpot.trainer.selection.cross_validation import recording_splits
 
-    return training_set(data.training, smooth_s), splits(data.training, smooth_s, seed)
+    return training_set(data.training, smooth_s), recording_splits(data.training, smooth_s, seed)
 
 
 def _measured(job: Job, model: Model) -> dict[str, Any]:

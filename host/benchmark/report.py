@@ -4,10 +4,11 @@ from pathlib import Path
 from typing import Any
 
 from springpot.host.benchmark import figures
-from springpot.host.benchmark.labels import KINDS, kilobytes, label, options_text
+from springpot.host.benchmark.labels import kilobytes, label, options_text
 from springpot.host.benchmark.store import read_result
 from springpot.host.page import page_text, plain
 from springpot.host.paper.claims import PAPER_MODELLING_S, PAPER_RATES_HZ
+from springpot.trainer.kinds import KINDS
 
 Facts = dict[str, Any]
 REPORT_NAME = "report.html"
@@ -28,7 +29,7 @@ def bench_page(result: Facts, folder: str) -> str:
     context = {
         "result": result,
         "folder": folder,
-        "kinds": KINDS,
+        "kinds": {name: kind.title for name, kind in KINDS.items()},
         "picks": picks,
         "summary": _summary(picks),
         "defaults": options_text(result["defaults"]),

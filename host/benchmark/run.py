@@ -28,6 +28,7 @@ from springpot.host.benchmark.store import Store, data_key, key_of, measured_by,
 from springpot.host.benchmark.work_precision import work_precision
 from springpot.host.console.output import progress_console
 from springpot.host.native.machine import cpu_s, machine_facts
+from springpot.trainer.kinds import KINDS
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 
@@ -123,7 +124,7 @@ def _sweep(bench: Bench, store: Store, measures: Facts) -> tuple[list[Facts], in
     keyed = {point_key(data.key, measures, candidate): candidate for candidate in candidates}
     known = {key: store.read("points", key) for key in keyed}
     missing = [key for key, facts in known.items() if facts is None]
-    jobs = [Job(key, keyed[key], data, bench.target) for key in missing]
+    jobs = [Job(key, KINDS[keyed[key].kind], keyed[key], data, bench.target) for key in missing]
     with _progress() as progress:
         task = progress.add_task("models", total=len(keyed), completed=len(keyed) - len(jobs))
         for point in in_parallel(measure_point, jobs, bench.dask):

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.coupling.gains import couple_config
-from springpot.codegen.model.ir import Features, FirBank, Forest, Model, TrainedRange
+from springpot.codegen.model.features import Features, FirBank
+from springpot.codegen.model.model import Model, TrainedRange
+from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.tick import Coupled
 from springpot.codegen.scene import Coupling, Guard, Scene

@@ -4,11 +4,11 @@ import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import MismatchError, SpringpotError
 from springpot.host.boards.boards import Board, emulator_of
 from springpot.host.boards.firmware import build_batch
@@ -17,7 +17,6 @@ IDLE, RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
 _SHIFT = 8  # an instruction takes 2^8 ns of the emulated time: several counts of every counter
 _OVERFLOWED = 0xFFFFFFFF  # OVERFLOWED of sp_batch.c
 _LONGEST_S = 600.0
-Reals = NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,11 +3,10 @@
 import contextlib
 import time
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.tick import LATCHED
@@ -22,7 +21,6 @@ _ANSWER_S = 1.0
 _POLL_S = 0.0001
 _TRIES = 5
 _NAMES = ("call", INPUT, "velocity_mps", "dt_s", "returned_n", "notes")
-Reals = NDArray[Any]
 Row = tuple[float, ...]
 
 

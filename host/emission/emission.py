@@ -11,7 +11,7 @@ from typing import Any
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import Plan, make_plan

@@ -5,9 +5,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.host.plot_style import ERROR, MEASURED, PREDICTED, STYLE, svg_text
 
-Samples = NDArray[np.float64]
 Dynamic = NDArray[np.complex128]
 _LABELS = {"pa": "shear modulus, Pa", "npm": "stiffness, N/m"}
 

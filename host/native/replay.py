@@ -9,12 +9,13 @@ from typing import Any
 import cffi
 import numpy as np
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.loop_library import INPUT
-from springpot.host.native.scene_library import Reals, SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import INCLUDE, PORT_TESTBENCH
 from springpot.trainer.recordings.recording import Recording
 

@@ -6,13 +6,11 @@ from typing import Any
 
 import cffi
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.glue import ABI_VERSION, declarations
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.native.compiler import CompilerError, shared_library
-
-Reals = NDArray[Any]
 
 
 def scene_prefix(folder: Path) -> str:

@@ -7,13 +7,14 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling, Scene
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
 from springpot.host.recording.session import open_device
 from springpot.host.validation.validation import Validation, validate
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit

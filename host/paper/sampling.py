@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.host.metrics import rms
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.paper.reproduce import Modelled, plain_scene
 from springpot.trainer.features.fractional import fir_derivatives, gl_taps
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.recording import Recording
 
 TAPS = 171
 STEP_S = 1e-3

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.reference.tick import LATCHED
 from springpot.host.console.keys import reading_keys
@@ -19,8 +19,6 @@ from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import Progress, Running
 from springpot.host.session.step_functions import Engine
-
-Samples = NDArray[np.float64]
 
 _WATCHDOG_S = 0.02
 _HEADROOM = 1.2  # of the motor over the command, for the controller

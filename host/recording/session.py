@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.url import parse_device
 from springpot.host.recording.indentation import Limits, PressedDevice
@@ -16,8 +16,6 @@ from springpot.host.simulation.bench import SimulatedBench, parse_url
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.journal_reader import journal_of
 from springpot.trainer.recordings.recording import SUFFIX, Recording
-
-Samples = NDArray[np.float64]
 
 
 class ForceControlled(Protocol):

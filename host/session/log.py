@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, Rows
 from springpot.trainer.recordings.journal import JournalWriter
-from springpot.trainer.recordings.recording import Samples, Zero
+from springpot.trainer.recordings.recording import Zero
 
 _KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
 CHANNELS = (INPUT, *_KEPT)

@@ -8,14 +8,12 @@ from urllib.parse import parse_qsl, urlsplit
 
 import cffi
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c import paths
-
-Samples = NDArray[np.float64]
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
 HANDS: tuple[HandName, ...] = ("mid", "firm", "light")

@@ -8,6 +8,7 @@ import cffi
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.errors import SpringpotError
 from springpot.host.native.compiler import shared_library
@@ -15,7 +16,6 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.bench import HANDS
 from springpot.runtime_c.paths import INCLUDE, PORT_TESTBENCH, SIM
 
-Samples = NDArray[np.float64]
 SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
 

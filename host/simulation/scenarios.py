@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, Hand
 from springpot.codegen.plan.plan import Plan
-from springpot.host.simulation.hand_loop import Samples, Script
+from springpot.host.simulation.hand_loop import Script
 
 FREE_M = 0.002  # start in free air, this far from the surface
 HOLDS = (0.2, 0.5, 0.8)  # of the trained depth

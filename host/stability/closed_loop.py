@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HANDS, Hand
-from springpot.codegen.model.scaled import stiffer
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.simulation.hand_loop import Grip, HandLoop, Samples, Trace
+from springpot.host.simulation.hand_loop import Grip, HandLoop, Trace
 from springpot.host.simulation.scenarios import Case, Stage, cases, hold_case
 
 HIGH_PASS_HZ = 15.0
@@ -72,7 +72,7 @@ def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
 def stiff_plan(plan: Plan) -> Plan:
     """The same model ten times stiffer, with the coupling that auto picks for it."""
     scene = replace(plan.scene, coupling=replace(plan.scene.coupling, mode="auto"))
-    return make_plan(stiffer(plan.model, STIFFER), scene)
+    return make_plan(plan.model.stiffened(STIFFER), scene)
 
 
 def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:

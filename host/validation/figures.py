@@ -5,13 +5,11 @@ from collections.abc import Sequence
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
 from springpot.host.plot_style import ERROR, MEASURED, MUTED, PREDICTED, STYLE, stride, svg_text
 from springpot.host.validation.store import Series
-
-Samples = NDArray[np.float64]
 
 
 def typical(series: Sequence[Series]) -> Series:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.codegen.model.ir import FastFirBank, FirBank, Lags, Model, RecursiveBank
+from springpot.codegen.model.model import Model
 from springpot.host.metrics import Accuracy, accuracy
 from springpot.trainer.models.compatibility import refuse_other_frame
 from springpot.trainer.recordings.recording import Recording
@@ -23,9 +23,9 @@ def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
         "feature_s": fit.feature_s,
         "fit_s": fit.fit_s,
         "search_s": fit.search_s,
-        "orders": list(getattr(model.features, "orders", ())),
-        "window_s": window_s(model),
-        "engine": engine(model),
+        "orders": list(model.orders),
+        "window_s": model.memory_s,
+        "engine": model.engine,
         **fit.facts,
     }
 
@@ -44,12 +44,12 @@ def training_rows(
         f"search {fit.search_s:.2f} s",
         "hash": result["hash"],
     }
-    if "trimmed" in result:
-        asked, trimmed = result["asked"], result["trimmed"]
-        rows["trimmed"] = (
-            f"{trimmed['trees']} trees, {trimmed['leaf']} in a leaf, {len(trimmed['orders'])} "
-            f"orders: {trimmed['rmse_n']:.4g} N for {asked['rmse_n']:.4g} N, "
-            f"{trimmed['nodes']} nodes for {asked['nodes']}"
+    if "reduced" in result:
+        asked, reduced = result["asked"], result["reduced"]
+        rows["reduced"] = (
+            f"{reduced['trees']} trees, {reduced['leaf']} in a leaf, {len(reduced['orders'])} "
+            f"orders: {reduced['rmse_n']:.4g} N for {asked['rmse_n']:.4g} N, "
+            f"{reduced['nodes']} nodes for {asked['nodes']}"
         )
     for score in result.get("scores", ()):
         mark = " <- chosen" if score["name"] == result["chosen"] else ""
@@ -65,31 +65,6 @@ def training_rows(
             f"{tested} validation recordings"
         )
     return rows
-
-
-def engine(model: Model) -> str:
-    """How the model's history is filtered; "recursive" by poles, "fir" by stored samples."""
-    if isinstance(model.features, FastFirBank):
-        return "fir-fast"
-    by_poles = isinstance(model.features, RecursiveBank) or model.features is None
-    return "recursive" if by_poles else "fir"
-
-
-def window_s(model: Model) -> float:
-    """How far back the model remembers, s."""
-    features, passive = model.features, model.hammerstein
-    remembered = [0.0]
-    if isinstance(features, FirBank):
-        remembered.append(len(features.taps) * model.dt_s)
-    elif isinstance(features, FastFirBank):
-        remembered.append(features.length * model.dt_s)
-    elif isinstance(features, RecursiveBank):
-        remembered.append(float(features.tau_s.max()))
-    elif isinstance(features, Lags):
-        remembered.append(max(features.samples) * model.dt_s)
-    if passive is not None and model.hammerstein_adds and len(passive.tau_s):
-        remembered.append(float(passive.tau_s.max()))
-    return max(remembered)
 
 
 def validated(model: Model, recordings: list[Recording], smooth_s: float) -> Accuracy:

@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.peer import peer
 from support.small import DEPTH_M, model_file, scene, small_model
 
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.host.console.output import say
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay

@@ -18,7 +18,7 @@ import numpy as np
 from tick_peers import peer_rows
 from tick_rows import HERE, Row, Stepper, literal_row, scene_rows
 
-from springpot.codegen.model.ir import FirBank
+from springpot.codegen.model.features import FirBank
 from springpot.codegen.scene import Coupling, Smoothing
 from springpot.host.native.compiler import compiler_version, find_compiler
 from springpot.host.paper.reproduce import Work, simulated

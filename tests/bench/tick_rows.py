@@ -11,7 +11,8 @@ from typing import Any
 import cffi
 import numpy as np
 
-from springpot.codegen.model.ir import FirBank, Model
+from springpot.codegen.model.features import FirBank
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling, Guard, Scene, Smoothing
 from springpot.host.emission.emission import emit

@@ -15,7 +15,7 @@ from sklearn.ensemble import (
     RandomForestRegressor,
 )
 
-from springpot.codegen.model.ir import Forest
+from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Scene
 from springpot.host.native.replay import Replay

@@ -16,9 +16,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import DT_S, press, scene, soft_force, training, wandering
 
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Guard, Scene
 from springpot.host.boards.boards import BOARDS, emulator_of, missing
 from springpot.host.boards.firmware import build_firmware
@@ -26,6 +25,7 @@ from springpot.host.devices.wire import Receiver
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording
+from support.small import DT_S, press, scene, soft_force, training, wandering
 
 TICKS = 10_000
 

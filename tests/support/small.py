@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
 from springpot.trainer.features.fractional import fir_derivatives, gl_taps

@@ -3,7 +3,9 @@
 import numpy as np
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.model.ir import FirBank, Forest, Model, TrainedRange
+from springpot.codegen.model.features import FirBank
+from springpot.codegen.model.model import Model, TrainedRange
+from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Guard, Scene
 from support.paths import TESTS

@@ -89,7 +89,7 @@ def test_what_is_no_recording_is_refused() -> None:
         small().fit(X[0], Y[0])
     with pytest.raises(DataError, match="11 position and 12 force"):
         small().fit(X[1:], Y)
-    with pytest.raises(UsageError, match="kind 'forest': use one of rf-fd"):
+    with pytest.raises(UsageError, match="kind 'forest': use one of auto, rf-fd"):
         small("forest").fit(X, Y)
     with pytest.raises(SpringpotError, match="recording 0"):
         small().fit([X[0][:-1]], [Y[0]])

@@ -1,12 +1,11 @@
 """Fractional derivatives by sums of exponentials: true to the derivative at any rate."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from springpot.codegen.model.ir import RecursiveBank
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.features import RecursiveBank
 
-Samples = NDArray[np.float64]
 POLES_PER_DECADE = 2.5
 _FASTEST_STEPS = 0.25  # shortest time constant
 _BEYOND = 3.0  # longest time constant, of the memory asked for: the kernel's tail needs it

@@ -1,11 +1,10 @@
 """Engine `fir-fast`: a window of taps imitated by direct taps and truncated exponentials."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.model.ir import FastFirBank, FirBank
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.features import FastFirBank, FirBank
 
-Samples = NDArray[np.float64]
 DIRECT = 4
 POLES = 8
 _FASTEST_TICKS = (1.0, 1.5, 2.0, 3.0, 4.0)

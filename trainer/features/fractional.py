@@ -3,9 +3,8 @@
 from math import gamma
 
 import numpy as np
-from numpy.typing import NDArray
 
-Samples = NDArray[np.float64]
+from springpot.codegen.arrays import Samples
 
 
 def gl_weights(order: float, length: int) -> Samples:

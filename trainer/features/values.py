@@ -1,11 +1,13 @@
 """Values of a model's features along a recording, in float64, only at the rows that are used."""
 
+from functools import singledispatch
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from springpot.codegen.model.ir import (
+from springpot.codegen.arrays import Rows, Samples
+from springpot.codegen.model.features import (
     FastFirBank,
     Features,
     FirBank,
@@ -17,27 +19,30 @@ from springpot.codegen.stages.position_velocity import foaw_of
 from springpot.codegen.stages.recursive import loss_and_gain
 from springpot.trainer.features.fast_fir import equivalent_taps
 
-Samples = NDArray[np.float64]
-Rows = NDArray[np.intp]
 _CHUNK = 8192  # rows whose windows are gathered at once
 
 
+@singledispatch
 def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
-    """Features at `rows` of one recording, shape (rows, features).
+    """Features at `rows` of one recording, shape (rows, features), in float64.
 
-    Before its first sample the object has rested at that sample.
+    depth_m: (n,). Before its first sample the object has rested at that sample. Each kind of
+    features registers its own; raises TypeError for one that did not.
     """
-    if isinstance(features, FirBank):
-        return _fir(features.taps, depth_m, rows)
-    if isinstance(features, FastFirBank):
-        return _fir(equivalent_taps(features), depth_m, rows)
-    if isinstance(features, RecursiveBank):
-        return recursive_values(features, depth_m, dt_s, rows)
-    if isinstance(features, Lags):
-        return _lags(features, depth_m, rows)
-    return _position_velocity(features, depth_m, dt_s, rows)
+    raise TypeError(f"{type(features).__name__} has no values: register them with feature_values")
 
 
+@feature_values.register
+def _fir_values(bank: FirBank, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+    return _windowed(bank.taps, depth_m, rows)
+
+
+@feature_values.register
+def _fast_fir_values(bank: FastFirBank, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+    return _windowed(equivalent_taps(bank), depth_m, rows)
+
+
+@feature_values.register
 def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
     """Weighted states of the poles."""
     values = np.zeros((len(rows), len(bank.orders)))
@@ -54,7 +59,7 @@ def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
     return filtered
 
 
-def _fir(taps: Samples, depth_m: Samples, rows: Rows) -> Samples:
+def _windowed(taps: Samples, depth_m: Samples, rows: Rows) -> Samples:
     held = np.concatenate([np.full(len(taps) - 1, depth_m[0]), depth_m])
     windows = sliding_window_view(held, len(taps))
     newest_last = taps[::-1]
@@ -64,14 +69,16 @@ def _fir(taps: Samples, depth_m: Samples, rows: Rows) -> Samples:
     return np.concatenate(parts) if parts else np.empty((0, taps.shape[1]))
 
 
-def _lags(lags: Lags, depth_m: Samples, rows: Rows) -> Samples:
+@feature_values.register
+def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
     past = [depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples]
     if lags.difference:
         past = [past[0], *(past[0] - values for values in past[1:])]
     return np.stack(past, axis=1)
 
 
-def _position_velocity(
+@feature_values.register
+def _position_velocity_values(
     features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Rows
 ) -> Samples:
     per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))

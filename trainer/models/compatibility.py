@@ -1,7 +1,7 @@
 """Whether a recording and a model mean the same by a position and a tick."""
 
 from springpot.codegen.errors import DataError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.trainer.recordings.recording import Recording
 
 

@@ -5,7 +5,9 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import Any, Literal
 
-from springpot.codegen.model.ir import Features, Hammerstein, Model, Regressor
+from springpot.codegen.model.features import Features
+from springpot.codegen.model.model import Hammerstein, Model
+from springpot.codegen.model.regressors import Regressor
 from springpot.trainer.models.passive_terms import POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.paper import PAPER_SMOOTH_S

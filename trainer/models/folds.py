@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from sklearn.cluster import KMeans
 
+from springpot.codegen.arrays import Rows
 from springpot.trainer.models.training_set import TrainingSet
 
 N_FOLDS = 5
@@ -14,31 +14,36 @@ _CONDITIONS = 5
 
 @dataclass(frozen=True, eq=False)
 class Folds:
-    """A fold number for each row; folds in `tested` are held out in turn."""
+    """A fold number for each row, shape (rows,); folds in `tested` are held out in turn."""
 
-    number: NDArray[np.intp]
+    number: Rows
     tested: tuple[int, ...]
 
 
-def recording_folds(data: TrainingSet, rows: NDArray[np.intp], seed: int) -> Folds:
+def recording_numbers(n: int, folds: int, seed: int) -> Rows:
+    """A fold for each of n recordings, shape (n,)."""
+    return np.random.default_rng(seed).permutation(n) % folds
+
+
+def recording_folds(data: TrainingSet, rows: Rows, seed: int) -> Folds:
     """Five folds of whole recordings; of one recording, five contiguous blocks."""
     n = len(data.recordings)
     if n == 1:
         number = rows * N_FOLDS // data.rows_total
         return Folds(number, tuple(range(N_FOLDS)))
-    fold = np.random.default_rng(seed).permutation(n) % min(N_FOLDS, n)
-    return Folds(fold[data.owner(rows)], tuple(range(min(N_FOLDS, n))))
+    count = min(N_FOLDS, n)
+    return Folds(recording_numbers(n, count, seed)[data.owner(rows)], tuple(range(count)))
 
 
-def condition_folds(data: TrainingSet, rows: NDArray[np.intp], seed: int) -> Folds | None:
-    """Recordings clustered on range and speed; the one with the greatest force is never held out.
+def condition_numbers(data: TrainingSet, seed: int) -> tuple[Rows, tuple[int, ...]]:
+    """Recordings clustered on range and speed: each one's cluster, shape (n,), and those to test.
 
-    Holding that one out measures extrapolation only. None where there are fewer than three
-    recordings.
+    The cluster with the greatest force is never held out: that measures extrapolation only. None
+    is where there are fewer than three recordings.
     """
     n = len(data.recordings)
     if n < 3:
-        return None
+        return np.zeros(n, dtype=np.intp), ()
     facts = np.array(
         [
             (np.ptp(depth), np.percentile(np.abs(np.diff(depth)), 95) / data.dt_s)
@@ -52,9 +57,15 @@ def condition_folds(data: TrainingSet, rows: NDArray[np.intp], seed: int) -> Fol
     fold = KMeans(clusters, n_init=10, random_state=seed).fit_predict(points)
     strongest = fold[int(np.argmax([rec.force_n.max() for rec in data.recordings]))]
     tested = tuple(int(number) for number in np.unique(fold) if number != strongest)
-    return Folds(fold[data.owner(rows)].astype(np.intp), tested) if tested else None
+    return fold.astype(np.intp), tested
+
+
+def condition_folds(data: TrainingSet, rows: Rows, seed: int) -> Folds | None:
+    """The same for rows; None where no cluster can be held out."""
+    number, tested = condition_numbers(data, seed)
+    return Folds(number[data.owner(rows)], tested) if tested else None
 
 
 def geometric_mean(errors: list[float]) -> float:
-    """Mean that one fold of extrapolation does not decide alone."""
+    """Mean that one fold of extrapolation does not decide by itself."""
     return float(np.exp(np.mean(np.log(np.maximum(errors, 1e-12)))))

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import Forest
+from springpot.codegen.model.regressors import Forest
 from springpot.trainer.models.tree_ir import boosted_ir, forest_ir
 
-Samples = NDArray[np.float64]
 # The paper gives neither. With a third of the features at a split, leaves follow features that lag
 # behind the force, and the forest gave energy back in up to 15 of 30 small-signal cells; with all
 # of them in none. Few rows a tree make up for the time and halve the nodes
@@ -53,7 +53,7 @@ def fit_forest(
     return unscaled(forest_ir(regressor), scale), regressor.feature_importances_
 
 
-def fit_boosted(
+def boosted_forest(
     features: Samples, force_n: Samples, scale: float, trees: int, seed: int, monotone: bool
 ) -> Forest:
     """Gradient-boosted trees of depth 4; monotone: force never falls as a derivative rises.

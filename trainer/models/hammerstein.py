@@ -5,9 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from springpot.codegen.model.ir import Basis, Features, Hammerstein, Lags
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.features import Features, Lags
+from springpot.codegen.model.model import Basis, Hammerstein
 from springpot.trainer.features.exponentials import recursive_bank
-from springpot.trainer.features.values import Samples
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import Folds, recording_folds
 from springpot.trainer.models.forests import depth_scale, fit_forest
@@ -22,6 +23,7 @@ from springpot.trainer.models.passive_terms import (
 )
 from springpot.trainer.models.rf_fd import PAPER_ORDERS
 from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.recording import Recording
 
 SPARSE_LOSS = 0.005
 BASES: tuple[Basis, ...] = ("powers", "ramps")
@@ -46,32 +48,28 @@ def choices(data: TrainingSet) -> tuple[Choice, ...]:
     return tuple((kind, bias) for kind in BASES for bias in biases)
 
 
-def fit_passive(
-    data: TrainingSet, options: FitOptions, among: Sequence[Choice] = ()
-) -> tuple[Hammerstein, int, float]:
-    """Fit `among` (by default all choices); keep the one of least cross-validated error.
+def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
+    """Fit every choice; keep the one of least cross-validated error.
 
     Returns the model, the rows used, and its cross-validated RMSE, N.
     """
-    return _timed_passive(data, options, tuple(among or choices(data)))[0]
+    return _timed_passive(data, options)[0]
 
 
 def _timed_passive(
-    data: TrainingSet, options: FitOptions, among: tuple[Choice, ...]
+    data: TrainingSet, options: FitOptions
 ) -> tuple[tuple[Hammerstein, int, float], float]:
     """The same and its seconds; once for the options that decide it."""
-    key = ("passive", options.fraction, options.seed, options.poles, among)
-    return data.once(key, lambda: _fit_passive(data, options, among))
+    key = ("passive", options.fraction, options.seed, options.poles)
+    return data.once(key, lambda: _fit_passive(data, options))
 
 
-def _fit_passive(
-    data: TrainingSet, options: FitOptions, among: tuple[Choice, ...]
-) -> tuple[Hammerstein, int, float]:
+def _fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
     force_n = data.force_n(rows)
     folds = recording_folds(data, rows, options.seed)
     best: tuple[float, Terms, Normal] | None = None
-    for kind, bias in among:
+    for kind, bias in choices(data):
         terms = standard_terms(data, kind, bias, options.poles)
         parts = _fold_equations(term_columns(terms, data, rows), force_n, folds)
         error = _cross_validated(parts, folds)
@@ -83,10 +81,10 @@ def _fit_passive(
 
 
 def fit_hammerstein(
-    name: str, data: TrainingSet, options: FitOptions, among: Sequence[Choice] = ()
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Kind `hammerstein`: 15 to 100 numbers, passive in the large."""
-    fitted, fit_s = _timed_passive(data, options, tuple(among or choices(data)))
+    fitted, fit_s = _timed_passive(data, options)
     passive, rows, error = fitted
     facts = {"n_parameters": parameter_count(passive), "cv_rmse_n": error, "basis": passive.basis}
     model = assemble("hammerstein", name, data, options, rows, (None, None), passive, True, facts)
@@ -106,16 +104,16 @@ def derivative_features(data: TrainingSet) -> Features:
 
 
 def fit_hybrid(
-    name: str,
-    data: TrainingSet,
-    options: FitOptions,
-    features: Features | None = None,
-    among: Sequence[Choice] = (),
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Kind `hybrid`: a small forest on the residual of `hammerstein`."""
-    (passive, _, _), passive_s = _timed_passive(data, options, tuple(among or choices(data)))
+    """Kind `hybrid`: a small forest on the residual of `hammerstein`.
+
+    On the depth's changes over lags; with options.engine "recursive" on fractional derivatives.
+    """
+    (passive, _, _), passive_s = _timed_passive(data, options)
     begin = time.perf_counter()
-    features = lag_features(data) if features is None else features
+    by_derivatives = options.engine == "recursive"
+    features = derivative_features(data) if by_derivatives else lag_features(data)
     rows = data.rows(options.fraction, options.seed)
     feature_begin = time.perf_counter()
     values = data.features(features, rows)

@@ -6,10 +6,10 @@ from math import gamma, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 
-Samples = NDArray[np.float64]
 _NODES = 40  # of the layer's integral equation
 _POISSON = 0.5  # rubbers keep their volume
 _KAPPA = 3.0 - 4.0 * _POISSON

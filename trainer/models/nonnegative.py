@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-Samples = NDArray[np.float64]
+from springpot.codegen.arrays import Samples
+
 _TRIED = 5  # terms of least contribution tried for removal at each step
 _RIDGE = 1e-10  # of the mean diagonal: keeps the factor of nearly equal columns real
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.model.ir import Basis, Hammerstein
+from springpot.codegen.arrays import Rows, Samples
+from springpot.codegen.model.model import Basis, Hammerstein
 from springpot.codegen.stages.hammerstein import BASIS_SIZE, basis
-from springpot.trainer.features.values import Rows, Samples, highpass
+from springpot.trainer.features.values import highpass
 from springpot.trainer.models.training_set import TrainingSet
 
 POLES = 12

@@ -1,15 +1,18 @@
 """A model's own prediction on recordings: no guard, contact, coupling or limits."""
 
 from collections.abc import Sequence
+from functools import singledispatch
 
 import numpy as np
 
+from springpot.codegen.arrays import Rows, Samples
 from springpot.codegen.forest.leaves import used_features
 from springpot.codegen.forest.quantisation import rounded
 from springpot.codegen.forest.traverse import forest_force, table_sums
 from springpot.codegen.forest.wide import forest_table
-from springpot.codegen.model.ir import Forest, Model, Rbf
-from springpot.trainer.features.values import Rows, Samples, feature_values
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.regressors import Forest, Rbf, Regressor
+from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.passive_terms import hammerstein_force
 from springpot.trainer.models.radial import rbf_force
 from springpot.trainer.models.training_set import depth_m
@@ -35,14 +38,21 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Rows]]) -> Sa
     return force_n
 
 
-def regressor_force(regressor: Forest | Rbf, values: Samples) -> Samples:
-    """Force of features (n, features), N."""
-    if isinstance(regressor, Forest):
-        kept = used_features(regressor)
-        table = forest_table(regressor, np.float64)
-        features = values.astype(np.float32)
-        if regressor.rounding is not None:
-            features = rounded(regressor.rounding, features)
-        force_n: Samples = forest_force(table, table_sums(table, features[:, kept]))
-        return force_n
-    return rbf_force(regressor, values)
+@singledispatch
+def regressor_force(regressor: Regressor, values: Samples) -> Samples:
+    """Force of features (n, features), N, shape (n,). Each kind of regressor registers its own."""
+    raise TypeError(f"{type(regressor).__name__} has no force: register it with regressor_force")
+
+
+@regressor_force.register
+def _forest_force(forest: Forest, values: Samples) -> Samples:
+    features = values.astype(np.float32)
+    if forest.rounding is not None:
+        features = rounded(forest.rounding, features)
+    table = forest_table(forest, np.float64)
+    kept = used_features(forest)
+    force_n: Samples = forest_force(table, table_sums(table, features[:, kept]))
+    return force_n
+
+
+regressor_force.register(Rbf, rbf_force)

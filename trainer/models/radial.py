@@ -6,9 +6,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.model.ir import Rbf
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.regressors import Rbf
 
-Samples = NDArray[np.float64]
 MOST_CONDITION = 1e10
 _RIDGE = 1e-10
 _GREEDY_CANDIDATES = 500

@@ -2,14 +2,14 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import FirBank, FractionalBank, PositionVelocity
-from springpot.trainer.features.values import Samples, feature_values
+from springpot.codegen.model.features import FractionalBank, PositionVelocity
+from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import condition_folds, recording_folds
 from springpot.trainer.models.nonnegative import normal_equations
@@ -63,12 +63,14 @@ def fit_rbf_fd(
         "condition": condition,
         "pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()},
     }
-    parts = (_columns(bank, chosen), rbf)
+    parts = (bank.take(np.array(chosen)), rbf)
     model = assemble("rbf-fd", name, data, options, len(rows), parts, passive, False, facts)
     return Fit(model, len(rows), feature_s, fit_s, search_s, facts)
 
 
-def fit_rbf_pv(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+def fit_rbf_pv(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
     """Radial basis functions on position and velocity ([13])."""
     from springpot.trainer.models.hammerstein import fit_passive
 
@@ -160,10 +162,3 @@ def _paper_errors(
         predicted_n = kernel(scaling(tested[:, pair]), centers) @ weights
         errors[pair] = float(np.sqrt(np.mean(np.square(predicted_n - measured_n))))
     return errors
-
-
-def _columns(bank: FractionalBank, pair: Pair) -> FractionalBank:
-    orders = tuple(bank.orders[i] for i in pair)
-    if isinstance(bank, FirBank):
-        return replace(bank, orders=orders, taps=bank.taps[:, pair])
-    return replace(bank, orders=orders, weights=bank.weights[:, pair])

@@ -2,18 +2,21 @@
 
 import dataclasses
 import time
+from collections.abc import Sequence
 
 import numpy as np
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.quantisation import rounded, rounding_over
-from springpot.codegen.model.ir import Features, FirBank, Forest, FractionalBank, Lags
+from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
+from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features.exponentials import recursive_bank
 from springpot.trainer.features.fast_fir import fast_fir_bank
 from springpot.trainer.features.fractional import gl_taps
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
-from springpot.trainer.models.forests import depth_scale, fit_boosted, fit_forest
+from springpot.trainer.models.forests import boosted_forest, depth_scale, fit_forest
 from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.recording import Recording
 
 PAPER_ORDERS = tuple(round(0.05 * i, 2) for i in range(1, 11))
 PAPER_TAPS = 171
@@ -68,18 +71,22 @@ def history_features(dt_s: float, window_s: float | None) -> Lags:
 
 
 def fit_rf_fd(
-    name: str, data: TrainingSet, options: FitOptions, features: Features | None = None
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """The paper's forest."""
-    return _fit("rf-fd", name, data, options, features or _asked_features(data, options))
+    return _fit("rf-fd", name, data, options, _asked_features(data, options))
 
 
-def fit_rf_history(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+def fit_rf_history(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
     """A forest on past positions: the negative control, known to act with negative damping."""
     return _fit("rf-history", name, data, options, history_features(data.dt_s, options.window_s))
 
 
-def fit_boosted_fd(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+def fit_boosted(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
     """Gradient-boosted trees on fractional derivatives."""
     return _fit("boosted", name, data, options, _asked_features(data, options))
 
@@ -105,7 +112,9 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features:
     forest: Forest
     importance: list[float] = []
     if kind == "boosted":
-        forest = fit_boosted(values, force_n, scale, options.trees, options.seed, options.monotone)
+        forest = boosted_forest(
+            values, force_n, scale, options.trees, options.seed, options.monotone
+        )
     else:
         forest, shares = fit_forest(
             values, force_n, scale, options.trees, options.leaf, options.seed

@@ -4,18 +4,20 @@ force = stiffness x + coefficient D^order x. The derivative remembers the longes
 """
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar, nnls
 
-from springpot.codegen.model.ir import Hammerstein
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.model import Hammerstein
 from springpot.trainer.features.exponentials import recursive_bank
 from springpot.trainer.features.fractional import caputo_derivative
-from springpot.trainer.features.values import Samples
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.recording import Recording
 
 _ORDERS = (0.02, 0.98)
 _GROUPS = 10
@@ -31,7 +33,9 @@ class Solid:
     order: float
 
 
-def fit_springpot(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+def fit_springpot(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
     """Least squares on the three numbers; intervals by leaving out tenths of the rows in turn."""
     begin = time.perf_counter()
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)

@@ -9,11 +9,13 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.ir import Contact, Features, TrainedRange
+from springpot.codegen.model.features import Features
+from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.rows import MOST_ROWS, choose_rows
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
 
 _STEP_TOLERANCE = 1e-3

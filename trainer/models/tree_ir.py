@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import Forest
+from springpot.codegen.model.regressors import Forest
 
 
 def forest_ir(regressor: Any) -> Forest:

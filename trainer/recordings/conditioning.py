@@ -8,9 +8,10 @@ from typing import Any, Literal
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.recording import Recording
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _LEAST_WINDOW = 7

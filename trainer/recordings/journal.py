@@ -17,6 +17,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.trainer.recordings.journal_blocks import (
     FACTS,
@@ -28,7 +29,7 @@ from springpot.trainer.recordings.journal_blocks import (
 )
 from springpot.trainer.recordings.journal_reader import journal_of, read_journal
 from springpot.trainer.recordings.notices import notice
-from springpot.trainer.recordings.recording import Samples, Zero
+from springpot.trainer.recordings.recording import Zero
 from springpot.trainer.recordings.recording_file import store_recording, sync_folder
 
 _MOST_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.journal_blocks import (
     BLOCK_BYTES,
@@ -18,7 +19,7 @@ from springpot.trainer.recordings.journal_blocks import (
     Block,
     decode,
 )
-from springpot.trainer.recordings.recording import SUFFIX, Recording, Samples
+from springpot.trainer.recordings.recording import SUFFIX, Recording
 
 JOURNAL_SUFFIX = ".journal"
 MOST_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut

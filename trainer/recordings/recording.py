@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 
-Samples = NDArray[np.float64]
 Zero = Literal["none", "first", "min"]
 
 SUFFIX = ".h5"

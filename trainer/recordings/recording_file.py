@@ -11,6 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
@@ -19,7 +20,7 @@ from springpot.trainer.recordings.journal_reader import (
     read_journal,
 )
 from springpot.trainer.recordings.notices import notice
-from springpot.trainer.recordings.recording import SIGN_RULE, SUFFIX, Recording, Samples
+from springpot.trainer.recordings.recording import SIGN_RULE, SUFFIX, Recording
 
 SCHEMA = 1
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a

@@ -4,6 +4,7 @@ What costs no error is taken first: features in 16-bit steps, which need no thre
 window by exponentials. Then larger leaves, fewer trees and fewer orders are tried.
 """
 
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -11,16 +12,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.quantisation import rounded, rounding_over
-from springpot.trainer.features.values import Samples, feature_values
-from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.features.values import feature_values
+from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.folds import recording_folds
 from springpot.trainer.models.forests import random_forest
 from springpot.trainer.models.rf_fd import (
     MOST_TAPS,
     PAPER_ORDERS,
     PAPER_TAPS,
+    fit_rf_fd,
     fractional_features,
     window_samples,
 )
@@ -35,7 +38,7 @@ _FOLDS = 3
 
 
 @dataclass(frozen=True)
-class Trim:
+class Size:
     """One size: its held-out error, and its nodes as the mean over the folds."""
 
     trees: int
@@ -49,17 +52,28 @@ class Trim:
 class Search:
     """asked: the size that was asked for; tried: all; options: of the smallest within the loss."""
 
-    asked: Trim
-    chosen: Trim
-    tried: tuple[Trim, ...]
+    asked: Size
+    chosen: Size
+    tried: tuple[Size, ...]
     options: FitOptions
 
     def facts(self) -> dict[str, Any]:
         """What was asked for and what came out, for the command line."""
-        return {"asked": asdict(self.asked), "trimmed": asdict(self.chosen)}
+        return {"asked": asdict(self.asked), "reduced": asdict(self.chosen)}
 
 
-def trimmed_options(
+def fit_reduced(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording]
+) -> Fit:
+    """The smallest forest within `options.within` of the error of the one asked for."""
+    begin = time.perf_counter()
+    search = reduced_options(data, options, options.within or 0.0, validation)
+    search_s = time.perf_counter() - begin
+    fit = fit_rf_fd(name, data, search.options)
+    return replace(fit, search_s=search_s, facts={**fit.facts, **search.facts()})
+
+
+def reduced_options(
     data: TrainingSet, options: FitOptions, loss: float, validation: Sequence[Recording]
 ) -> Search:
     """Search by cross-validation over recordings; with options.select "paper", on `validation`.
@@ -72,11 +86,11 @@ def trimmed_options(
     if engine is None and _length(data, options) <= MOST_TAPS:
         engine = "fir-fast"
     options = replace(options, engine=engine, round_features=True)
-    judges = validation if options.select == "paper" else ()
+    evaluation = validation if options.select == "paper" else ()
     orders = options.orders or PAPER_ORDERS
-    tried = list(_sizes(data, options, orders, _LEAVES, judges))
+    tried = list(_sizes(data, options, orders, _LEAVES, evaluation))
     asked = next(
-        trim for trim in tried if trim.trees == options.trees and trim.leaf == options.leaf
+        size for size in tried if size.trees == options.trees and size.leaf == options.leaf
     )
     allowed_n = (1.0 + loss) * asked.rmse_n
     best = _smallest(tried, allowed_n)
@@ -84,15 +98,15 @@ def trimmed_options(
     for count in _ORDERS:
         if count < len(orders):
             fewer = tuple(sorted(ranked[:count]))
-            tried += _sizes(data, options, fewer, (best.leaf / options.leaf,), judges)
+            tried += _sizes(data, options, fewer, (best.leaf / options.leaf,), evaluation)
     best = _smallest(tried, allowed_n)
     chosen = replace(options, trees=best.trees, leaf=best.leaf, orders=best.orders)
     return Search(asked, best, tuple(tried), chosen)
 
 
-def _smallest(tried: Sequence[Trim], allowed_n: float) -> Trim:
+def _smallest(tried: Sequence[Size], allowed_n: float) -> Size:
     """Fewest nodes within the error; nodes are what a tick reads and what a table holds."""
-    return min((trim for trim in tried if trim.rmse_n <= allowed_n), key=lambda trim: trim.nodes)
+    return min((size for size in tried if size.rmse_n <= allowed_n), key=lambda size: size.nodes)
 
 
 def _length(data: TrainingSet, options: FitOptions) -> int:
@@ -102,7 +116,7 @@ def _length(data: TrainingSet, options: FitOptions) -> int:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """One fit and what it is judged on."""
+    """One fit and what it is evaluated on."""
 
     values: NDArray[np.float32]
     force_n: Samples
@@ -114,23 +128,23 @@ def _trials(
     data: TrainingSet,
     options: FitOptions,
     orders: tuple[float, ...],
-    judges: Sequence[Recording],
+    evaluation: Sequence[Recording],
 ) -> list[_Trial]:
-    """Folds of whole recordings; or all rows, judged on recordings of their own."""
+    """Folds of whole recordings; or all rows, evaluated on recordings of their own."""
     rows = data.rows(options.fraction, options.seed)
     rows = rows[:: -(-len(rows) // _ROWS)]
     bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     rounding = rounding_over(values)
     steps = rounded(rounding, values)
-    if judges:
+    if evaluation:
         tested = [
             feature_values(
                 bank, depth_m(item, data.contact), item.dt_s, np.arange(len(item.force_n))
             )
-            for item in judges
+            for item in evaluation
         ]
-        tested_n = np.concatenate([item.force_n for item in judges])
+        tested_n = np.concatenate([item.force_n for item in evaluation])
         return [_Trial(steps, force_n, rounded(rounding, np.concatenate(tested)), tested_n)]
     folds = recording_folds(data, rows, options.seed)
     held = [folds.number == fold for fold in folds.tested[:_FOLDS]]
@@ -142,10 +156,10 @@ def _sizes(
     options: FitOptions,
     orders: tuple[float, ...],
     leaves: Sequence[float],
-    judges: Sequence[Recording],
-) -> Iterator[Trim]:
+    evaluation: Sequence[Recording],
+) -> Iterator[Size]:
     """Error of every number of trees and size of leaf; one fit a leaf and trial."""
-    trials = _trials(data, options, orders, judges)
+    trials = _trials(data, options, orders, evaluation)
     counts = sorted({max(1, round(share * options.trees)) for share in _TREES})
     for times in leaves:
         leaf = max(1, round(options.leaf * times))
@@ -162,7 +176,7 @@ def _sizes(
                 nodes[i] += sizes[count - 1] / len(trials)
         errors_n = np.sqrt(squares / sum(len(trial.tested_n) for trial in trials))
         for count, error_n, size in zip(counts, errors_n, nodes, strict=True):
-            yield Trim(count, leaf, orders, float(error_n), round(size))
+            yield Size(count, leaf, orders, float(error_n), round(size))
 
 
 def _by_importance(

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 from springpot.codegen.scene import Number
+from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import PAPER_CENTERS, FitOptions
 from springpot.trainer.models.rf_fd import PAPER_TAPS
 
@@ -40,6 +41,8 @@ def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -
     The paper's three models are among them: rf-fd, rbf-fd and rbf-pv with nothing named.
     """
     found = [*_forests(dt_s, options), *_boosted(options), *_functions(options), *_passive(options)]
+    swept = {candidate.kind for candidate in found}
+    found += [Candidate(kind, options) for kind in KINDS if kind not in swept]
     return [candidate for candidate in found if not kinds or candidate.kind in kinds]
 
 

@@ -10,10 +10,10 @@ import click
 from springpot.codegen.scene import Target
 from springpot.host.benchmark.labels import label, point_line
 from springpot.host.benchmark.store import RESULT
-from springpot.host.commands.models.train import KINDS
 from springpot.host.console.options import SEED
 from springpot.host.console.output import json_option, print_result, say
 from springpot.host.console.quality import report_quality
+from springpot.trainer.kinds import KINDS
 from springpot.trainer.recordings.recording_file import read_recordings
 
 
@@ -24,7 +24,7 @@ from springpot.trainer.recordings.recording_file import read_recordings
 )  # fmt: skip
 @click.option(
     "--validate", "validation", multiple=True, type=click.Path(), metavar="REC",
-    help="Recording or folder to report on; default: a fifth of the others is set aside.",
+    help="Recording or folder to report on; default: a fifth of the others is kept for it.",
 )  # fmt: skip
 @click.option(
     "--target", type=click.Choice(["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
@@ -35,7 +35,7 @@ from springpot.trainer.recordings.recording_file import read_recordings
     help="Folder of the results; what is there is not computed again.",
 )  # fmt: skip
 @click.option(
-    "--model", "kinds", multiple=True, type=click.Choice([k for k in KINDS if k != "auto"]),
+    "--model", "kinds", multiple=True, type=click.Choice(list(KINDS)),
     help="Kind to sweep; may be repeated; default: all.",
 )  # fmt: skip
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to sweep on.")
@@ -53,15 +53,15 @@ def bench(
 ) -> None:
     """Measure every kind and size of model on your recordings; mark the front; pick."""
     from springpot.host.benchmark.run import Bench, run_bench
-    from springpot.trainer.selection.held_out import set_aside
+    from springpot.trainer.selection.cross_validation import holdout
 
     training = read_recordings(map(Path, recordings))
     report_quality(training)
     if validation:
         testing = read_recordings(map(Path, validation))
     else:
-        training, testing = set_aside(training, seed)
-        say(f"set aside for validation: {', '.join(item.name for item in testing)}")
+        training, testing = holdout(training, seed)
+        say(f"kept for validation: {', '.join(item.name for item in testing)}")
     asked = Bench(tuple(training), tuple(testing), target, seed, kinds, dask)
     result = run_bench(asked, out, shlex.join(["springpot", *sys.argv[1:]]))
     print_result(result, as_json, bench_rows(result, out))

@@ -17,14 +17,12 @@ from springpot.host.console.output import (
 )
 from springpot.host.console.quality import report_quality
 from springpot.host.validation.training import training_result, training_rows, validated
+from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.recordings.recording_file import read_recordings
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Engine
-
-KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybrid", "boosted",
-         "springpot")  # fmt: skip
 
 
 @click.command()
@@ -32,7 +30,7 @@ KINDS = ("auto", "rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybr
 @click.option(
     "--model",
     "kind",
-    type=click.Choice(KINDS),
+    type=click.Choice(kind_names()),
     required=True,
     help="Model kind; auto: the one of least cross-validated error.",
 )
@@ -121,8 +119,7 @@ def train(
     """Fit a model on RECORDINGS (files or folders)."""
     if out.suffix != SUFFIX:
         raise UsageError(f"--out {out}: model files end in {SUFFIX}: give a name like x{SUFFIX}")
-    from springpot.trainer.kinds import fit_model
-    from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
+        from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
 
     options = FitOptions(
         seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s, select=select,

@@ -9,15 +9,15 @@ import pytest
 from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 from support.paths import C_TESTS
 
-from springpot.codegen.configs import CompactForest, ForestTable
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest import compact as compact_layout
 from springpot.codegen.forest import wide as wide_layout
 from springpot.codegen.forest.compact import compact_forest
 from springpot.codegen.forest.leaves import largest_float32_below, used_features
 from springpot.codegen.forest.quantisation import rounded, rounding_over
+from springpot.codegen.forest.tables import CompactForest, ForestTable
 from springpot.codegen.forest.traverse import compact_sums, feature_ranks, forest_force, table_sums
-from springpot.codegen.model.ir import Forest, Rounding
+from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
@@ -103,7 +103,7 @@ def near_thresholds(forest: Forest, rng: np.random.Generator) -> np.ndarray:
     return features
 
 
-def assert_same_leaves(model, features: np.ndarray, rounding: Rounding | None = None) -> None:
+def assert_same_leaves(model, features: np.ndarray, rounding: Quantisation | None = None) -> None:
     """Every way of walking; rounded: the forest was fitted on whole steps."""
     forest = dataclasses.replace(forest_ir(model), rounding=rounding)
     marked = labelled(forest)
@@ -271,4 +271,4 @@ def test_the_stated_work_bounds_the_search_and_the_walk() -> None:
             left -= left - left // 2
             rounds += 1
     assert bound["thresholds"] == rounds
-    assert bound["nodes"] == 7 * (compact.longest_walk + 1)
+    assert bound["nodes"] == 7 * (int(compact.longest_walks.max()) + 1)

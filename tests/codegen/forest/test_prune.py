@@ -3,9 +3,8 @@
 import numpy as np
 from support.small import small_model, training
 
-from springpot.codegen.forest.prune import fewer_trees, larger_leaves, stepped
-from springpot.codegen.model.ir import Forest
-from springpot.codegen.plan.model_stages import feature_count
+from springpot.codegen.forest.prune import fewer_trees, larger_leaves, quantised
+from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.training_set import depth_m
@@ -25,18 +24,18 @@ def features() -> np.ndarray:
 
 def test_fewer_trees_are_the_mean_of_those_that_stay() -> None:
     values = features()
-    each = [regressor_force(fewer_trees(forest(), 1, True), values)]
+    each = [regressor_force(fewer_trees(forest(), 1), values)]
     for count in (2, 3, 5):
-        whole = regressor_force(fewer_trees(forest(), count, True), values)
-        before = regressor_force(fewer_trees(forest(), count - 1, True), values)
+        whole = regressor_force(fewer_trees(forest(), count), values)
+        before = regressor_force(fewer_trees(forest(), count - 1), values)
         each.append(count * whole - (count - 1) * before)
         assert np.all((each[-1] > -1e-3) & (each[-1] < 10.0))
     np.testing.assert_allclose(
-        regressor_force(fewer_trees(forest(), 5, True), values),
+        regressor_force(fewer_trees(forest(), 5), values),
         regressor_force(forest(), values),
         atol=1e-3,
     )
-    assert len(fewer_trees(forest(), 2, True).feature) < len(forest().feature)
+    assert len(fewer_trees(forest(), 2).feature) < len(forest().feature)
 
 
 def test_larger_leaves_are_the_mean_of_what_they_replace() -> None:
@@ -55,7 +54,7 @@ def test_larger_leaves_are_the_mean_of_what_they_replace() -> None:
 
 def test_stepped_thresholds_decide_nearly_alike() -> None:
     values = features()
-    steps = stepped(forest(), feature_count(small_model().features))
+    steps = quantised(forest(), small_model().features.n_features)
     assert steps.rounding is not None
     differs = regressor_force(steps, values) != regressor_force(forest(), values)
     assert (

@@ -9,7 +9,6 @@ import pytest
 from support.small import DT_S, model_file, press, scene, small_model, training, wandering
 
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
-from springpot.codegen.model.scaled import stiffer
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference import run as codegen_reference
 from springpot.codegen.reference.run import Run, run_reference
@@ -147,7 +146,7 @@ def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.Mon
     )
     model = fit_model("rf-fd", "slow", slow, FitOptions(trees=5, smooth_s=0.0)).model
     chosen = replace(scene(), coupling=Coupling("proxy", 1e5, 20.0))
-    plan = make_plan(stiffer(model, 1000.0), chosen, accept_unsafe=True)
+    plan = make_plan(model.stiffened(1000.0), chosen, accept_unsafe=True)
     position = golden_positions(plan)
     velocity = backward_velocity(position, plan.dt_s)
     lengths: list[int] = []

@@ -9,7 +9,7 @@ import pytest
 from support.small import DT_S, model_file, press, scene, training
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import FastFirBank, FirBank
+from springpot.codegen.model.features import FastFirBank, FirBank
 from springpot.codegen.stages.fast_fir import fast_fir_stage
 from springpot.codegen.stages.fir import fir_stage
 from springpot.host.emission.emission import emit

@@ -10,7 +10,7 @@ import pytest
 from support.paths import C_TESTS
 from support.small import DT_S, model_file, press, scene, training
 
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.stages.recursive import SLOW_TICKS
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import shared_library

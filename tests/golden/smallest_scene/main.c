@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b031b8cf2bf6dbfcdf99e87152a066ad39dde10b16de8fa9fe798385e83ff971 */
+/* springpot 0.1.0 0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

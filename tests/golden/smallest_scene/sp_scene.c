@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b031b8cf2bf6dbfcdf99e87152a066ad39dde10b16de8fa9fe798385e83ff971 */
+/* springpot 0.1.0 0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -124,5 +124,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"b031b8cf2bf6dbfcdf99e87152a066ad39dde10b16de8fa9fe798385e83ff971\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

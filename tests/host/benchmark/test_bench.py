@@ -20,7 +20,12 @@ from springpot.host.benchmark.store import Store, read_result
 from springpot.trainer.kinds import fit_kind, fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
-from springpot.trainer.selection.held_out import blocks, cross_validated_rmse_n, set_aside, splits
+from springpot.trainer.selection.cross_validation import (
+    blocks,
+    cross_validated_rmse_n,
+    holdout,
+    recording_splits,
+)
 from springpot.trainer.selection.sweep import default_sweep
 
 KEYS = {"model", "options", "rmse_n", "rmse_percent_of_peak", "tick_ns_hot", "tick_ns_p999",
@@ -160,7 +165,7 @@ def test_what_does_not_fit_and_why() -> None:
 
 def test_held_out_errors_are_of_recordings_never_seen() -> None:
     options = FitOptions()
-    folds = splits(training(), options.smooth_s, options.seed)
+    folds = recording_splits(training(), options.smooth_s, options.seed)
     for fold in folds:
         seen = {item.name for item in fold.data.recordings}
         assert seen.isdisjoint(item.name for item in fold.held)
@@ -168,11 +173,11 @@ def test_held_out_errors_are_of_recordings_never_seen() -> None:
     forest = cross_validated_rmse_n("rf-fd", folds, FitOptions(trees=20))
     assert 0.001 < cross_validated_rmse_n("hammerstein", folds, options) < forest
     assert len(blocks(training()[:1])) == 3
-    kept, aside = set_aside(training(), 0)
+    kept, aside = holdout(training(), 0)
     assert len(aside) == 2
     strongest = max(training(), key=lambda item: float(item.force_n.max()))
     assert strongest in kept
-    begin, end = set_aside(training()[:1], 0)
+    begin, end = holdout(training()[:1], 0)
     assert len(begin[0].force_n) + len(end[0].force_n) == len(training()[0].force_n)
 
 

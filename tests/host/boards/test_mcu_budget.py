@@ -15,7 +15,7 @@ from support.small import model_file, press, recording, training
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.tick import RESYNC
@@ -159,17 +159,17 @@ def emit_command(folder: Path, *options: object) -> subprocess.CompletedProcess[
                           text=True, check=False)  # fmt: skip
 
 
-def test_what_does_not_fit_is_refused_with_three_trims(too_big: Path) -> None:
+def test_what_does_not_fit_is_refused_with_three_reductions(too_big: Path) -> None:
     found = emit_command(too_big, "--recording", too_big / "val.h5")
     assert found.returncode == 4
     assert "the scene's budget is 24000" in found.stderr
     assert "the scene's budget is 6000" in found.stderr
-    trims = [line for line in found.stderr.splitlines() if line.startswith("would fit: ")]
-    assert len(trims) == 3
-    for trim in trims:
-        assert int(trim.split(" bytes of flash")[0].split()[-1]) <= 24000
-        assert int(trim.split(" instructions")[0].split()[-1]) <= 6000
-        assert float(trim.split("RMSE ")[1].split()[0]) > 0
+    reductions = [line for line in found.stderr.splitlines() if line.startswith("would fit: ")]
+    assert len(reductions) == 3
+    for reduction in reductions:
+        assert int(reduction.split(" bytes of flash")[0].split()[-1]) <= 24000
+        assert int(reduction.split(" instructions")[0].split()[-1]) <= 6000
+        assert float(reduction.split("RMSE ")[1].split()[0]) > 0
     assert not (too_big / "c").exists()
 
 
@@ -200,4 +200,4 @@ def test_fit_needs_recordings_and_a_model_that_can_shrink(too_big: Path) -> None
     scene.write_text(scene.read_text().replace("24000", "100"))
     hopeless = emit_command(too_big, "--fit", "--recording", too_big / "val.h5")
     assert hopeless.returncode == 4
-    assert "no trim of this model fits" in hopeless.stderr
+    assert "no reduction of this model fits" in hopeless.stderr

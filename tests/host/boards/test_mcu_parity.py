@@ -10,7 +10,7 @@ from support.small import model_file, training
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.host.boards import emulator

@@ -29,7 +29,7 @@ def tight(folder: Path) -> tuple[Scene, Path, int]:
 
 def test_what_is_fitted_keeps_to_the_budget(tmp_path: Path) -> None:
     chosen, model, flash_bytes = tight(tmp_path)
-    with pytest.raises(BudgetError, match=r"\d trims would fit: add --fit"):
+    with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
         emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
     fitted = emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=True)
     assert fitted.footprint is not None
@@ -43,14 +43,14 @@ def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
         emit_fitting(chosen, model, tmp_path / "c", False, [slow], fit=True)
 
 
-def test_what_was_accepted_for_the_model_is_accepted_for_its_trims(tmp_path: Path) -> None:
+def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(tmp_path: Path) -> None:
     chosen, model, _ = tight(tmp_path)
     unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
     fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [JUDGE], fit=True)
     assert fitted.manifest["accept_unsafe"] is True
 
 
-def test_without_a_compiler_no_trim_is_blamed(
+def test_without_a_compiler_no_reduction_is_blamed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = shutil.which
@@ -63,7 +63,7 @@ def test_without_a_compiler_no_trim_is_blamed(
     with pytest.raises(BudgetError) as refused:
         emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [JUDGE], fit=True)
     assert "no compiler for rv32imafc" in str(refused.value)
-    assert "no trim" not in str(refused.value)
+    assert "no reduction" not in str(refused.value)
 
 
 def test_a_budget_of_instructions_is_not_of_measured_steps(tmp_path: Path) -> None:

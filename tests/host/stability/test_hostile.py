@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, DT_S, press, scene, training
 
-from springpot.codegen.model.ir import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Coupling
@@ -137,12 +137,11 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     Over a press in and out to the greatest depth, at the greatest speed, that is at most
     2 x 1/2 K (v dt) x depth of energy, with K the stiffness felt; twice that with the sensors.
     """
-    from springpot.codegen.model.scaled import stiffer
 
     model = model_of("hammerstein")
     chosen = scene()
     if mode == "auto-stiff":
-        model = stiffer(model, 10.0)
+        model = model.stiffened(10.0)
         chosen = dataclasses.replace(chosen, coupling=Coupling())
     plan = make_plan(model, chosen)
     depth_m = float(plan.range.greatest_m)

@@ -12,8 +12,7 @@ from click.testing import CliRunner
 from support.small import DEPTH_M, model_file, press, scene, small_model
 
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.model.ir import Model
-from springpot.codegen.model.scaled import stiffer
+from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Device, Scene
 from springpot.host.cli import springpot
@@ -112,7 +111,7 @@ def test_a_map_knows_the_loss_of_a_pure_signal() -> None:
 def test_a_stiffer_model_is_the_model_at_another_scale() -> None:
     plan, hard = (
         make_plan(model, scene(number="float64"))
-        for model in (small_model(), stiffer(small_model(), 8.0))
+        for model in (small_model(), small_model().stiffened(8.0))
     )
     motion = press(2.0)
     with built(plan) as one, built(hard) as other:
@@ -122,7 +121,7 @@ def test_a_stiffer_model_is_the_model_at_another_scale() -> None:
 
 
 def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -> None:
-    hard = stiffer(small_model(), 16.0)
+    hard = small_model().stiffened(16.0)
     unsafe = dataclasses.replace(scene(), device=Device(delay_samples=1))
     file = model_file(tmp_path, hard)
     with pytest.raises(UnsafeError, match=r'coupling.mode = "proxy", stiffness_npm = \d+'):

@@ -9,7 +9,7 @@ import pytest
 from support.small import model_file, press, recording, scene, training, wandering
 
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_hash, read_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from support.small import model_file, press, small_model
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.host.commands.models.material import material, material_result
 from springpot.trainer.features.fractional import caputo_derivative, gl_weights

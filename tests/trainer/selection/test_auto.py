@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.small import DT_S, press, training
 
-from springpot.codegen.model.ir import Model
+from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import condition_folds, recording_folds

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.csv_layout import wanted_columns
 from springpot.trainer.recordings.formats.labels import guess_column, split_unit
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
-from springpot.trainer.recordings.recording import Samples
 
 HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 MAT_MAGIC = b"MATLAB 5.0 MAT-file"

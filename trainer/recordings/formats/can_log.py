@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.labels import guess_column
 from springpot.trainer.recordings.formats.sampling import GAP, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
-from springpot.trainer.recordings.recording import Samples
 
 BLF_MAGIC = b"LOGG"
 _CANDUMP = re.compile(

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
-from springpot.trainer.recordings.recording import Recording, Samples, Zero
+from springpot.trainer.recordings.recording import Recording, Zero
 
 MIN_ROWS = 3
 GAP = 1.5  # a step longer than this many usual steps is a gap

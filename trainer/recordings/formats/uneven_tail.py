@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.codegen.arrays import Samples
+from springpot.trainer.recordings.recording import Recording
 
 # So much of a file may be out of step if it is its end.
 _MOST_SHARE = 0.05

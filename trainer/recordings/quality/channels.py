@@ -5,8 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.recording import Recording
 
 _CLIPPED_RUN = 5  # samples in a row exactly at the extreme
 _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile

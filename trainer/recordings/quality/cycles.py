@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.codegen.arrays import Samples
+from springpot.trainer.recordings.recording import Recording
 
 _LEAST_SHARE = 0.5  # of the position's variance that one tone must explain
 _HARMONICS = 5

@@ -5,10 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.recording import Recording
 
 _WRONG_SIGN = -0.5
 _DOUBTFUL_SIGN = 0.0

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.quality.cycles import noise_floor_n
 from springpot.trainer.recordings.quality.finding import Finding, warning
-from springpot.trainer.recordings.recording import Recording, Samples
+from springpot.trainer.recordings.recording import Recording
 
 _SAME_POSITION = 0.02  # rms difference over the travel
 _DRIFT = 0.02  # of the peak force

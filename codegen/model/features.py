@@ -1,0 +1,184 @@
+"""Kinds of features along a depth: what each stores, and what others ask of it.
+
+A kind of one's own is a frozen dataclass of this base, with a stage that is registered with
+`feature_stage` (codegen/stages/stage.py) and float64 values registered with `feature_values`
+(trainer/features/values.py).
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Features(ABC):
+    """Features of the depth x(t), x in m, that a regressor maps to a force."""
+
+    engine: ClassVar[str] = "fir"  # how history is kept: samples ("fir") or poles ("recursive")
+    exact_at_any_rate: ClassVar[bool] = False
+
+    @property
+    @abstractmethod
+    def n_features(self) -> int:
+        """Number of features."""
+
+    @property
+    def fractional_orders(self) -> tuple[float, ...]:
+        """Order of each feature that is a fractional derivative."""
+        return ()
+
+    @property
+    def table_rows(self) -> int:
+        """Numbers that are stored for each feature."""
+        return 0
+
+    @abstractmethod
+    def memory_s(self, dt_s: float) -> float:
+        """How far back they remember, s."""
+
+    def settling_s(self, dt_s: float) -> float:
+        """After which what was before is forgotten to 2 %, s."""
+        return self.memory_s(dt_s)
+
+    @abstractmethod
+    def stiffened(self, factor: float) -> tuple[Self, float]:
+        """Features f' and a scale s with s f'(x) = f(factor x) for every motion x."""
+
+    def take(self, columns: NDArray[np.intp]) -> Self:
+        """Only these features. Raises NotImplementedError where they cannot stand alone."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class FractionalBank(Features):
+    """Fractional derivatives of several orders, linear in the depth.
+
+    orders: fractional order of each feature, in [0, 1]. `table` names the field whose columns are
+    the orders'.
+    """
+
+    orders: tuple[float, ...]
+
+    table: ClassVar[str] = "weights"
+
+    @property
+    def n_features(self) -> int:
+        return len(self.orders)
+
+    @property
+    def fractional_orders(self) -> tuple[float, ...]:
+        return self.orders
+
+    @property
+    def table_rows(self) -> int:
+        return len(getattr(self, self.table))
+
+    def stiffened(self, factor: float) -> tuple[Self, float]:
+        return self._with_table(getattr(self, self.table) * factor), 1.0
+
+    def take(self, columns: NDArray[np.intp]) -> Self:
+        taken = self._with_table(getattr(self, self.table)[:, columns])
+        return replace(taken, orders=tuple(self.orders[i] for i in columns))
+
+    def _with_table(self, values: NDArray[np.float64]) -> Self:
+        changes: dict[str, Any] = {self.table: values}
+        return replace(self, **changes)
+
+
+@dataclass(frozen=True, eq=False)
+class FirBank(FractionalBank):
+    """By a finite window (equation 16).
+
+    taps: shape (length, orders), newest sample first, float64; feature = taps.T @ window, m/s^r.
+    """
+
+    taps: NDArray[np.float64]
+
+    table = "taps"
+
+    def memory_s(self, dt_s: float) -> float:
+        return len(self.taps) * dt_s
+
+
+@dataclass(frozen=True, eq=False)
+class FastFirBank(FractionalBank):
+    """A FirBank's window, by a few direct taps and exponentials that all orders share.
+
+    tau_ticks: shape (poles,), decay of each pole in samples. length: of the window, samples.
+    weights: (direct + poles + 1, orders) of the newest rises of the position, of each pole's state
+    (older rises, decaying, forgotten at the window's end), and of the window's oldest sample.
+    """
+
+    tau_ticks: NDArray[np.float64]
+    length: int
+    weights: NDArray[np.float64]
+
+    engine = "fir-fast"
+
+    def memory_s(self, dt_s: float) -> float:
+        return self.length * dt_s
+
+
+@dataclass(frozen=True, eq=False)
+class RecursiveBank(FractionalBank):
+    """By exponentials that all orders share.
+
+    A pole's state h follows h' = x' - h/tau, with x linear within a step. feature = h @ weights.
+    tau_s: shape (poles,). weights: (poles, orders), s^-r.
+    """
+
+    tau_s: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+    engine = "recursive"
+    exact_at_any_rate = True
+
+    def memory_s(self, dt_s: float) -> float:
+        return float(self.tau_s.max())
+
+    def settling_s(self, dt_s: float) -> float:
+        return 4.0 * self.memory_s(dt_s)
+
+
+@dataclass(frozen=True)
+class Lags(Features):
+    """The position and past positions.
+
+    samples: lags, ascending, the first one 0. difference: past ones enter as x(t) - x(t - lag).
+    """
+
+    samples: tuple[int, ...]
+    difference: bool
+
+    @property
+    def n_features(self) -> int:
+        return len(self.samples)
+
+    def memory_s(self, dt_s: float) -> float:
+        return max(self.samples) * dt_s
+
+    def stiffened(self, factor: float) -> tuple["Lags", float]:
+        return self, factor
+
+
+@dataclass(frozen=True)
+class PositionVelocity(Features):
+    """Position (m) and velocity (m/s) by first-order adaptive windowing.
+
+    length: greatest number of steps of the window. band_m: noise band.
+    """
+
+    length: int
+    band_m: float
+
+    @property
+    def n_features(self) -> int:
+        return 2
+
+    def memory_s(self, dt_s: float) -> float:
+        return self.length * dt_s
+
+    def stiffened(self, factor: float) -> tuple["PositionVelocity", float]:
+        return replace(self, band_m=self.band_m / factor), factor

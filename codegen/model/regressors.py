@@ -1,0 +1,108 @@
+"""Kinds of regressors, features -> force: what each stores, and what others ask of it."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Regressor(ABC):
+    """Force, N, of a vector of features.
+
+    A kind of one's own has a stage that is registered with `regressor_stage`
+    (codegen/stages/stage.py) and a float64 force registered with `regressor_force`
+    (trainer/models/predict.py).
+    """
+
+    @abstractmethod
+    def on_scaled(self, scale: float) -> Self:
+        """The regressor r' with r'(z) = r(scale z)."""
+
+    def used_columns(self, n_features: int) -> NDArray[np.intp]:
+        """Columns of the features that it reads, ascending; all by default."""
+        return np.arange(n_features)
+
+
+@dataclass(frozen=True, eq=False)
+class Quantisation:
+    """Features as bins: floor((x - least) per_step + 1/2), within 0 .. 65535.
+
+    least, per_step: shape (features,), of all features that the bank has.
+    """
+
+    least: NDArray[np.float64]
+    per_step: NDArray[np.float64]
+
+    def on_scaled(self, scale: float) -> "Quantisation":
+        """The same bins for features that are smaller by a factor."""
+        return Quantisation(self.least / scale, self.per_step * scale)
+
+    def take(self, columns: NDArray[np.intp]) -> "Quantisation":
+        """That of some features."""
+        return Quantisation(self.least[columns], self.per_step[columns])
+
+
+@dataclass(frozen=True, eq=False)
+class Forest(Regressor):
+    """Weighted sum of binary trees in one node table; left where float32(x) <= threshold.
+
+    feature: shape (nodes,), int32, column of the split; -1 marks a leaf.
+    threshold: (nodes,), float64, in the feature's unit.
+    left, right: (nodes,), int32, children's rows; of leaves, without meaning.
+    value_n: (nodes,), float64, force of a leaf.
+    roots: (trees,), int32, each tree's first row.
+    weight, bias_n: force = bias_n + weight x sum of the leaves (weight 1/trees for a mean).
+    rounding: where the trees were fitted on quantised features; thresholds are bins then.
+    """
+
+    feature: NDArray[np.int32]
+    threshold: NDArray[np.float64]
+    left: NDArray[np.int32]
+    right: NDArray[np.int32]
+    value_n: NDArray[np.float64]
+    roots: NDArray[np.int32]
+    weight: float
+    bias_n: float
+    rounding: Quantisation | None = None
+
+    @property
+    def is_mean(self) -> bool:
+        """Whether the force is the mean of the trees, and not their sum."""
+        return bool(np.isclose(self.weight * len(self.roots), 1.0))
+
+    def on_scaled(self, scale: float) -> "Forest":
+        if self.rounding is not None:
+            return replace(self, rounding=self.rounding.on_scaled(scale))
+        return replace(self, threshold=self.threshold / scale)
+
+    def used_columns(self, n_features: int) -> NDArray[np.intp]:
+        used = np.unique(self.feature[self.feature >= 0]).astype(np.intp)
+        return used if len(used) else np.zeros(1, dtype=np.intp)  # trees without a split
+
+
+@dataclass(frozen=True, eq=False)
+class Rbf(Regressor):
+    """Cubic radial basis functions with a linear tail, on standardised features.
+
+    z = (clip(feature, least, greatest) - mean) / scale, each of shape (features,).
+    force = weights_n @ |z - centers|^3 + tail_n[0] + tail_n[1:] @ z; centers (n, features).
+    """
+
+    mean: NDArray[np.float64]
+    scale: NDArray[np.float64]
+    least: NDArray[np.float64]
+    greatest: NDArray[np.float64]
+    centers: NDArray[np.float64]
+    weights_n: NDArray[np.float64]
+    tail_n: NDArray[np.float64]
+
+    def on_scaled(self, scale: float) -> "Rbf":
+        return replace(
+            self,
+            mean=self.mean / scale,
+            scale=self.scale / scale,
+            least=self.least / scale,
+            greatest=self.greatest / scale,
+        )

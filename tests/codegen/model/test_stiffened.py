@@ -1,0 +1,57 @@
+"""A model of an object so many times stiffer: its force at x is that of the model at factor x."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small import DEPTH_M, press, scene, training
+
+from springpot.codegen.model.model import Model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import Guard
+from springpot.host.native.trial_build import built
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+
+POWER_OF_TWO = 8.0  # exact, so that every decision is the same
+OPTIONS = FitOptions(trees=4, leaf=20, n_centers=20, poles=4)
+KINDS = {
+    "fir": ("rf-fd", OPTIONS),
+    "fir quantised": ("rf-fd", replace(OPTIONS, round_features=True)),
+    "fir-fast": ("rf-fd", replace(OPTIONS, engine="fir-fast")),
+    "fir-fast quantised": ("rf-fd", replace(OPTIONS, engine="fir-fast", round_features=True)),
+    "recursive": ("rf-fd", replace(OPTIONS, engine="recursive")),
+    "recursive quantised": ("rf-fd", replace(OPTIONS, engine="recursive", round_features=True)),
+    "lags": ("rf-history", OPTIONS),
+    "lags quantised": ("rf-history", replace(OPTIONS, round_features=True)),
+    "boosted": ("boosted", OPTIONS),
+    "rbf": ("rbf-fd", OPTIONS),
+    "rbf fir-fast": ("rbf-fd", replace(OPTIONS, engine="fir-fast")),
+    "position and velocity": ("rbf-pv", OPTIONS),
+    "passive": ("hammerstein", OPTIONS),
+    "hybrid": ("hybrid", OPTIONS),
+    "hybrid derivatives": ("hybrid", replace(OPTIONS, engine="recursive")),
+    "springpot": ("springpot", OPTIONS),
+}
+
+
+def forces(model: Model, number: str, position_m: np.ndarray) -> np.ndarray:
+    asked = replace(scene(number=number), guard=Guard(outside="fallback"))
+    plan = make_plan(model, asked, accept_unsafe=True)
+    with built(plan) as library:
+        force_n, _ = library.new_state().run(position_m, np.zeros_like(position_m))
+    return force_n
+
+
+@pytest.mark.parametrize("what", KINDS)
+def test_the_emitted_force_of_the_stiffened_model_is_the_models_at_factor_x(what: str) -> None:
+    kind, options = KINDS[what]
+    model = fit_model(kind, "x", training(), options).model
+    motion = np.concatenate([press(2.0, 0.8 * DEPTH_M), press(4.0, 1.1 * DEPTH_M)])
+    for number in ("float32", "float64"):
+        soft = forces(model, number, motion)
+        stiff = forces(model.stiffened(POWER_OF_TWO), number, motion / POWER_OF_TWO)
+        assert soft.max() > 1.0
+        np.testing.assert_allclose(stiff, soft, rtol=1e-5, atol=2e-6 * soft.max())
+        wrong = forces(model, number, motion / POWER_OF_TWO)
+        assert np.abs(wrong - soft).max() > 0.2 * soft.max()

@@ -1,0 +1,162 @@
+"""A kind of model from outside: one file and one line of the table take it all the way."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.small import press, recording, scene, training
+
+from springpot.codegen.model.features import Features
+from springpot.codegen.model.model_file import read_model, register_part, write_model
+from springpot.codegen.model.regressors import Regressor
+from springpot.codegen.scene import Runtime
+from springpot.codegen.stages.stage import (
+    Columns,
+    FeatureStage,
+    Member,
+    RegressorStage,
+    feature_stage,
+    regressor_stage,
+)
+from springpot.host.benchmark.run import Bench, run_bench
+from springpot.host.emission.emission import emit
+from springpot.host.validation.validation import validate
+from springpot.trainer import kinds
+from springpot.trainer.features.values import feature_values
+from springpot.trainer.kinds import Kind, fit_model
+from springpot.trainer.models.fit import Fit, FitOptions, assemble
+from springpot.trainer.models.hammerstein import fit_passive
+from springpot.trainer.models.predict import predict_n, regressor_force
+from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.recording import Recording
+
+
+@dataclass(frozen=True)
+class Depth(Features):
+    """The depth itself."""
+
+    exact_at_any_rate = True
+
+    @property
+    def n_features(self) -> int:
+        return 1
+
+    def memory_s(self, dt_s: float) -> float:
+        return 0.0
+
+    def stiffened(self, factor: float) -> tuple["Depth", float]:
+        return self, factor
+
+
+@dataclass(frozen=True)
+class Line(Regressor):
+    """force = slope_npm x."""
+
+    slope_npm: float
+
+    def on_scaled(self, scale: float) -> "Line":
+        return replace(self, slope_npm=self.slope_npm * scale)
+
+
+@dataclass(frozen=True)
+class DepthStage(FeatureStage):
+    headers = ()
+    members: tuple[Member, ...] = ()
+    n_features = 1
+
+    def tables(self) -> list[str]:
+        return []
+
+    def restart(self) -> list[str]:
+        return []
+
+    def advance(self) -> list[str]:
+        return []
+
+    def read(self) -> list[str]:
+        return ["features[0] = depth;"]
+
+    def reference(self, depth: Any, starts: Any) -> Any:
+        return depth[:, None]
+
+
+@dataclass(frozen=True)
+class LineStage(RegressorStage):
+    slope: Any
+    headers = ()
+
+    def tables(self) -> list[str]:
+        return [f"static const sp_real slope = {self.slope!s}{self.suffix};"]
+
+    @property
+    def suffix(self) -> str:
+        return "f" if isinstance(self.slope, np.float32) else ""
+
+    def force(self) -> list[str]:
+        return ["const sp_real model_n = slope * features[0];"]
+
+    def reference(self, features: Any) -> Any:
+        return self.slope * features[:, 0]
+
+
+def fit_line(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
+    rows = data.rows(options.fraction, options.seed)
+    x, force_n = data.features(Depth(), rows)[:, 0], data.force_n(rows)
+    line = Line(float(x @ force_n / (x @ x)))
+    passive, _, _ = fit_passive(data, options)
+    parts = (Depth(), line)
+    model = assemble("line", name, data, options, len(rows), parts, passive, False, {})
+    return Fit(model, len(rows), 0.0, 0.0)
+
+
+@feature_stage.register
+def depth_stage(features: Depth, kept: Columns, dt_s: float, dtype: type[Any]) -> FeatureStage:
+    return DepthStage()
+
+
+@regressor_stage.register
+def line_stage(line: Line, kept: Columns, runtime: Runtime, dtype: type[Any]) -> RegressorStage:
+    return LineStage(dtype(line.slope_npm))
+
+
+@feature_values.register
+def depth_values(features: Depth, depth_m: Any, dt_s: float, rows: Any) -> Any:
+    return depth_m[rows, None]
+
+
+@regressor_force.register
+def line_force(line: Line, values: Any) -> Any:
+    return line.slope_npm * values[:, 0]
+
+
+register_part(Depth)
+register_part(Line)
+
+
+def test_it_trains_emits_validates_and_is_benchmarked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(kinds.KINDS, "line", Kind("line", "a straight line", fit_line))
+    model = fit_model("line", "x", training(), FitOptions()).model
+    file = tmp_path / "line.spm"
+    write_model(file, model)
+    read = read_model(file)
+    tests = [recording("one", press(1.5)), recording("two", press(2.5, 0.006))]
+    np.testing.assert_array_equal(predict_n(read, tests[0]), predict_n(model, tests[0]))
+    emission = emit(replace(scene(), model="line.spm"), file, tmp_path / "c")
+    assert emission.manifest["model"] == "line"
+    found = validate(tmp_path / "c", tests, paced_s=0.1)
+    assert found.mismatches == 0
+    assert found.accuracy.rmse_n > 0.0
+    result = run_bench(
+        Bench(training(), tuple(tests), "host", kinds=("line",)), tmp_path / "bench", "test"
+    )
+    (point,) = result["points"]
+    assert point["model"] == "line"
+    assert point["pareto"]
+    assert point["rmse_n"] == pytest.approx(found.accuracy.rmse_n, rel=1e-6)
