@@ -50,7 +50,7 @@ soak: $(STAMP) test-c
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/host/session/test_faults.py
 	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/host/boards/test_mcu_board.py
 
-# Sessions of a minute over simulated devices: ticks, lateness, and the Python loop beside.
+# Sessions of a minute over simulated devices: ticks and lateness.
 bench-host: $(STAMP)
 	$(BIN)/python tests/bench/host_loop.py
 

@@ -1,7 +1,6 @@
 """The generated C that is not data: state, constants, and the tick as a handful of calls."""
 
 import re
-from pathlib import Path
 
 from springpot.codegen.emit.project import filled, prefixed
 from springpot.codegen.emit.tick import restart, step, step_dt
@@ -99,13 +98,3 @@ def _api(plan: Plan, manifest: str) -> str:
         INIT="".join(f"        {line}\n" for line in init),
         MANIFEST=manifest.replace("\\", "\\\\").replace('"', '\\"'),
     )
-
-
-def declarations(folder: Path, prefix: str) -> str:
-    """Cut the C declarations of an emitted folder out of its headers, for cffi."""
-    parts = []
-    for header in ("sp_notes.h", f"{prefix}.h"):
-        text = (folder / header).read_text()
-        begin = text.index("/* springpot declarations begin */")
-        parts.append(text[begin : text.index("/* springpot declarations end */")])
-    return "\n".join(parts)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import (
     FastFirBank,
@@ -55,9 +56,7 @@ def model_hash(model: Model) -> str:
 
 def write_model(path: Path, model: Model) -> str:
     """Write the model aside, rename it into place, and return its hash."""
-    aside = path.with_name(path.name + ".part")
-    aside.write_bytes(model_bytes(model))
-    aside.replace(path)
+    write_file(path, model_bytes(model))
     return model_hash(model)
 
 

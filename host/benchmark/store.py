@@ -8,6 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Target
 from springpot.host.benchmark.point import Point
@@ -54,7 +55,7 @@ class Store:
     def keep(self, point: Point) -> None:
         """Write a point; its facts last, so that a point with facts has its model."""
         if point.model is not None:
-            _write(self.model_file(point.key), point.model)
+            write_file(self.model_file(point.key), point.model)
         self.write("points", point.key, point.facts)
 
     def read(self, kind: str, key: str) -> dict[str, Any] | None:
@@ -68,11 +69,11 @@ class Store:
     def write(self, kind: str, key: str, facts: dict[str, Any]) -> None:
         """Write facts of a key."""
         text = json.dumps(facts, indent=1, allow_nan=False)
-        _write(self.folder / kind / f"{key}.json", text.encode())
+        write_file(self.folder / kind / f"{key}.json", text.encode())
 
     def write_result(self, result: dict[str, Any]) -> None:
         """Write the whole result."""
-        _write(self.folder / RESULT, json.dumps(result, indent=1, allow_nan=False).encode())
+        write_file(self.folder / RESULT, json.dumps(result, indent=1, allow_nan=False).encode())
 
 
 def read_result(folder: Path) -> dict[str, Any]:
@@ -128,9 +129,3 @@ def point_key(data: str, measures: dict[str, Any], candidate: "Candidate") -> st
 def key_of(facts: object) -> str:
     """Hash of JSON values: the name of what is kept for them."""
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
-
-
-def _write(path: Path, content: bytes) -> None:
-    aside = path.with_name(path.name + ".part")
-    aside.write_bytes(content)
-    aside.replace(path)

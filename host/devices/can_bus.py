@@ -6,24 +6,23 @@ import select
 import socket
 import struct
 import time
-from typing import Any, Protocol
+from typing import Protocol
 
 import serial
 
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.can_bridge import FRAME, REMOTE, STANDARD, CanBridge
 from springpot.host.devices.serial_port import open_port
 from springpot.host.devices.url import Address
 
 BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
 STUFFED_BITS = 135  # of a frame of 8 bytes with a short identifier, at worst
-_FRAME = struct.Struct("=IB3x8s")  # struct can_frame
-_REMOTE, _STANDARD = 0x40000000, 0x7FF
 _ROOM_S = 0.05  # a full queue of frames is sent in a few ms
 _ANSWER_S = 0.5
 
 
 class CanBus(Protocol):
-    """Frames of 11-bit identifiers. fd: for the C loop, or -1."""
+    """Frames of 11-bit identifiers. fd: for the C loop."""
 
     fd: int
 
@@ -112,7 +111,7 @@ class SlcanBus:
 
 
 class SocketBus:
-    """A raw socket of the kernel's CAN."""
+    """A raw socket of the kernel's CAN, or one that carries the same frames."""
 
     def __init__(self, address: Address, raw: socket.socket | None = None) -> None:
         """Bind to the interface; raw: a socket that carries struct can_frame already."""
@@ -131,87 +130,55 @@ class SocketBus:
 
     def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
         """Send one frame."""
-        flag = _REMOTE if remote else 0
+        flag = REMOTE if remote else 0
         if not select.select([], [self.fd], [], _ROOM_S)[1]:
             raise DeviceError(
                 f"{self._url}: its queue stays full, nobody on the bus answers: check the wiring, "
                 "the drive's power and ?bitrate="
             )
         try:
-            os.write(self.fd, _FRAME.pack(identifier | flag, len(data), data.ljust(8, b"\0")))
+            os.write(self.fd, FRAME.pack(identifier | flag, len(data), data.ljust(8, b"\0")))
         except OSError as error:
-            raise DeviceError(f"{self._url}: {error.strerror}: bring the interface up") from None
+            raise self._gone(error.strerror or "gone") from None
 
     def receive(self, until_s: float) -> tuple[int, bytes] | None:
         """Return the next data frame, or None."""
         while True:
             try:
-                identifier, size, data = _FRAME.unpack(os.read(self.fd, _FRAME.size))
+                identifier, size, data = FRAME.unpack(os.read(self.fd, FRAME.size))
             except BlockingIOError:
                 if time.monotonic() >= until_s:
                     return None
                 time.sleep(0.0005)
                 continue
             except (OSError, struct.error):
-                raise DeviceError(f"{self._url}: gone: bring the interface up") from None
-            if identifier <= _STANDARD:
+                raise self._gone("gone") from None
+            if identifier <= STANDARD:
                 return identifier, data[:size]
 
     def close(self) -> None:
         """Close the socket."""
         self._raw.close()
 
+    def _gone(self, reason: str) -> DeviceError:
+        return DeviceError(f"{self._url}: {reason}: bring the interface up")
 
-class PythonCanBus:
-    """Any other interface of python-can."""
 
-    fd = -1
+class PythonCanBus(SocketBus):
+    """Any other interface of python-can, behind a socket of the same kind."""
 
     def __init__(self, address: Address, bitrate: int) -> None:
         """Open it. Raises DeviceError with python-can's own reason."""
-        import can
-
-        self._can, self._url = can, address.url
-        more: dict[str, Any] = {"bitrate": bitrate}
-        if address.interface == "udp_multicast":
-            more = {"hop_limit": 0, "port": int(address.number("port", 43113, 1024, 65535))}
-        elif address.interface == "virtual":
-            more = {}
-        try:
-            self._bus = can.Bus(interface=address.interface, channel=address.place, **more)
-        except (can.CanError, OSError, ValueError, ImportError) as error:
-            raise DeviceError(f"{self._url}: {' '.join(str(error).split())}: check it") from None
-
-    def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
-        """Send one frame."""
-        try:
-            self._bus.send(
-                self._can.Message(
-                    arbitration_id=identifier,
-                    data=None if remote else data,
-                    is_extended_id=False,
-                    is_remote_frame=remote,
-                    dlc=8 if remote else len(data),
-                )
-            )
-        except (self._can.CanError, OSError) as error:
-            raise DeviceError(f"{self._url}: {error}: check the bus") from None
-
-    def receive(self, until_s: float) -> tuple[int, bytes] | None:
-        """Return the next data frame, or None."""
-        while True:
-            try:
-                message = self._bus.recv(max(0.0, until_s - time.monotonic()))
-            except (self._can.CanError, OSError) as error:
-                raise DeviceError(f"{self._url}: {error}: check the bus") from None
-            if message is None:
-                return None
-            if not (message.is_extended_id or message.is_remote_frame or message.is_error_frame):
-                return message.arbitration_id, bytes(message.data)
+        self._bridge = CanBridge(address, bitrate)
+        super().__init__(address, self._bridge.near)
 
     def close(self) -> None:
         """Leave the bus."""
-        self._bus.shutdown()
+        self._bridge.close()
+        super().close()
+
+    def _gone(self, reason: str) -> DeviceError:
+        return DeviceError(f"{self._url}: {self._bridge.failure or reason}: check the bus")
 
 
 def open_bus(address: Address, bitrate: int) -> CanBus:

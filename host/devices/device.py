@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from springpot.host.native.loop_library import LoopLibrary
+from springpot.host.native.c_library import CLibrary
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Device(Protocol):
 
     comes_back: bool  # can be unplugged and plugged in again
 
-    def link(self, library: LoopLibrary) -> Any:
+    def link(self, library: CLibrary) -> Any:
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
         ...
 

@@ -1,27 +1,17 @@
-"""ODrive motor drives: slcan and socketcan in the C loop, python-can in the Python loop."""
+"""ODrive motor drives behind slcan, the kernel's CAN, or an interface of python-can."""
 
 import contextlib
 import math
-import struct
-import time
 from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
 from springpot.host.devices.device import Wanted
-from springpot.host.devices.odrive import (
-    CLOSED_LOOP,
-    ENCODER,
-    HEARTBEAT,
-    TORQUES,
-    Drive,
-    identifier,
-    parse_heartbeat,
-)
+from springpot.host.devices.odrive import Drive
 from springpot.host.devices.serial_port import refuse_slow_adapter
 from springpot.host.devices.url import Address
-from springpot.host.native.loop_library import LoopLibrary
+from springpot.host.native.c_library import CLibrary
 
 BITRATE = 1_000_000
 _KEYS = ("node", "bitrate", "port", "m_per_turn", "sign", "zero_turns", "max_torque_nm",
@@ -37,14 +27,6 @@ class Transmission:
     zero_turns: float
     surface_m: float
     max_torque_nm: float
-
-    def position_m(self, turns: float) -> float:
-        """Penetration for a position of the motor."""
-        return self.sign * (turns - self.zero_turns) * self.m_per_turn - self.surface_m
-
-    def torque_nm(self, force_n: float) -> float:
-        """Torque for a force that pushes the tool out."""
-        return -self.sign * force_n * self.m_per_turn / (2 * math.pi)
 
     @property
     def greatest_n(self) -> float:
@@ -68,7 +50,6 @@ class OdriveDevice:
         if address.interface == "slcan":
             refuse_slow_adapter(address.place, wanted.rate_hz)
         self.bus = open_bus(address, bitrate)
-        self.only_python = self.bus.fd < 0
         self.drive = Drive(self.bus, self.node, address.url)
         self._kept: Any = None
         try:
@@ -77,10 +58,8 @@ class OdriveDevice:
             self.bus.close()
             raise
 
-    def link(self, library: LoopLibrary) -> Any:
-        """Return the C link, or the Python one for an interface without a descriptor."""
-        if self.only_python:
-            return CanLink(self.drive, self.transmission)
+    def link(self, library: CLibrary) -> Any:
+        """Return the C link."""
         train = self.transmission
         settings = library.ffi.new(
             "sp_odrive *",
@@ -106,72 +85,6 @@ class OdriveDevice:
     def close(self) -> None:
         """Leave the bus."""
         self.bus.close()
-
-
-class CanLink:
-    """A link of Python on a bus of python-can; methods as in sp_link.h."""
-
-    made = False
-
-    def __init__(self, drive: Drive, transmission: Transmission) -> None:
-        self._drive, self._transmission = drive, transmission
-        self.position_m = self.velocity_mps = self.arrived_s = 0.0
-        self.measured_n = math.nan
-        self.samples = self.crc_errors = self.sequence_gaps = self.unsent = self.device_error = 0
-        self._tripped = False
-        self.ready = 0
-
-    def listen(self, until_s: float) -> int:
-        """Take all that is there; wait for the first sample until then."""
-        fresh = 0
-        try:
-            while (frame := self._drive.bus.receive(0.0 if fresh else until_s)) is not None:
-                fresh += self._take(*frame)
-        except DeviceError:
-            return -1
-        return -2 if self._tripped else fresh
-
-    def write(self, force_n: float) -> int:
-        """Send a force."""
-        torque_nm = self._transmission.torque_nm(force_n)
-        if not abs(torque_nm) <= self._transmission.max_torque_nm * (1 + 1e-6):
-            return -2
-        try:
-            self._drive.torque(torque_nm)
-        except DeviceError:
-            return -1
-        return 0
-
-    def reset(self) -> None:
-        """Arm it again; the loop goes on sending meanwhile."""
-        self.ready, self._tripped = 0, False
-        drive = self._drive
-        with contextlib.suppress(DeviceError):  # the next read finds out
-            drive.ask_for_torque_control()
-
-    def _take(self, found: int, data: bytes) -> int:
-        node = self._drive.node
-        if len(data) < 8 or found >> 5 != node:
-            return 0
-        if found == identifier(node, HEARTBEAT):
-            beat = parse_heartbeat(data, self._drive.family)
-            self.device_error = beat.error
-            wrong = beat.error != 0 or beat.failed or beat.state != CLOSED_LOOP
-            self._tripped = bool(self.ready) and wrong
-            self.ready = int(self.ready or not wrong)
-        elif found == identifier(node, TORQUES) and self._drive.family == "0.6":
-            train = self._transmission
-            torque_nm = struct.unpack("<ff", data)[1]
-            self.measured_n = train.sign * torque_nm * 2 * math.pi / train.m_per_turn
-        elif found == identifier(node, ENCODER):
-            turns, turns_per_s = struct.unpack("<ff", data)
-            train = self._transmission
-            self.position_m = train.position_m(turns)
-            self.velocity_mps = train.sign * turns_per_s * train.m_per_turn
-            self.arrived_s = time.monotonic()
-            self.samples += 1
-            return 1
-        return 0
 
 
 def refuse_slow_bus(url: str, bitrate: int, rate_hz: float) -> None:

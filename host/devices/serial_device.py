@@ -12,7 +12,7 @@ from springpot.host.devices.device import Wanted
 from springpot.host.devices.serial_port import open_port, refuse_slow_adapter, refuse_slow_line
 from springpot.host.devices.url import Address
 from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
-from springpot.host.native.loop_library import LoopLibrary
+from springpot.host.native.c_library import CLibrary
 
 BAUD = 921600
 _ASK_S, _AGAIN_S = 2.0, 0.05
@@ -48,7 +48,7 @@ class SerialDevice:
         """Whether the board renders the scene itself."""
         return bool(self.hello["role"] == constant("RENDERS"))
 
-    def link(self, library: LoopLibrary) -> Any:
+    def link(self, library: CLibrary) -> Any:
         """Return the C link; Python no longer reads the port."""
         self._link_memory = library.memory(library.c.sp_link_serial_size())
         surface_m = self.address.number("surface_mm", 1e3 * self.wanted.surface_m, -1e4, 1e4) / 1e3

@@ -9,7 +9,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError
 from springpot.host.devices.device import Wanted
 from springpot.host.devices.url import Address
-from springpot.host.native.loop_library import LoopLibrary
+from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand, parse_url
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -31,10 +31,10 @@ class SimulatedDevice:
         self._dt_s = 1 / wanted.rate_hz
         self._memory: Any = None
 
-    def link(self, library: LoopLibrary) -> Any:
+    def link(self, library: CLibrary) -> Any:
         """Return the C link."""
         self._memory = library.memory(library.c.sp_link_sim_size())
-        tool = library.ffi.cast("void *", int(self._hand.address))
+        tool = library.pointer(self._hand.address)
         return library.c.sp_link_sim_init(self._memory, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
 
     def stop(self) -> None:
@@ -64,14 +64,14 @@ class ReplayDevice:
         )
         self._memory: Any = None
 
-    def link(self, library: LoopLibrary) -> Any:
+    def link(self, library: CLibrary) -> Any:
         """Return the C link."""
         self._memory = library.memory(library.c.sp_link_replay_size())
         return library.c.sp_link_replay_init(
             self._memory,
             len(self._position_m),
-            library.ffi.from_buffer("double[]", self._position_m),
-            library.ffi.from_buffer("double[]", self._velocity_mps),
+            library.array(self._position_m),
+            library.array(self._velocity_mps),
         )
 
     def stop(self) -> None:

@@ -3,12 +3,12 @@
 import hashlib
 import json
 import shutil
-import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
@@ -60,16 +60,11 @@ def emit(scene: Scene, model_file: Path, folder: Path, accept_unsafe: bool = Fal
     plan = make_plan(model, scene, accept_unsafe)
     if not accept_unsafe:
         refuse_unstable(plan)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as scratch:
-        aside = Path(scratch) / "new"
+    with folder_written_aside(folder) as aside:
         begin = time.perf_counter()
         write_emission(plan, scene, model_file, aside)
         write_s = time.perf_counter() - begin
-        emission = _built(plan, aside, folder, write_s)
-        if folder.exists():
-            folder.rename(Path(scratch) / "old")
-        aside.rename(folder)
-    return emission
+        return _built(plan, aside, folder, write_s)
 
 
 def read_emission(folder: Path) -> tuple[Plan, Model]:

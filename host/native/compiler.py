@@ -5,11 +5,11 @@ import os
 import platform
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
+from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import SpringpotError
 from springpot.runtime_c.paths import flags
 
@@ -85,24 +85,13 @@ def shared_library(
         raise CompilerError(
             f"{library.parent}: {error.strerror}: set XDG_CACHE_HOME to a folder that you can write"
         ) from None
-    with tempfile.TemporaryDirectory(dir=library.parent) as aside:
-        built = Path(aside) / library.name
-        run_compiler(
-            [
-                *build_flags,
-                *(f"-I{folder}" for folder in include),
-                *map(str, sources),
-                "-o",
-                str(built),
-                "-lm",
-            ]
-        )
+    folders = [f"-I{folder}" for folder in include]
+    with written_aside(library) as built:
+        run_compiler([*build_flags, *folders, *map(str, sources), "-o", str(built), "-lm"])
         if not built.exists():
             raise CompilerError(f"{find_compiler()} wrote no library: set CC to a C compiler")
         digest = hashlib.sha256(built.read_bytes()).hexdigest()
-        built.with_suffix(".sha256").write_text(digest)
-        built.replace(library)
-        built.with_suffix(".sha256").replace(seal)
+    write_file(seal, digest.encode())
     return library
 
 

@@ -2,16 +2,13 @@
 
 from enum import IntEnum
 from functools import cache
-from typing import Any
 
-import cffi
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.host.native.compiler import shared_library
-from springpot.runtime_c.paths import INCLUDE, PORT_POSIX, PORT_WIRE, SIM
+from springpot.host.native.c_library import CLibrary, load
+from springpot.runtime_c.paths import PORT_POSIX, PORT_WIRE, SIM
 
-_BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
 # Columns of a table of rows: the members of sp_row, in order.
 COLUMNS = (
     "time_s",
@@ -48,35 +45,15 @@ class Stop(IntEnum):
 Rows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 
-class LoopLibrary:
-    """Functions and types of sp_link.h, sp_loop.h and sp_press.h for one number type."""
-
-    def __init__(self, real: str) -> None:
-        self.ffi = cffi.FFI()
-        self.ffi.cdef(f"typedef {real} sp_real;")
-        for name in ("sp_link.h", "sp_loop.h", "sp_press.h"):
-            text = (PORT_POSIX / name).read_text()
-            self.ffi.cdef(text[text.index(_BEGIN) : text.index(_END)])
-        sources = [*sorted(PORT_POSIX.glob("*.c")), PORT_WIRE / "sp_wire.c"]
-        sources += sorted(SIM.glob("*.c"))
-        include = [INCLUDE / real, PORT_POSIX, PORT_WIRE, SIM]
-        self.c = self.ffi.dlopen(str(shared_library(sources, include, ["-pthread"])))
-        assert self.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
-        assert all(getattr(self.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
-
-    def memory(self, size: int) -> Any:
-        """`size` bytes of C memory, zero, aligned as for double; lives as long as the object."""
-        return self.ffi.new("double[]", -(-size // 8))
-
-    def rows(self, table: Rows) -> Any:
-        """A C pointer to the memory of a table of rows."""
-        return self.ffi.from_buffer("sp_row[]", table)
-
-
 @cache
-def loop_library(real: str) -> LoopLibrary:
-    """Build and load it once; real: "float" or "double"."""
-    return LoopLibrary(real)
+def loop_library(real: str) -> CLibrary:
+    """sp_link.h, sp_loop.h and sp_press.h for one number type; real: "float" or "double"."""
+    headers = [PORT_POSIX / name for name in ("sp_link.h", "sp_loop.h", "sp_press.h")]
+    sources = [*sorted(PORT_POSIX.glob("*.c")), PORT_WIRE / "sp_wire.c", *sorted(SIM.glob("*.c"))]
+    library = load(headers, sources, real, ["-pthread"])
+    assert library.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
+    assert all(getattr(library.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
+    return library
 
 
 def empty_rows(count: int = 0) -> Rows:

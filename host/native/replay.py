@@ -6,22 +6,20 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
-import cffi
 import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
-from springpot.host.native.compiler import shared_library
+from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.loop_library import INPUT
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.runtime_c.paths import INCLUDE, PORT_TESTBENCH
+from springpot.runtime_c.paths import PORT_TESTBENCH
 from springpot.trainer.recordings.recording import Recording
 
 COLD_BYTES = 8 << 20
 _HOT_TICKS = 500
-_BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +44,8 @@ class Replay:
 
     def __init__(self, library: SceneLibrary) -> None:
         self._library = library
-        self._real = "float" if library.dtype is np.float32 else "double"
-        self._ffi, self._port = load_port(self._real)
-        self._step = self._ffi.cast("void *", library.address("step"))
+        self._port = load_port("float" if library.dtype is np.float32 else "double")
+        self._step = self._port.pointer(library.address("step"))
 
     @property
     def dtype(self) -> type[Any]:
@@ -61,10 +58,10 @@ class Replay:
         force = np.empty_like(position)
         notes = np.empty(len(position), dtype=np.int32)
         state = self._library.new_state()
-        self._port.sp_replay(
-            self._step, self._ffi.cast("void *", state.address), len(position),
-            self._reals(position), self._reals(velocity), self._reals(force),
-            self._ffi.from_buffer("int32_t[]", notes),
+        array = self._port.array
+        self._port.c.sp_replay(
+            self._step, self._port.pointer(state.address), len(position),
+            array(position), array(velocity), array(force), array(notes),
         )  # fmt: skip
         return force, notes
 
@@ -78,12 +75,11 @@ class Replay:
         notes = np.zeros(len(made), dtype=np.int32)
         state = self._library.new_state()
         inputs = [self._converted(calls[name]) for name in (INPUT, "velocity_mps", "dt_s")]
-        pointer = self._ffi.cast
-        addresses = [pointer("void *", self._library.address(f)) for f in ("step", "idle", "reset")]
-        self._port.sp_replay_calls(
-            *addresses, pointer("void *", state.address), len(made),
-            self._ffi.from_buffer("int32_t[]", made), *map(self._reals, inputs),
-            self._reals(force), self._ffi.from_buffer("int32_t[]", notes),
+        pointer, array = self._port.pointer, self._port.array
+        functions = [pointer(self._library.address(name)) for name in ("step", "idle", "reset")]
+        self._port.c.sp_replay_calls(
+            *functions, pointer(state.address), len(made), array(made), *map(array, inputs),
+            array(force), array(notes),
         )  # fmt: skip
         return force, notes
 
@@ -126,11 +122,10 @@ class Replay:
         cold = np.zeros(COLD_BYTES, dtype=np.uint8)
         tick_ns = np.empty(ticks)
         state = self._library.new_state()
-        error = self._port.sp_pace(
-            self._step, self._ffi.cast("void *", state.address), ticks,
-            self._reals(position), self._reals(velocity), min(dt_s, paced_s / ticks),
-            self._ffi.from_buffer("uint8_t[]", cold), COLD_BYTES,
-            self._ffi.from_buffer("double[]", tick_ns),
+        array = self._port.array
+        error = self._port.c.sp_pace(
+            self._step, self._port.pointer(state.address), ticks, array(position),
+            array(velocity), min(dt_s, paced_s / ticks), array(cold), COLD_BYTES, array(tick_ns),
         )  # fmt: skip
         if error != 0:
             raise SpringpotError(f"the monotonic clock failed (error {error}) while timing ticks")
@@ -139,19 +134,11 @@ class Replay:
     def _converted(self, values: Reals) -> Reals:
         return np.ascontiguousarray(values, dtype=self._library.dtype)
 
-    def _reals(self, values: Reals) -> Any:
-        return self._ffi.from_buffer(f"{self._real}[]", values)
-
 
 @cache
-def load_port(real: str) -> tuple[cffi.FFI, Any]:
+def load_port(real: str) -> CLibrary:
     """sp_replay.h for scenes of `real` ("float" or "double"), built and loaded once."""
-    header = (PORT_TESTBENCH / "sp_replay.h").read_text()
-    ffi = cffi.FFI()
-    text = header[header.index(_BEGIN) : header.index(_END)]
-    ffi.cdef(f"typedef {real} sp_real;\n{text}")
-    path = shared_library([PORT_TESTBENCH / "sp_replay.c"], [INCLUDE / real, PORT_TESTBENCH])
-    return ffi, ffi.dlopen(str(path))
+    return load([PORT_TESTBENCH / "sp_replay.h"], [PORT_TESTBENCH / "sp_replay.c"], real)
 
 
 def replayed_accuracy(replay: Replay, recordings: Sequence[Recording]) -> Accuracy:

@@ -4,13 +4,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-import cffi
 import numpy as np
 
 from springpot.codegen.arrays import Reals
-from springpot.codegen.emit.glue import ABI_VERSION, declarations
+from springpot.codegen.emit.glue import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.native.compiler import CompilerError, shared_library
+from springpot.host.native.c_library import CLibrary, declarations
+from springpot.host.native.compiler import shared_library
 
 
 def scene_prefix(folder: Path) -> str:
@@ -34,28 +34,25 @@ class SceneLibrary:
     def __init__(self, folder: Path) -> None:
         self.path = build_scene(folder)
         self._prefix = scene_prefix(folder)
-        self._ffi = cffi.FFI()
-        self._ffi.cdef(declarations(folder, self._prefix))
-        try:
-            self._lib = self._ffi.dlopen(str(self.path))
-        except OSError as error:
-            raise CompilerError(f"{self.path}: cannot be loaded here ({error}): check CC") from None
+        headers = [folder / "sp_notes.h", folder / f"{self._prefix}.h"]
+        self.loaded = CLibrary(self.path, declarations(headers))
         found = self.function("abi_version")()
         if found != ABI_VERSION:
             raise DataError(
                 f"{folder}: C API version {found}, this springpot has {ABI_VERSION}: emit again"
             )
-        self.manifest: dict[str, Any] = json.loads(self._ffi.string(self.function("manifest")()))
+        manifest = self.loaded.ffi.string(self.function("manifest")())
+        self.manifest: dict[str, Any] = json.loads(manifest)
         self.dtype: type[Any] = np.float32 if self.manifest["number"] == "float32" else np.float64
         self.state_bytes: int = self.function("state_size")()
 
     def function(self, name: str) -> Any:
         """Return the C function `name` (without prefix)."""
-        return getattr(self._lib, f"{self._prefix}_{name}")
+        return getattr(self.loaded.c, f"{self._prefix}_{name}")
 
     def address(self, name: str) -> int:
         """Address of the C function `name`, for C that calls it."""
-        return int(self._ffi.cast("uintptr_t", self.function(name)))
+        return self.loaded.address(self.function(name))
 
     def selftest(self) -> int:
         """0, or 1 + the first golden tick whose bits differ."""
@@ -63,31 +60,28 @@ class SceneLibrary:
 
     def new_state(self) -> "SceneState":
         """Return a state, initialised."""
-        return SceneState(self, self._ffi)
+        return SceneState(self)
 
 
 class SceneState:
     """One state of a scene; not for two threads at once."""
 
-    def __init__(self, library: SceneLibrary, ffi: cffi.FFI) -> None:
-        self._library = library
-        self._ffi = ffi
-        self._memory = ffi.new("double[]", -(-library.state_bytes // 8))
-        prefix = library._prefix
-        self._state = ffi.cast(f"{prefix}_state *", self._memory)
+    def __init__(self, library: SceneLibrary) -> None:
+        self._library, self._loaded = library, library.loaded
+        self._state = self._loaded.memory(library.state_bytes, f"{library._prefix}_state")
         self._real = "float" if library.dtype is np.float32 else "double"
-        self._force = ffi.new(f"{self._real}[1]")
+        self._force = self._loaded.ffi.new(f"{self._real}[1]")
         library.function("init")(self._state)
 
     @property
     def address(self) -> int:
         """Address of the state, for C that calls sp_step."""
-        return int(self._ffi.cast("uintptr_t", self._state))
+        return self._loaded.address(self._state)
 
     def real_at(self, offset: int) -> float:
         """The number that the state holds at `offset` bytes: for tests of what a tick remembers."""
-        memory = self._ffi.cast("char *", self._memory) + offset
-        return float(self._ffi.cast(f"{self._real} *", memory)[0])
+        cast = self._loaded.ffi.cast
+        return float(cast(f"{self._real} *", cast("char *", self._state) + offset)[0])
 
     def reset(self) -> None:
         """Forget the past; unlatch the watchdog."""
@@ -121,16 +115,14 @@ class SceneState:
         if velocity_mps is not None and len(velocity_mps) != len(position):
             raise UsageError(f"{len(position)} positions and {len(velocity_mps)} velocities")
         force = np.empty_like(position)
-        velocity = self._ffi.NULL
+        array = self._loaded.array
+        velocity = self._loaded.ffi.NULL
         if velocity_mps is not None:
             held = np.ascontiguousarray(velocity_mps, dtype=self._library.dtype)
-            velocity = self._pointer(held)
+            velocity = array(held)
         notes = self._library.function("run")(
-            self._state, len(position), self._pointer(position), velocity, self._pointer(force)
+            self._state, len(position), array(position), velocity, array(force)
         )
         if notes < 0:
             raise UsageError("this scene reads the device's velocity: give velocity_mps")
         return force, notes
-
-    def _pointer(self, values: Reals) -> Any:
-        return self._ffi.from_buffer(f"{self._real}[]", values)

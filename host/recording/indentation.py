@@ -118,8 +118,8 @@ class _Taken:
         rows = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
         rows = rows[: self._n - len(self.position_m)]
         position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["measured_n"]]
-        if not np.isfinite(force_n).all():
-            self.unmeasured = True
+        if not np.isfinite(force_n).all():  # beyond the limit, if infinite: the loop has stopped
+            self.unmeasured = bool(np.isnan(force_n).any())
             return
         if len(rows):
             self.position_m = np.concatenate((self.position_m, position_m))
@@ -132,7 +132,7 @@ def press_engine(command_n: Samples, max_force_n: float, gains: Mapping[str, flo
     library = loop_library("double")
     command_n = np.ascontiguousarray(command_n, dtype=np.float64)
     settings: dict[str, Any] = {
-        "command_n": library.ffi.from_buffer("double[]", command_n),
+        "command_n": library.array(command_n),
         "n": len(command_n),
         "dt_s": 1 / RATE_HZ,
         "max_force_n": max_force_n,
@@ -141,11 +141,7 @@ def press_engine(command_n: Samples, max_force_n: float, gains: Mapping[str, flo
         **gains,
     }
     press = library.ffi.new("sp_press *", settings)
-
-    def address(what: Any) -> int:
-        return int(library.ffi.cast("uintptr_t", what))
-
-    c = library.c
+    c, address = library.c, library.address
     return Engine(
         library=library,
         step=address(c.sp_press_step),

@@ -60,7 +60,7 @@ class LinkCounts:
 
 
 class Loop(Protocol):
-    """A loop that runs beside Python's main thread, in C or as a thread of Python."""
+    """What keeps the time of a session: the C thread, or a board that renders by itself."""
 
     name: str
 
@@ -114,29 +114,27 @@ class CLoop:
         self._engine, self._settings = engine, settings
         self._library = engine.library
         self._c, self._ffi = engine.library.c, engine.library.ffi
-        self._loop = self._ffi.cast(
-            "sp_loop *", memory := engine.library.memory(self._c.sp_loop_size())
-        )
+        self._loop = self._library.memory(self._c.sp_loop_size(), "sp_loop")
         capacity = 1 << max(10, int(_RING_S / settings.period_s - 1).bit_length())
         self._ring = empty_rows(capacity)
         self._chunk = empty_rows(capacity)
         self._state = self._ffi.new("sp_loop_state *")
         self._links: list[Any] = []
-        self._kept: list[Any] = [memory]
+        self._kept: list[Any] = []
         self._running = False
 
     def start(self, device: Device) -> None:
         """Start the thread. Raises DeviceError where the system gives none."""
         engine, settings = self._engine, self._settings
-        pointer = self._ffi.cast
+        pointer = self._library.pointer
         config = self._ffi.new(
             "sp_loop_config *",
             {
-                "step": pointer("void *", engine.step),
-                "idle": pointer("void *", engine.idle),
-                "reset": pointer("void *", engine.reset),
-                "state": pointer("void *", engine.state),
-                "measured_n": pointer("double *", engine.measured_n),
+                "step": pointer(engine.step),
+                "idle": pointer(engine.idle),
+                "reset": pointer(engine.reset),
+                "state": pointer(engine.state),
+                "measured_n": self._ffi.cast("double *", engine.measured_n),
                 "period_s": settings.period_s,
                 "seconds": settings.seconds,
                 "max_force_n": settings.max_force_n,
@@ -144,7 +142,7 @@ class CLoop:
                 "latched_note": LATCHED,
                 "priority": _PRIORITY if settings.real_time else 0,
                 "cpu": _spare_cpu(),
-                "rows": self._library.rows(self._ring),
+                "rows": self._rows(self._ring),
                 "capacity": len(self._ring),
             },
         )
@@ -194,8 +192,7 @@ class CLoop:
         """Rows since the last call."""
         if not self._links:
             return empty_rows()
-        rows = self._library.rows(self._chunk)
-        count = self._c.sp_loop_drain(self._loop, rows, len(self._chunk))
+        count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))
         return self._chunk[:count].copy()
 
     def flight(self, seconds: float) -> Rows:
@@ -210,6 +207,9 @@ class CLoop:
         if self._running:
             self._c.sp_loop_join(self._loop)
             self._running = False
+
+    def _rows(self, table: Rows) -> Any:
+        return self._ffi.from_buffer("sp_row[]", table)
 
     def _adopt(self, device: Device) -> Any:
         link = device.link(self._library)

@@ -26,8 +26,7 @@ def why_stopped(
     """
     match state.reason:
         case Stop.FORCE:
-            measured_n = float(np.nan_to_num(abs(row[COLUMN["measured_n"]])))
-            force_n = max(abs(float(row[COLUMN["returned_n"]])), measured_n)
+            force_n = np.fmax(abs(row[COLUMN["returned_n"]]), abs(row[COLUMN["measured_n"]]))
             return _stopped(
                 f"the force reached {force_n:.3g} N, the limit is {settings.max_force_n:g} N: "
                 "raise --max-force-n, or press less"

@@ -5,7 +5,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -26,11 +26,9 @@ from springpot.host.session.board_loop import BoardLoop
 from springpot.host.session.log import flight_seconds
 from springpot.host.session.loop import CLoop, LinkCounts, Loop, LoopSettings, LoopState
 from springpot.host.session.outcome import granted, why_stopped
-from springpot.host.session.python_loop import PythonLoop
 from springpot.host.session.step_functions import Engine
 from springpot.host.session.supervisor import DeviceMinder
 
-LoopKind = Literal["c", "python"]
 RECONNECT_S = 10.0
 _PUMP_S = 0.02
 
@@ -65,13 +63,12 @@ class Running:
         wanted: Wanted,
         settings: LoopSettings,
         log: RowTaker | None = None,
-        kind: LoopKind = "c",
         reconnect_s: float = RECONNECT_S,
         tell: Callable[[str], None] = say,
     ) -> None:
         self._settings, self._log, self._tell = settings, log, tell
         device = open_device(url, wanted)
-        self._loop = _loop_for(device, engine, settings, kind)
+        self._loop = _loop_for(device, engine, settings)
         self._minder = DeviceMinder(self._loop, device, url, wanted, reconnect_s, tell, self._fail)
         self.error: SpringpotError | None = None
         self._pump: threading.Thread | None = None
@@ -175,7 +172,7 @@ class Running:
         """Who keeps the time, and what the system granted for it."""
         if isinstance(self._loop, CLoop):
             return granted(self._loop.name, self.state.got)
-        return self._loop.name + (", SCHED_OTHER" if isinstance(self._loop, PythonLoop) else "")
+        return self._loop.name
 
     def _run_pump(self) -> None:
         told = False
@@ -221,9 +218,8 @@ class Running:
             )
 
 
-def _loop_for(device: Device, engine: Engine, settings: LoopSettings, kind: LoopKind) -> Loop:
-    """A board that renders keeps its own time; a device without a C link needs the Python loop."""
+def _loop_for(device: Device, engine: Engine, settings: LoopSettings) -> Loop:
+    """A board that renders keeps its own time."""
     if isinstance(device, SerialDevice) and device.renders:
         return BoardLoop(device, settings)
-    only_python = getattr(device, "only_python", False)
-    return (PythonLoop if only_python or kind == "python" else CLoop)(engine, settings)
+    return CLoop(engine, settings)

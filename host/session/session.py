@@ -1,7 +1,7 @@
 """A real-time session: `with Session(folder, url, log=file) as s: s.start(); ...`.
 
-A loop (a C thread by default) keeps the time; Python watches it, writes the log, and brings back a
-device that was unplugged. However the session is left, the force is zero first.
+A loop (a C thread, or a board that renders) keeps the time; Python watches it, writes the log, and
+brings back a device that was unplugged. However the session is left, the force is zero first.
 """
 
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.outcome import spread_us, steal_ms
-from springpot.host.session.runner import RECONNECT_S, LoopKind, Running
+from springpot.host.session.runner import RECONNECT_S, Running
 from springpot.host.session.step_functions import scene_engine
 from springpot.trainer.recordings.recording import Zero
 
@@ -41,7 +41,6 @@ class Session:
         seconds: float = 0.0,
         max_force_n: float | None = None,
         max_depth_m: float | None = None,
-        loop: LoopKind = "c",
         reconnect_s: float = RECONNECT_S,
         tell: Callable[[str], None] = say,
     ) -> None:
@@ -66,7 +65,7 @@ class Session:
         self._file, self._url = log, url
         self._log: SessionLog | None = None
         self._args = (scene_engine(self._scene), url, wanted, settings)
-        self._options: dict[str, Any] = {"kind": loop, "reconnect_s": reconnect_s, "tell": tell}
+        self._options: dict[str, Any] = {"reconnect_s": reconnect_s, "tell": tell}
         self._run: Running | None = None
         self._steal_ms = steal_ms()
         self.line = ""

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.host.native.loop_library import LoopLibrary, loop_library
+from springpot.host.native.c_library import CLibrary
+from springpot.host.native.loop_library import loop_library
 from springpot.host.native.scene_library import SceneLibrary
 
 
@@ -13,7 +14,7 @@ from springpot.host.native.scene_library import SceneLibrary
 class Engine:
     """Addresses of the three functions and of the state that a loop calls; library: its C."""
 
-    library: LoopLibrary
+    library: CLibrary
     step: int
     idle: int
     reset: int

@@ -6,13 +6,12 @@ from functools import cache
 from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
-import cffi
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.native.compiler import shared_library
+from springpot.host.native.c_library import CLibrary, load
 from springpot.runtime_c import paths
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
@@ -81,8 +80,8 @@ class ObjectMotion:
     ) -> None:
         """Put a fresh object under the tool: dt_s between samples, substeps within each."""
         self._library = _library()
-        self.state = self._library.new("sim_object")
-        self._library.check(
+        self.state = _new("sim_object")
+        _check(
             self._library.c.sim_object_init(
                 self.state,
                 OBJECTS.index(simulated.name),
@@ -97,8 +96,8 @@ class ObjectMotion:
         """Return the true force (n,), N, at each position (n,), m, linear between samples."""
         position_m = np.ascontiguousarray(position_m, dtype=np.float64)
         force_n = np.empty_like(position_m)
-        at = self._library.doubles
-        self._library.check(
+        at = self._library.array
+        _check(
             self._library.c.sim_object_move(
                 self.state, len(position_m), at(position_m), at(force_n)
             )
@@ -138,8 +137,8 @@ class SimulatedBench:
                 f"the command reaches {np.max(np.abs(command_n)):.1f} N and the simulated device "
                 f"gives {MAX_COMMAND_N:g} N: lower the protocol's amplitude_n"
             )
-        state = self._library.new("sim_bench")
-        self._library.check(
+        state = _new("sim_bench")
+        _check(
             self._library.c.sim_bench_init(
                 state,
                 OBJECTS.index(self.simulated.name),
@@ -152,10 +151,10 @@ class SimulatedBench:
         )
         self._presses += 1
         position_m, force_n = np.empty_like(command_n), np.empty_like(command_n)
-        at = self._library.doubles
+        at = self._library.array
         for begin in range(0, len(command_n), _CHUNK):
             part = slice(begin, begin + _CHUNK)
-            self._library.check(
+            _check(
                 self._library.c.sim_bench_record(
                     state,
                     len(command_n[part]),
@@ -186,8 +185,8 @@ class SimulatedHand:
     ) -> None:
         """Hold the device at rest at position_m; delay_samples 1: forces act a tick late."""
         self._library = _library()
-        self.state = self._library.new("sim_tool")
-        self._library.check(
+        self.state = _new("sim_tool")
+        _check(
             self._library.c.sim_tool_init(
                 self.state,
                 HANDS.index(hand),
@@ -204,11 +203,11 @@ class SimulatedHand:
     @property
     def address(self) -> int:
         """Address of the C state, for C that moves the hand."""
-        return int(self._library.ffi.cast("uintptr_t", self.state))
+        return self._library.address(self.state)
 
     def step(self, dt_s: float, intended_m: float, force_n: float) -> tuple[float, float]:
         """Advance one tick of `dt_s` under a rendered force; return position_m, velocity_mps."""
-        self._library.check(
+        _check(
             self._library.c.sim_tool_step(
                 self.state, dt_s, intended_m, force_n, self._out_m, self._out_mps
             )
@@ -219,8 +218,8 @@ class SimulatedHand:
         """Press the object itself along `intended_m` (n,); return position_m, true force_n."""
         intended_m = np.ascontiguousarray(intended_m, dtype=np.float64)
         position_m, force_n = np.empty_like(intended_m), np.empty_like(intended_m)
-        at = self._library.doubles
-        self._library.check(
+        at = self._library.array
+        _check(
             self._library.c.sim_tool_press(
                 self.state,
                 pressed.state,
@@ -233,43 +232,30 @@ class SimulatedHand:
         return position_m, force_n
 
 
-class _Library:
-    """The built C, the memory of its states, and its statuses as errors."""
-
-    def __init__(self) -> None:
-        header = (paths.SIM / "sim.h").read_text(encoding="utf-8")
-        self.ffi = cffi.FFI()
-        self.ffi.cdef(header.split("/* cffi begin */")[1].split("/* cffi end */")[0])
-        sources = sorted(paths.SIM.glob("*.c"))
-        self.c = self.ffi.dlopen(str(shared_library(sources, [paths.SIM])))
-        self._check_names("object", OBJECTS)
-        self._check_names("hand", HANDS)
-
-    def _check_names(self, kind: str, expected: Sequence[str]) -> None:
-        count = getattr(self.c, f"sim_{kind}_count")()
-        name = getattr(self.c, f"sim_{kind}_name")
-        found = tuple(self.ffi.string(name(i)).decode() for i in range(count))
-        assert found == tuple(expected), f"sim {kind}s {found} are not {expected}"
-
-    def new(self, kind: str) -> Any:
-        """Memory for one state, aligned for doubles, as a pointer to it."""
-        size = getattr(self.c, f"{kind}_size")()
-        memory = np.zeros(-(-size // 8), dtype=np.float64)
-        return self.ffi.from_buffer(f"{kind} *", memory, require_writable=True)
-
-    def doubles(self, samples: Samples) -> Any:
-        """A C pointer to the samples' memory."""
-        return self.ffi.from_buffer("double[]", samples)
-
-    def check(self, status: int) -> None:
-        """Raise ValueError for a negative status: our own wrong use of the C."""
-        if status < 0:
-            raise ValueError(f"the simulated bench refused its arguments (status {status})")
-
-
 @cache
-def _library() -> _Library:
-    return _Library()
+def _library() -> CLibrary:
+    library = load([paths.SIM / "sim.h"], sorted(paths.SIM.glob("*.c")))
+    _check_names(library, "object", OBJECTS)
+    _check_names(library, "hand", HANDS)
+    return library
+
+
+def _check_names(library: CLibrary, kind: str, expected: Sequence[str]) -> None:
+    count = getattr(library.c, f"sim_{kind}_count")()
+    name = getattr(library.c, f"sim_{kind}_name")
+    found = tuple(library.ffi.string(name(i)).decode() for i in range(count))
+    assert found == tuple(expected), f"sim {kind}s {found} are not {expected}"
+
+
+def _new(kind: str) -> Any:
+    """Memory for one state, as a pointer to it."""
+    return _library().memory(getattr(_library().c, f"{kind}_size")(), kind)
+
+
+def _check(status: int) -> None:
+    """Raise ValueError for a negative status: our own wrong use of the C."""
+    if status < 0:
+        raise ValueError(f"the simulated bench refused its arguments (status {status})")
 
 
 def _one_of(url: str, key: str, value: str, known: Sequence[str]) -> str:

@@ -4,17 +4,16 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import cffi
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.errors import SpringpotError
-from springpot.host.native.compiler import shared_library
+from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.bench import HANDS
-from springpot.runtime_c.paths import INCLUDE, PORT_TESTBENCH, SIM
+from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 
 SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
@@ -64,7 +63,7 @@ class HandLoop:
 
     def __init__(self, library: SceneLibrary) -> None:
         self._library = library
-        self._ffi, self._port = _load("float" if library.dtype is np.float32 else "double")
+        self._port = _load("float" if library.dtype is np.float32 else "double")
 
     def run(self, script: Script, grip: Grip, start_m: float = 0.0) -> Trace:
         """Run the script with a hand that starts at rest at start_m; sensors are noisy."""
@@ -75,17 +74,21 @@ class HandLoop:
         arrays = {name: np.ascontiguousarray(value, dtype=np.float64)
                   for name, value in vars(script).items() if name != "dropped"}  # fmt: skip
         dropped = np.ascontiguousarray(script.dropped, dtype=np.uint8)
-        inputs = {name: self._doubles(value) for name, value in arrays.items()}
-        inputs["dropped"] = self._ffi.from_buffer("uint8_t[]", dropped)
-        outputs = {name: self._doubles(value) for name, value in trace.items()}
-        outputs["notes"] = self._ffi.from_buffer("int32_t[]", notes)
-        tool, memory = self._tool(grip, start_m)
-        not_finite = self._port.sp_closed_loop_run(
-            scene, tool, n, self._ffi.new("sp_closed_loop_script *", inputs),
-            self._ffi.new("sp_closed_loop_trace *", outputs),
-        )  # fmt: skip
+        array, new = self._port.array, self._port.ffi.new
+        inputs = {name: array(value) for name, value in arrays.items()}
+        inputs["dropped"] = array(dropped)
+        outputs = {name: array(value) for name, value in trace.items()}
+        outputs["notes"] = array(notes)
+        tool = self._tool(grip, start_m)
+        not_finite = self._port.c.sp_closed_loop_run(
+            scene,
+            tool,
+            n,
+            new("sp_closed_loop_script *", inputs),
+            new("sp_closed_loop_trace *", outputs),
+        )
         _check(not_finite)
-        del held, memory
+        del held
         late = grip.delay_samples
         felt_n = np.concatenate([np.zeros(late), trace["force_n"][: n - late]])
         return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
@@ -93,11 +96,13 @@ class HandLoop:
     def press(self, grip: Grip, ticks: int, dt_s: float, reach_m: float) -> dict[str, float]:
         """Random presses; returns the members of sp_closed_loop_presses."""
         scene, held = self._scene()
-        tool, memory = self._tool(grip, -0.001)
-        found = self._ffi.new("sp_closed_loop_presses *")
-        _check(self._port.sp_closed_loop_press(scene, tool, ticks, dt_s, reach_m, grip.seed, found))
-        del held, memory
-        names = [name for name, _ in self._ffi.typeof("sp_closed_loop_presses").fields]
+        tool = self._tool(grip, -0.001)
+        found = self._port.ffi.new("sp_closed_loop_presses *")
+        _check(
+            self._port.c.sp_closed_loop_press(scene, tool, ticks, dt_s, reach_m, grip.seed, found)
+        )
+        del held
+        names = [name for name, _ in self._port.ffi.typeof("sp_closed_loop_presses").fields]
         return {name: getattr(found, name) for name in names}
 
     def fuzz(
@@ -105,28 +110,24 @@ class HandLoop:
     ) -> int:
         """Half random bit patterns, half motion with faults: forces not finite or not allowed."""
         scene, held = self._scene()
-        wrong = int(self._port.sp_closed_loop_fuzz(scene, ticks, depth_m, dt_s, *limits_n, seed))
+        wrong = int(self._port.c.sp_closed_loop_fuzz(scene, ticks, depth_m, dt_s, *limits_n, seed))
         del held
         return wrong
 
     def _scene(self) -> tuple[Any, Any]:
         """The scene's functions with a fresh state, and what keeps that alive."""
         state = self._library.new_state()
-        pointers = {name: self._ffi.cast("void *", self._library.address(name))
-                    for name in ("step", "idle", "reset")}  # fmt: skip
-        pointers["state"] = self._ffi.cast("void *", state.address)
-        return self._ffi.new("sp_closed_loop_scene *", pointers), state
+        addresses = {name: self._library.address(name) for name in ("step", "idle", "reset")}
+        addresses["state"] = state.address
+        pointers = {name: self._port.pointer(address) for name, address in addresses.items()}
+        return self._port.ffi.new("sp_closed_loop_scene *", pointers), state
 
-    def _tool(self, grip: Grip, start_m: float) -> tuple[Any, Any]:
-        memory = np.zeros(-(-self._port.sim_tool_size() // 8))
-        tool = self._ffi.from_buffer("sim_tool *", memory, require_writable=True)
-        _check(self._port.sim_tool_init(
+    def _tool(self, grip: Grip, start_m: float) -> Any:
+        tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
+        _check(self._port.c.sim_tool_init(
             tool, HANDS.index(grip.hand), SUBSTEPS, grip.delay_samples, 1, grip.seed, start_m
         ))  # fmt: skip
-        return tool, memory
-
-    def _doubles(self, values: Samples) -> Any:
-        return self._ffi.from_buffer("double[]", values)
+        return tool
 
 
 def _check(status: int) -> None:
@@ -135,13 +136,6 @@ def _check(status: int) -> None:
 
 
 @cache
-def _load(real: str) -> tuple[cffi.FFI, Any]:
-    ffi = cffi.FFI()
-    sim = (SIM / "sim.h").read_text()
-    ffi.cdef(sim.split("/* cffi begin */")[1].split("/* cffi end */")[0])
-    loop = (PORT_TESTBENCH / "sp_closed_loop.h").read_text()
-    begin = loop.index("/* springpot declarations begin */")
-    ffi.cdef(loop[begin : loop.index("/* springpot declarations end */")])
+def _load(real: str) -> CLibrary:
     sources = [PORT_TESTBENCH / "sp_closed_loop.c", *sorted(SIM.glob("*.c"))]
-    include = [INCLUDE, INCLUDE / real, PORT_TESTBENCH, SIM]
-    return ffi, ffi.dlopen(str(shared_library(sources, include)))
+    return load([SIM / "sim.h", PORT_TESTBENCH / "sp_closed_loop.h"], sources, real)

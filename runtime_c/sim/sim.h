@@ -16,7 +16,7 @@
 
 #pragma GCC visibility push(default)
 
-/* cffi begin */
+/* springpot declarations begin */
 enum {
     SIM_OK = 0,
     SIM_NULL = -1,  /* a pointer is null */
@@ -87,7 +87,7 @@ void sim_tool_truth(const sim_tool *tool, double *position_m, double *velocity_m
  * towards intended_m[i]. The tool's substeps must be the object's; its delay does not apply. */
 int sim_tool_press(sim_tool *tool, sim_object *object_state, uint32_t n, const double *intended_m,
                    double *position_m, double *force_n);
-/* cffi end */
+/* springpot declarations end */
 
 #pragma GCC visibility pop
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import cffi
 import numpy as np
 
 from springpot.codegen.model.features import FirBank
@@ -16,6 +15,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling, Guard, Scene, Smoothing
 from springpot.host.emission.emission import emit
+from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import find_compiler
 from springpot.host.native.replay import load_port
 from springpot.runtime_c.paths import flags
@@ -90,9 +90,7 @@ def literal_row(ensemble: Any, scale: float, bank: FirBank, folder: Path) -> Row
     compile_s = time.perf_counter() - begin
     library = folder / "literal.so"
     compiled([HERE / "tick_literal.c", score], library, [f"-I{folder}"])
-    ffi = cffi.FFI()
-    ffi.cdef("uint32_t literal_size(void);")
-    state_bytes = ffi.dlopen(str(library)).literal_size()
+    state_bytes = CLibrary(library, "uint32_t literal_size(void);").c.literal_size()
     return Row("literal", library, "literal_step", state_bytes, None, code_bytes(score), write_s,
                compile_s)  # fmt: skip
 
@@ -121,16 +119,14 @@ class Stepper:
 
     def __init__(self, row: Row, positions: np.ndarray, velocities: np.ndarray) -> None:
         self.row = row
-        self._ffi, self._port = load_port("float")
-        symbols = cffi.FFI()
-        symbols.cdef(f"void {row.step}(void);" + (f"void {row.init}(void *);" if row.init else ""))
-        self._library = symbols.dlopen(str(row.library))
-        address = symbols.cast("uintptr_t", symbols.addressof(self._library, row.step))
-        self._step = self._ffi.cast("void *", int(address))
-        self._memory = symbols.new("double[]", row.state_bytes // 8 + 1)
+        self._port = load_port("float")
+        init = f"void {row.init}(void *);" if row.init else ""
+        self._library = CLibrary(row.library, f"void {row.step}(void);{init}")
+        c = self._library.c
+        self._step = self._port.pointer(self._library.address(getattr(c, row.step)))
+        self._state = self._library.memory(row.state_bytes)
         if row.init:
-            getattr(self._library, row.init)(self._memory)
-        self._state = self._ffi.cast("void *", int(symbols.cast("uintptr_t", self._memory)))
+            getattr(c, row.init)(self._state)
         self._positions = np.ascontiguousarray(positions, dtype=np.float32)
         self._velocities = np.ascontiguousarray(velocities, dtype=np.float32)
         self.force_n = np.empty_like(self._positions)
@@ -140,23 +136,18 @@ class Stepper:
         """Mean time of `ticks` ticks in a tight loop, ns."""
         rows = slice(begin, begin + ticks)
         arrays = self._positions[rows], self._velocities[rows], self.force_n[rows]
-        pointers = [self._ffi.from_buffer("float[]", values) for values in arrays]
-        notes = self._ffi.from_buffer("int32_t[]", self._notes[rows])
+        pointers = [*map(self._port.array, (*arrays, self._notes[rows]))]
         clock = time.perf_counter_ns()
-        self._port.sp_replay(self._step, self._state, ticks, *pointers, notes)
+        self._port.c.sp_replay(self._step, self._state, ticks, *pointers)
         return (time.perf_counter_ns() - clock) / ticks
 
     def paced_ns(self, ticks: int, period_s: float, cold: np.ndarray) -> np.ndarray:
         """Time of each of `ticks` ticks on deadlines with disturbed caches, ns."""
         tick_ns = np.empty(ticks)
-        pointers = [
-            self._ffi.from_buffer("float[]", values[:ticks])
-            for values in (self._positions, self._velocities)
-        ]
-        error = self._port.sp_pace(
-            self._step, self._state, ticks, *pointers, period_s,
-            self._ffi.from_buffer("uint8_t[]", cold), len(cold),
-            self._ffi.from_buffer("double[]", tick_ns),
+        array = self._port.array
+        error = self._port.c.sp_pace(
+            self._step, self._state, ticks, array(self._positions[:ticks]),
+            array(self._velocities[:ticks]), period_s, array(cold), len(cold), array(tick_ns),
         )  # fmt: skip
         assert error == 0
         return tick_ns

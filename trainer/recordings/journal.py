@@ -18,6 +18,7 @@ from typing import Any, Self
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.atomic_write import sync_folder
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.trainer.recordings.journal_blocks import (
     FACTS,
@@ -30,7 +31,7 @@ from springpot.trainer.recordings.journal_blocks import (
 from springpot.trainer.recordings.journal_reader import journal_of, read_journal
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Zero
-from springpot.trainer.recordings.recording_file import store_recording, sync_folder
+from springpot.trainer.recordings.recording_file import store_recording
 
 _MOST_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
 _SYNC_S = 0.5  # of wall clock between two syncs: what a power cut may take

@@ -3,7 +3,6 @@
 import hashlib
 import io
 import json
-import os
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +11,7 @@ import h5py
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
@@ -44,29 +44,9 @@ def store_recording(path: Path, recording: Recording, *, overwrite: bool) -> Non
     """
     content = _hdf5(recording)
     seal = _SEAL + hashlib.sha256(content).digest()
-    aside = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        with aside.open("wb") as file:
-            file.write(content)
-            file.write(seal)
-            file.flush()
-            os.fsync(file.fileno())
-        if overwrite:
-            aside.replace(path)
-        else:
-            path.hardlink_to(aside)
-    finally:
-        aside.unlink(missing_ok=True)
-    sync_folder(path.parent)
-
-
-def sync_folder(folder: Path) -> None:
-    """Make new names in a folder survive a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+    with written_aside(path, overwrite=overwrite, durable=True) as aside, aside.open("wb") as file:
+        file.write(content)
+        file.write(seal)
 
 
 def _hdf5(recording: Recording) -> bytes:

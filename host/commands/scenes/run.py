@@ -13,7 +13,7 @@ from springpot.host.console.options import POSITIVE
 from springpot.host.console.output import json_option, print_result, progress_console, say
 from springpot.host.emission.emission import SCENE_COPY, emit
 from springpot.host.emission.scene_file import model_path, read_scene
-from springpot.host.session.runner import RECONNECT_S, LoopKind
+from springpot.host.session.runner import RECONNECT_S
 from springpot.host.session.session import Session
 from springpot.host.session.terminal import stopping_on_sigterm, watch
 from springpot.trainer.recordings.recording import SUFFIX
@@ -39,13 +39,6 @@ from springpot.trainer.recordings.recording import SUFFIX
     show_default=True,
     help="How long to wait for a device that was unplugged.",
 )
-@click.option(
-    "--loop",
-    type=click.Choice(["c", "python"]),
-    default="c",
-    show_default=True,
-    help="Who keeps the time.",
-)
 @json_option
 def run(
     scene: Path,
@@ -55,7 +48,6 @@ def run(
     max_force_n: float | None,
     max_depth_mm: float | None,
     reconnect_s: float,
-    loop: LoopKind,
     as_json: bool,
 ) -> None:
     """Render a scene on a device. Keys: q stop, p pause, r reset; Ctrl-C stops too."""
@@ -69,7 +61,6 @@ def run(
             seconds=seconds or 0.0,
             max_force_n=max_force_n,
             max_depth_m=None if max_depth_mm is None else max_depth_mm / 1e3,
-            loop=loop,
             reconnect_s=reconnect_s,
             tell=_say_above,
         )

@@ -1,8 +1,5 @@
 #include <math.h>
 #include <string.h>
-#if defined(__linux__)
-#include <linux/can.h>
-#endif
 
 #include "sp_link.h"
 
@@ -18,6 +15,14 @@ enum {
 };
 enum { CLOSED_LOOP = 8, TORQUE_CONTROL = 1, PASSTHROUGH = 1 };
 enum { LINE = 32, ROOM = 4096, BYTES = 8 };
+/* struct can_frame of Linux, which a bridge from elsewhere fills too. */
+typedef struct {
+    uint32_t id; /* and flags above its eleven bits */
+    uint8_t size;
+    uint8_t padding[3];
+    uint8_t data[BYTES];
+} can_frame;
+static const uint32_t standard_id = 0x7ff;
 static const double two_pi = 6.283185307179586;
 
 typedef struct {
@@ -161,16 +166,12 @@ static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
             }
         }
     } else {
-#if defined(__linux__)
-        struct can_frame frame;
+        can_frame frame;
         while ((count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame)) > 0) {
-            if (count == (int)sizeof frame && !(frame.can_id & ~(canid_t)CAN_SFF_MASK)) {
-                take_frame(self, frame.can_id, frame.data, frame.can_dlc);
+            if (count == (int)sizeof frame && frame.id <= standard_id) {
+                take_frame(self, frame.id, frame.data, frame.size);
             }
         }
-#else
-        count = SP_LINK_GONE;
-#endif
     }
     return count < 0 ? SP_LINK_GONE : self->tripped ? SP_LINK_TRIPPED : self->fresh;
 }
@@ -204,14 +205,10 @@ static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
     if (self->drive.slcan) {
         return send_text(self, id, data, BYTES);
     }
-#if defined(__linux__)
-    struct can_frame frame = {.can_id = id, .can_dlc = BYTES};
+    can_frame frame = {.id = id, .size = BYTES};
     memcpy(frame.data, data, BYTES);
     const int put = sp_link_put(self->link.fd, (const uint8_t *)&frame, sizeof frame);
     return put < 0 ? SP_LINK_GONE : put < (int)sizeof frame;
-#else
-    return SP_LINK_GONE;
-#endif
 }
 
 static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)

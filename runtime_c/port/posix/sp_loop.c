@@ -17,6 +17,7 @@ static void accept_wishes(sp_loop *self)
         self->reset_next = self->reset_next || !self->kept_trip;
         self->connected = 1;
         self->waiting_count = 0;
+        self->motion.measured_n = (double)NAN;
         self->arming_ns = 0;
         if (!next->ready) {
             sp_loop_make_ready(self);

@@ -40,12 +40,13 @@ enum { SP_GOT_FIFO = 1, SP_GOT_LOCKED = 2, SP_GOT_SLACK = 4, SP_GOT_CPU = 8 };
 
 typedef struct {         /* one period; doubles throughout, so that a table of rows is a matrix */
     double time_s;       /* when the tick began, since the first deadline */
-    double position_m;   /* given to sp_step; in an idle period that of the last sp_step */
+    double position_m;   /* given to sp_step; in an idle period that of the last sp_step; in one
+                            without a call where the tool is */
     double velocity_mps; /* likewise */
     double dt_s;         /* given to sp_idle; in other periods the scene's */
     double returned_n;
     double sent_n;     /* what the device had last been told when the tick ended */
-    double measured_n; /* NaN where there is no load cell */
+    double measured_n; /* NaN where there is no load cell, or no device */
     double notes;
     double call;
     double age_s;      /* of the sample when the tick began; NaN without a new one */

@@ -3,7 +3,7 @@
 
 #include "sp_loop_self.h"
 
-static void begin_row(sp_loop *self, uint64_t begin_ns)
+static void begin_row(sp_loop *self, uint64_t begin_ns, int fresh)
 {
     sp_row *row = &self->row;
     row->time_s = 1e-9 * (double)(int64_t)(begin_ns - self->start_ns);
@@ -12,6 +12,9 @@ static void begin_row(sp_loop *self, uint64_t begin_ns)
     row->call = 0;
     row->notes = 0;
     row->tick_s = 0;
+    if (self->link == NULL && !fresh) {
+        self->motion.measured_n = (double)NAN; /* what a device that is gone last measured is old */
+    }
     row->measured_n = self->motion.measured_n;
 }
 
@@ -53,15 +56,21 @@ static void call_scene(sp_loop *self, int fresh)
     }
 }
 
+/* NaN is beyond every limit, and so is infinity, even where there is no limit. */
+static int is_beyond(double force_n, double max_force_n)
+{
+    return !(isfinite(force_n) && fabs(force_n) <= max_force_n);
+}
+
 static void check_limits(sp_loop *self)
 {
     const sp_row *row = &self->row;
-    const double measured_n = isfinite(row->measured_n) ? row->measured_n : 0.0;
+    const double max_n = self->config.max_force_n;
     if (self->reason || !sp_loop_at_work(self)) {
         return;
     }
-    if (!(fabs(row->returned_n) <= self->config.max_force_n) ||
-        !(fabs(measured_n) <= self->config.max_force_n)) {
+    if (is_beyond(row->returned_n, max_n) ||
+        (!isnan(row->measured_n) && is_beyond(row->measured_n, max_n))) {
         self->reason = SP_STOP_FORCE;
     } else if (row->position_m > self->config.max_depth_m) {
         self->reason = SP_STOP_DEPTH;
@@ -96,7 +105,7 @@ static void send_force(sp_loop *self, int behind)
 
 void sp_loop_tick(sp_loop *self, uint64_t begin_ns, int fresh, int behind)
 {
-    begin_row(self, begin_ns);
+    begin_row(self, begin_ns, fresh);
     self->row.age_s =
         fresh ? 1e-9 * (double)(int64_t)(begin_ns - self->motion.arrived_ns) : (double)NAN;
     if (!sp_loop_at_work(self)) {

@@ -18,6 +18,7 @@ from springpot.codegen.forest.quantisation import rounded, rounding_over
 from springpot.codegen.forest.tables import CompactForest, ForestTable
 from springpot.codegen.forest.traverse import compact_sums, feature_ranks, forest_force, table_sums
 from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
@@ -46,9 +47,9 @@ def fitted(trees: int, leaf: int, rows: int, kind: type = RandomForestRegressor,
 
 
 def harness() -> tuple[cffi.FFI, Any]:
-    ffi = cffi.FFI()
-    ffi.cdef(DECLARATIONS)
-    return ffi, ffi.dlopen(str(shared_library([HARNESS], [SOURCE, INCLUDE / "float"])))
+    path = shared_library([HARNESS], [SOURCE, INCLUDE / "float"])
+    loaded = CLibrary(path, DECLARATIONS)
+    return loaded.ffi, loaded.c
 
 
 def variants() -> range:

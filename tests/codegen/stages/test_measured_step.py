@@ -13,6 +13,7 @@ from support.small import DT_S, model_file, press, scene, training
 from springpot.codegen.model.model import Model
 from springpot.codegen.stages.recursive import SLOW_TICKS
 from springpot.host.emission.emission import emit
+from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import INCLUDE, SOURCE
@@ -29,13 +30,13 @@ TIME_STEP_ERROR = -2
 
 
 def harness(real: str) -> tuple[cffi.FFI, Any]:
-    ffi = cffi.FFI()
-    ffi.cdef(
+    declarations = (
         f"void phis(const {real} *, uint32_t, {real} *);"
         f"void measured_poles(const {real} *, uint32_t, uint32_t, uint32_t, const {real} *,"
         f" const {real} *, double *, {real} *);"
     )
-    return ffi, ffi.dlopen(str(shared_library([HARNESS], [SOURCE, INCLUDE / real])))
+    loaded = CLibrary(shared_library([HARNESS], [SOURCE, INCLUDE / real]), declarations)
+    return loaded.ffi, loaded.c
 
 
 @pytest.mark.parametrize(("real", "dtype"), [("float", np.float32), ("double", np.float64)])

@@ -1,28 +1,33 @@
 """ODrive CAN Simple: every frame against the published databases, then drives as processes."""
 
 import contextlib
+import dataclasses
 import functools
 import math
+import os
 import socket
 import struct
 import threading
 import time
 from importlib.resources import files
 
+import can
 import cantools
 import numpy as np
 import pytest
+from can.interfaces.udp_multicast import UdpMulticastBus
 from support.peer import peer, wait_until
 from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.can_bus import SocketBus
+from springpot.codegen.scene import Guard
+from springpot.host.devices.can_bus import SocketBus, open_bus
 from springpot.host.devices.device import Wanted
 from springpot.host.devices.odrive import CLOSED_LOOP, identifier, parse_heartbeat
-from springpot.host.devices.odrive_device import OdriveDevice, Transmission, refuse_slow_bus
+from springpot.host.devices.odrive_device import OdriveDevice, refuse_slow_bus
 from springpot.host.devices.url import parse_device
 from springpot.host.emission.emission import emit
-from springpot.host.native.loop_library import loop_library
+from springpot.host.native.loop_library import RESET, UNSENT, loop_library
 from springpot.host.recording.session import open_device as open_for_recording
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
@@ -124,8 +129,6 @@ def test_position_and_torque_against_the_database(family, link_of, slcan, sign):
         assert found == torque.frame_id
         told = torque.decode(data)["Input_Torque"]
         assert told == pytest.approx(-sign * force_n * 0.05 / (2 * math.pi), rel=1e-6)
-        train = Transmission(0.05, sign, 0.5, 0.002, 0.5)
-        assert told == np.float32(train.torque_nm(force_n))
     assert link.c.write(link.c, 0, 100.0) == -2  # more than the motor may give: nothing is sent
 
 
@@ -228,7 +231,7 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
 
 
 def test_a_drive_over_udp_multicast(tmp_path, folder):
-    """Any interface of python-can: the Python loop, and the log is as faithful."""
+    """Any interface of python-can: the same loop, and the log is as faithful."""
     log = tmp_path / "a.h5"
     with (
         peer("udp_odrive", "--port", 43219) as drive,
@@ -236,9 +239,110 @@ def test_a_drive_over_udp_multicast(tmp_path, folder):
     ):
         session.start()
         wait_until(lambda: session.running.over, 20, "does not end")
-    assert session.running.scheduler().startswith("Python thread")
+    assert session.running.scheduler().startswith("C thread")
     assert session.result()["samples"] > 800
     assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
+
+
+@pytest.fixture
+def virtual():
+    """A bus of python-can in this process: our end of it, opened as a device's, and the others'."""
+    with can.Bus(interface="virtual", channel="test") as others:
+        bus = open_bus(parse_device(f"odrive://virtual/test?{TRAIN}"), 1_000_000)
+        yield bus, others
+        bus.close()
+
+
+def test_a_bus_of_python_can_carries_the_same_frames(virtual):
+    bus, others = virtual
+    for wrong in ({"is_extended_id": True}, {"is_remote_frame": True}, {"is_error_frame": True}):
+        message = {"arbitration_id": 0x29, "is_extended_id": False, **wrong}
+        others.send(can.Message(**message))
+    others.send(can.Message(arbitration_id=0x29, data=b"abc", is_extended_id=False))
+    assert bus.receive(time.monotonic() + 5) == (0x29, b"abc")
+    assert bus.receive(time.monotonic()) is None
+    bus.send(identifier(1, 0x0E), b"abcdefgh")
+    bus.send(identifier(1, 0), b"", remote=True)
+    torque, question = others.recv(5), others.recv(5)
+    assert (torque.arbitration_id, bytes(torque.data)) == (0x2E, b"abcdefgh")
+    assert not (torque.is_extended_id or torque.is_remote_frame)
+    assert (question.arbitration_id, question.is_remote_frame) == (0x20, True)
+
+
+def test_the_last_frames_reach_a_bus_of_python_can(virtual):
+    """Zero force is sent last: it goes out before the bus is left."""
+    bus, others = virtual
+    for k in range(100):
+        bus.send(k, b"")
+    bus.close()
+    assert [others.recv(0).arbitration_id for _ in range(100)] == list(range(100))
+
+
+def test_a_slow_bus_of_python_can_refuses_forces(virtual):
+    """What waits for it is a few frames: forces of long ago are never sent."""
+    bus, _ = virtual
+    sent = threading.Event()
+    bus._bridge._bus.send = lambda _message: sent.wait(10)
+    frame, taken = struct.pack("=IB3x8s", 0x2E, 8, bytes(8)), 0
+    with pytest.raises(BlockingIOError):
+        while taken < 1000:
+            taken += os.write(bus.fd, frame) > 0
+    assert 4 <= taken <= 20  # arming a drive takes four at once
+    with pytest.raises(DeviceError, match="its queue stays full"):
+        bus.send(0x2E, bytes(8))
+    sent.set()
+
+
+def test_a_bus_of_python_can_that_fails_is_gone(virtual):
+    """The loop reads the end of the socket, the session the reason."""
+    bus, others = virtual
+
+    def fail(_message):
+        raise can.CanOperationError("cable cut")
+
+    bus._bridge._bus.send = fail
+    bus.send(0x2E, bytes(8))
+    with pytest.raises(DeviceError, match=r"virtual/test.*: cable cut: check the bus"):
+        bus.receive(time.monotonic() + 5)
+    assert os.read(bus.fd, 16) == b""
+    others.send(can.Message(arbitration_id=0x29, is_extended_id=False))
+    with pytest.raises(DeviceError, match="cable cut"):
+        bus.send(0x2E, bytes(8))
+
+
+def test_a_bus_of_python_can_that_fails_in_a_session(tmp_path, monkeypatch):
+    """A device that is gone: zero until it was opened and checked again, then ramped in."""
+    patient = dataclasses.replace(scene(), guard=Guard(watchdog_ms=300))
+    folder = tmp_path / "c"
+    emit(patient, model_file(tmp_path), folder)
+    log, broken, send = tmp_path / "a.h5", threading.Event(), UdpMulticastBus.send
+
+    def fail_once(bus, message, timeout=None):
+        if broken.is_set():
+            broken.clear()
+            raise can.CanOperationError("cable cut")
+        send(bus, message, timeout)
+
+    monkeypatch.setattr(UdpMulticastBus, "send", fail_once)
+    with (
+        peer("udp_odrive", "--port", 43223, "--watchdog-ms", 300) as drive,
+        Session(folder, drive.url, log, tell=list) as session,
+    ):
+        session.start()
+        wait_until(lambda: session.running.state.ticks > 100, 20, "no ticks")
+        broken.set()
+        wait_until(lambda: session.running.state.disconnects == 1, 5, "not gone")
+        wait_until(lambda: session.running.state.connected, 20, "not back")
+        at = session.running.state.ticks
+        wait_until(lambda: session.running.state.ticks > at + 100, 20, "no ticks")
+    read = read_recording(log)
+    assert validate(folder, [read], paced_s=0.01).mismatches == 0
+    call = read.channels["call"].astype(int)
+    lost = np.flatnonzero(call & UNSENT)
+    assert len(lost) > 250  # opening it again waits for its watchdog
+    (reset,) = np.flatnonzero(call & RESET)
+    assert reset > lost[250]
+    assert read.force_n[reset] == 0
 
 
 def test_a_drive_without_watchdog_is_refused(folder):
@@ -268,6 +372,9 @@ def test_recording_needs_the_torques_of_firmware_0_6():
         position_m, force_n = open_for_recording(drive.url).press(command_n)
     assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
     assert position_m.max() > 5e-4
+    with peer("udp_odrive", "--port", 43221, "--on-object") as drive:
+        position_m, force_n = open_for_recording(drive.url).press(command_n)
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
     with (
         peer("slcan_odrive", "--on-object", "--firmware", "0.5") as drive,
         pytest.raises(DeviceError, match="measures no force"),

@@ -6,12 +6,12 @@ import shutil
 import struct
 import subprocess
 
-import cffi
 import numpy as np
 import pytest
 from support.paths import C_TESTS
 
 from springpot.host.devices.wire import Receiver, Sender, constant, layout, messages
+from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import find_compiler, run_compiler, shared_library
 from springpot.runtime_c.paths import PORT_WIRE, flags
 
@@ -24,7 +24,6 @@ EXAMPLES = {"u8": [0, 7, 255], "u32": [0, 1 << 31, 0xFFFFFFFF], "f32": [0.0, -1.
 @pytest.fixture(scope="module")
 def c_end():
     """The C end as a library: encode, receive, and every message's send and get."""
-    ffi = cffi.FFI()
     types = {"u8": "uint8_t", "u32": "uint32_t", "f32": "float", "hash": "sp_wire_hash"}
     text = """typedef struct { uint8_t bytes[32]; } sp_wire_hash;
     typedef struct { uint8_t type, version; uint32_t sequence, size; uint8_t body[48]; }
@@ -42,8 +41,8 @@ def c_end():
         text += f"typedef struct {{ {members} }} sp_wire_{name};"
         text += f"uint32_t sp_wire_send_{name}(uint32_t *, const sp_wire_{name} *, uint8_t *);"
         text += f"int sp_wire_get_{name}(const sp_wire_frame *, sp_wire_{name} *);"
-    ffi.cdef(text)
-    return ffi, ffi.dlopen(str(shared_library([PORT_WIRE / "sp_wire.c"], [PORT_WIRE])))
+    loaded = CLibrary(shared_library([PORT_WIRE / "sp_wire.c"], [PORT_WIRE]), text)
+    return loaded.ffi, loaded.c
 
 
 def test_one_table_for_both_ends(c_end):

@@ -26,8 +26,8 @@ def library(folder: Path, contact: str = "surface", **options: str) -> SceneLibr
 
 def test_null_pointers_are_misuse_and_change_nothing(tmp_path: Path) -> None:
     lib = library(tmp_path)
-    ffi = lib._ffi
-    state = ffi.cast("sp_state *", ffi.new("double[]", lib.state_bytes // 8 + 1))
+    ffi = lib.loaded.ffi
+    state = lib.loaded.memory(lib.state_bytes, "sp_state")
     force = ffi.new("float[1]", [7.0])
     assert lib.function("step")(ffi.NULL, 0.0, 0.0, force) == NULL
     assert lib.function("step")(state, 0.0, 0.0, ffi.NULL) == NULL

@@ -59,12 +59,11 @@ def assert_faithful(folder, log):
 
 
 @pytest.mark.parametrize("number", ["float32", "float64"])
-@pytest.mark.parametrize("loop", ["c", "python"])
-def test_a_simulated_hand(tmp_path, folders, number, loop):
+def test_a_simulated_hand(tmp_path, folders, number):
     log = tmp_path / "a.h5"
     told = []
     with Session(folders[number], "sim://ecoflex-00-30?hand=firm&seed=3", log, seconds=1.0,
-                 loop=loop, tell=told.append) as session:  # fmt: skip
+                 tell=told.append) as session:  # fmt: skip
         session.start()
         finish(session)
     result = session.result()
@@ -120,10 +119,9 @@ def test_a_replay_gives_the_forces_of_validation(tmp_path, folder):
         Session(folder, f"replay://{tmp_path}/slow.h5", tell=list).__enter__()
 
 
-@pytest.mark.parametrize("loop", ["c", "python"])
-def test_pause_reset_resume_stop(tmp_path, folder, loop):
+def test_pause_reset_resume_stop(tmp_path, folder):
     log = tmp_path / "a.h5"
-    with Session(folder, "sim://ecoflex-00-30", log, loop=loop, tell=list) as session:
+    with Session(folder, "sim://ecoflex-00-30", log, tell=list) as session:
         session.start()
         wait_until(lambda: session.running.state.ticks > 300, 5, "no ticks")
         session.pause()

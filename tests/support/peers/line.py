@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from springpot.codegen.atomic_write import written_aside
 from springpot.host.simulation.bench import (
     HANDS,
     OBJECTS,
@@ -108,11 +109,10 @@ class Port:
     def open(self) -> None:
         self.master, slave = pty.openpty()
         tty.setraw(slave)
-        new = self.path.with_name("new")
-        new.symlink_to(os.ttyname(slave))
-        os.close(slave)
-        os.set_blocking(self.master, False)
-        new.replace(self.path)
+        with written_aside(self.path) as new:
+            new.symlink_to(os.ttyname(slave))
+            os.close(slave)
+            os.set_blocking(self.master, False)
 
     def close(self) -> None:
         self.path.unlink(missing_ok=True)

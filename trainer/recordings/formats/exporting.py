@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import UsageError
 from springpot.trainer.recordings.recording import SIGN_RULE, Recording
 
@@ -24,15 +25,14 @@ def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> 
         folder.mkdir(parents=True, exist_ok=True)
         if path.exists():
             raise UsageError(f"{path}: exists already: remove it or choose another --out")
-        aside = path.with_name(f"{path.name}.part")
-        if form == "csv":
-            _write_csv(aside, recording)
-        else:
-            _write_mat(aside, recording)
-        aside.replace(path)
+        with written_aside(path) as aside:
+            if form == "csv":
+                _write_csv(aside, recording)
+            else:
+                _write_mat(aside, recording)
         if form == "csv":
             facts = json.dumps(_facts(recording), indent=2, sort_keys=True) + "\n"
-            path.with_suffix(".json").write_text(facts, encoding="utf-8")
+            write_file(path.with_suffix(".json"), facts.encode())
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}: choose another --out") from None
     return path

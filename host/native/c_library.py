@@ -1,0 +1,76 @@
+"""C in this process: declarations out of headers, built through the cache, loaded, given memory."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import cffi
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.host.native.compiler import CompilerError, shared_library
+from springpot.runtime_c.paths import INCLUDE
+
+_BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
+_ALIGNMENT = 8  # of every state of ours: as for double
+# C types of arrays, by the letter of numpy's type.
+_ARRAYS = {"f": "float[]", "d": "double[]", "i": "int32_t[]", "B": "uint8_t[]"}
+
+
+class CLibrary:
+    """A shared library with what its headers declare. ffi: cffi's types. c: functions, constants.
+
+    Pointers that `memory` and `array` return own their memory or keep its owner: C may use it for
+    as long as they live. An address keeps nothing.
+    """
+
+    def __init__(self, path: Path, declarations: str) -> None:
+        """Load it. Raises CompilerError where it is none of this machine's."""
+        self.ffi = cffi.FFI()
+        self.ffi.cdef(declarations)
+        try:
+            self.c: Any = self.ffi.dlopen(str(path))
+        except OSError as error:
+            raise CompilerError(f"{path}: cannot be loaded here ({error}): check CC") from None
+
+    def memory(self, size: int, kind: str = "double") -> Any:
+        """A pointer to `size` bytes for a C state of type `kind`, zero, aligned as for double."""
+        values = np.zeros(-(-size // _ALIGNMENT))
+        return self.ffi.from_buffer(f"{kind} *", values, require_writable=True)
+
+    def array(self, values: NDArray[Any]) -> Any:
+        """A pointer to the numbers of a contiguous array, in its own type."""
+        return self.ffi.from_buffer(_ARRAYS[values.dtype.char], values)
+
+    def address(self, pointer: Any) -> int:
+        """Address of a function or a state, for C that was loaded as another library."""
+        return int(self.ffi.cast("uintptr_t", pointer))
+
+    def pointer(self, address: int) -> Any:
+        """A void pointer to what another library has at that address."""
+        return self.ffi.cast("void *", address)
+
+
+def declarations(headers: Sequence[Path], real: str = "") -> str:
+    """Cut what cffi reads out of headers; real: "float" or "double" where they use sp_real."""
+    parts = [f"typedef {real} sp_real;"] if real else []
+    for header in headers:
+        text = header.read_text(encoding="utf-8")
+        parts.append(text[text.index(_BEGIN) : text.index(_END)])
+    return "\n".join(parts)
+
+
+def load(
+    headers: Sequence[Path],
+    sources: Sequence[Path],
+    real: str = "",
+    extra_flags: Sequence[str] = (),
+) -> CLibrary:
+    """Build C of ours, unless that was done before, and load it; real: as for `declarations`.
+
+    Headers are looked for where `headers` and `sources` lie.
+    """
+    include = sorted({file.parent for file in (*headers, *sources)})
+    include += [INCLUDE, INCLUDE / real] if real else []
+    path = shared_library(sources, include, extra_flags)
+    return CLibrary(path, declarations(headers, real))

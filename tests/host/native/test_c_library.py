@@ -1,0 +1,67 @@
+"""C in this process: what a loaded library may rely on."""
+
+import gc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from springpot.host.native.c_library import CLibrary, declarations, load
+from springpot.host.native.compiler import CompilerError
+
+HEADER = """/* Sums. */
+#include <stdint.h>
+#include "sp_real.h"
+/* springpot declarations begin */
+sp_real sum(const sp_real *values, uint32_t n);
+/* springpot declarations end */
+"""
+SOURCE = """#include "sum.h"
+sp_real sum(const sp_real *values, uint32_t n)
+{
+    sp_real total = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        total += values[i];
+    }
+    return total;
+}
+"""
+
+
+def summing(folder: Path, real: str) -> CLibrary:
+    (folder / "sum.h").write_text(HEADER)
+    (folder / "sum.c").write_text(SOURCE)
+    return load([folder / "sum.h"], [folder / "sum.c"], real)
+
+
+@pytest.mark.parametrize(("real", "dtype"), [("float", np.float32), ("double", np.float64)])
+def test_a_header_is_what_python_calls(tmp_path: Path, real: str, dtype: type) -> None:
+    library = summing(tmp_path, real)
+    values = np.array([1.5, 2.25, -4.0], dtype=dtype)
+    assert library.c.sum(library.array(values), 3) == -0.25
+    with pytest.raises(TypeError):
+        library.c.sum(library.array(np.zeros(3, dtype=np.int32)), 3)
+    assert declarations([tmp_path / "sum.h"], real).startswith(f"typedef {real} sp_real;")
+
+
+def test_memory_is_zero_aligned_and_lives_as_long_as_its_pointer(tmp_path: Path) -> None:
+    library = summing(tmp_path, "double")
+    for size in (1, 7, 8, 9, 1001):
+        pointer = library.memory(size)
+        gc.collect()
+        content = library.ffi.buffer(pointer, size)
+        assert bytes(content) == bytes(size)
+        assert library.address(pointer) % 8 == 0
+        content[:] = b"x" * size
+    other = library.memory(8)
+    assert library.address(other) != library.address(pointer)
+    again = library.ffi.cast("double *", library.pointer(library.address(other)))
+    again[0] = 7.0
+    assert other[0] == 7.0
+
+
+def test_a_library_of_another_machine_is_refused_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "a.so").write_bytes(b"\x7fELF of another machine")
+    with pytest.raises(CompilerError, match="cannot be loaded here") as caught:
+        CLibrary(tmp_path / "a.so", "")
+    assert "\n" not in str(caught.value)
