@@ -15,13 +15,14 @@ enum {
 };
 enum { CLOSED_LOOP = 8, TORQUE_CONTROL = 1, PASSTHROUGH = 1 };
 enum { LINE = 32, ROOM = 4096, BYTES = 8 };
-/* struct can_frame of Linux, which a bridge from elsewhere fills too. */
+/* struct can_frame of Linux, also where another system's bus comes through a bridge. */
 typedef struct {
     uint32_t id; /* and flags above its eleven bits */
     uint8_t size;
     uint8_t padding[3];
     uint8_t data[BYTES];
 } can_frame;
+_Static_assert(sizeof(can_frame) == 16, "as the kernel and the bridge lay it out");
 static const uint32_t standard_id = 0x7ff;
 static const double two_pi = 6.283185307179586;
 

@@ -23,7 +23,7 @@ from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.scene import Guard
 from springpot.host.devices.can_bus import SocketBus, open_bus
 from springpot.host.devices.device import Wanted
-from springpot.host.devices.odrive import CLOSED_LOOP, identifier, parse_heartbeat
+from springpot.host.devices.odrive import CLOSED_LOOP, ENCODER, identifier, parse_heartbeat
 from springpot.host.devices.odrive_device import OdriveDevice, refuse_slow_bus
 from springpot.host.devices.url import parse_device
 from springpot.host.emission.emission import emit
@@ -177,6 +177,18 @@ def test_arming_heartbeats_and_torques(family, link_of, slcan):
         assert link.motion.measured_n == pytest.approx(told * 2 * math.pi / 0.05)
     else:
         assert math.isnan(link.motion.measured_n)
+
+
+@pytest.mark.parametrize("flag", [0x80000000, 0x40000000, 0x20000000])
+def test_only_data_frames_with_short_identifiers_are_samples(link_of, flag):
+    """Extended, remote and error frames of a socket are none; nor is one that is too short."""
+    link, data = link_of(slcan=False, family="0.6"), struct.pack("<ff", 1.0, 2.0)
+    link.give(flag | ENCODER, data)
+    link.give(ENCODER, data[:7])
+    link.far.send(b"short")
+    assert link.read() == 0
+    link.give(ENCODER, data)
+    assert link.read() == 1
 
 
 def test_other_nodes_and_damaged_lines_are_no_samples(link_of):
