@@ -1,4 +1,5 @@
-# make demo: the whole job on a simulated object.  make test: Python and C tests.
+# make demo: the whole job on a simulated object.  make test: Python and C tests in minutes.
+# make test-all: what takes longer too, and what needs a machine that does nothing else.
 # make check: format, lint, types, C tests under sanitizers with every compiler found.
 PYTHON ?= python3
 BIN := .venv/bin
@@ -12,7 +13,7 @@ include runtime_c/flags.mk
 MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf \
   picolibc-riscv64-unknown-elf qemu-system-misc
 
-.PHONY: demo test test-mcu setup-mcu firmware soak bench-tick bench-host check format lint types ns test-c clean
+.PHONY: demo test test-all test-mcu setup-mcu firmware soak bench-tick bench-host check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -24,7 +25,13 @@ demo: $(STAMP)
 	$(BIN)/springpot demo --out demo
 
 test: $(STAMP) test-c
-	$(BIN)/pytest --ignore-glob='tests/host/boards/test_mcu_*.py'
+	$(BIN)/pytest -m "not slow and not realtime"
+
+# Every test once, those on emulated boards where the tools are there; what runs against the clock
+# has the machine for itself.
+test-all: $(STAMP) test-c
+	$(BIN)/pytest -m "not realtime"
+	$(BIN)/pytest -n 0 -m realtime
 
 # Cross compilers and emulators, from the system's packages, as root.
 setup-mcu:
@@ -33,7 +40,7 @@ setup-mcu:
 
 # The same C on emulated boards; what is missing here is skipped, counted, and said.
 test-mcu: $(STAMP)
-	$(BIN)/pytest -n 2 tests/host/boards/test_mcu_*.py
+	$(BIN)/pytest -n 2 -m board
 
 # make firmware BOARD=mps2-an386 SCENE=scene.toml: build/firmware/BOARD/firmware.elf and its sources.
 firmware: $(STAMP)

@@ -1,8 +1,14 @@
 """Fixtures that several test modules share."""
 
+import os
 from pathlib import Path
 
 import pytest
+
+# The workers of pytest keep every core busy: threads of numerical libraries would wait for each
+# other. Before numpy is loaded, and for the processes that tests start.
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
 
 SHARED_DATA = Path(__file__).parents[1].parent / "shared" / "data"
 

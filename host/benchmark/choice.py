@@ -9,7 +9,7 @@ from springpot.codegen.scene import Budget as SceneBudget
 from springpot.codegen.scene import Scene, Target
 from springpot.host.benchmark.isolated import rendered_scene
 from springpot.host.benchmark.labels import point_line
-from springpot.host.benchmark.picks import Budget, misfit, pick
+from springpot.host.benchmark.picks import Budget, misfit, pick, unmeasured
 from springpot.host.benchmark.store import Store, read_result
 from springpot.host.console.output import say
 
@@ -41,9 +41,10 @@ def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[F
 def choose_within(folder: Path, budget: Budget) -> tuple[Facts, Budget]:
     """The most accurate point that fits and is known to be stable: of the front and the picks.
 
-    Raises BudgetError with the point that comes nearest.
+    Raises BudgetError with the point that comes nearest, or where a limit cannot be checked.
     """
     result = read_result(folder)
+    _refuse_unmeasured(result["points"], budget)
     stable = [p for p in result["points"] if p["bounded"] and not p["active_cells"]]
     if not stable:
         raise BudgetError(f"{folder}: no stable model at all: record more, or sweep more kinds")
@@ -55,6 +56,16 @@ def choose_within(folder: Path, budget: Budget) -> tuple[Facts, Budget]:
             f"{point_line(nearest)}: raise the budget"
         )
     return found, budget
+
+
+def _refuse_unmeasured(points: list[Facts], budget: Budget) -> None:
+    """A limit that a person states is checked, or refused."""
+    unknown = next((found for p in points if (found := unmeasured(p, budget))), None)
+    if unknown is not None:
+        raise BudgetError(
+            f"--flash {budget.flash_bytes}: {unknown}: install it and run the benchmark again, "
+            "which adds the sizes; or leave out --flash"
+        )
 
 
 def scene_of(

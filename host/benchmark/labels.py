@@ -34,15 +34,21 @@ def point_line(point: Facts) -> str:
     """One point in a line."""
     return (
         f"{label(point)}: RMSE {point['rmse_n']:.3g} N ({point['rmse_percent_of_peak']:.2g} % of "
-        f"peak), {1e-3 * point['tick_ns_hot']:.2g} µs a tick, {kilobytes(point['flash_bytes'])} of "
-        f"flash, {point['ram_bytes']} bytes of RAM"
+        f"peak), {1e-3 * point['tick_ns_hot']:.2g} µs a tick, {flash_text(point)}, "
+        f"{point['ram_bytes']} bytes of RAM"
     )
+
+
+def flash_text(point: Facts) -> str:
+    """Flash of a point, or that it is not known."""
+    count = point["flash_bytes"]
+    return "flash unknown" if count is None else f"{kilobytes(count)} of flash"
 
 
 def kilobytes(count: int | None) -> str:
     """A size for people."""
     if count is None:
-        return "unknown size"
+        return "unknown"
     return f"{count} bytes" if count < 10_000 else f"{count / 1024:.0f} kB"
 
 
@@ -53,7 +59,7 @@ def hover(point: Facts) -> str:
         label(point),
         f"RMSE {point['rmse_n']:.3g} N, {point['rmse_percent_of_peak']:.2g} % of peak "
         f"(cross-validated {point['cv_rmse_n']:.3g} N)",
-        f"{1e-3 * point['tick_ns_hot']:.3g} µs a tick, {kilobytes(point['flash_bytes'])} of flash, "
+        f"{1e-3 * point['tick_ns_hot']:.3g} µs a tick, {flash_text(point)}, "
         f"{point['ram_bytes']} bytes of RAM, fitted in {point['fit_s']:.2g} s",
         f"gives energy back in {active} of {point['cells']} cells"
         if active

@@ -70,16 +70,18 @@ def pareto(points: Sequence[Facts]) -> set[str]:
 
     The error is the cross-validated one: the validation recordings only report.
     """
-    rows = {p["key"]: tuple(p[axis] or 0 for axis in _AXES) for p in points}
+    rows = {p["key"]: tuple(p[axis] for axis in _AXES) for p in points}
     return {key for key, row in rows.items() if not any(_beats(o, row) for o in rows.values())}
 
 
 def _beats(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
-    return one != other and all(a <= b for a, b in zip(one, other, strict=True))
+    """Whether one is better and nowhere worse, in what is known of both."""
+    known = [(a, b) for a, b in zip(one, other, strict=True) if a is not None and b is not None]
+    return any(a < b for a, b in known) and all(a <= b for a, b in known)
 
 
 def misfit(point: Facts, budget: Budget, recorded_hz: float) -> str | None:
-    """Why a point does not fit a budget; None where it does."""
+    """Why a point does not fit a budget; None where it does, as far as its sizes are known."""
     rate_hz = budget.rate_hz
     if rate_hz is not None and rate_hz > 1.001 * recorded_hz and not point["any_rate"]:
         return f"whose features hold at {recorded_hz:g} Hz only"
@@ -94,9 +96,14 @@ def misfit(point: Facts, budget: Budget, recorded_hz: float) -> str | None:
     ):
         if may is not None and has is not None and has > may:
             return f"above {may:g} {what}"
-        if may is not None and has is None and what == "bytes of flash":
-            return "of unknown flash: no compiler for the target"
     return None
+
+
+def unmeasured(point: Facts, budget: Budget) -> str | None:
+    """Which size of the budget is not known of a point, and why; None where all are."""
+    if budget.flash_bytes is None or point["flash_bytes"] is not None:
+        return None
+    return f"flash could not be measured ({point['sizes_why']})"
 
 
 def pick(
@@ -141,11 +148,12 @@ def why(point: Facts, points: Sequence[Facts], budget: Budget, recorded_hz: floa
     """What was chosen, what it gains on the paper's forest, and why nothing more accurate was."""
     text = "least error on held-out training recordings of all that fit this budget"
     if not point["bounded"]:
-        return (
+        text = (
             f"{text} and give no energy back, for simulation only: no model that was tried is "
             f"bounded in every hand at {recorded_hz:g} Hz; record and render faster, or a softer "
             "object"
         )
+        return text + _unjudged(point, budget)
     text += ", give no energy back and stay bounded with every hand"
     paper = next((p for p in points if p["model"] == "rf-fd" and not p["options"]), None)
     if paper is not None and paper is not point:
@@ -159,7 +167,12 @@ def why(point: Facts, points: Sequence[Facts], budget: Budget, recorded_hz: floa
     if reasons:
         listed = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
         text += f". Of less error, but not taken: {listed}"
-    return text
+    return text + _unjudged(point, budget)
+
+
+def _unjudged(point: Facts, budget: Budget) -> str:
+    unknown = unmeasured(point, budget)
+    return "" if unknown is None else f". Its {unknown}, and did not decide"
 
 
 def _rejected(other: Facts, budget: Budget, recorded_hz: float) -> str:

@@ -12,15 +12,16 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import model_bytes, model_hash
+from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
+from springpot.host.native.compiler import CompilerError, compiler_version
 from springpot.host.native.footprint import Footprint, measure_footprint
 from springpot.host.native.machine import cpu_s, machine_facts
 from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.toolchain import toolchain
+from springpot.host.native.toolchain import missing_tools, toolchain
 from springpot.host.native.trial_build import built
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import Kind, register
@@ -64,6 +65,21 @@ class Point:
     key: str
     facts: dict[str, Any]
     model: bytes | None
+
+
+@dataclass(frozen=True)
+class SizeJob:
+    """What a worker needs to add the sizes of a kept point."""
+
+    key: str
+    model_file: Path
+    number: Number
+    target: Target
+
+
+def measure_sizes(job: SizeJob) -> tuple[str, dict[str, Any]]:
+    """The key, and the sizes of the point's C on its target."""
+    return job.key, target_sizes(read_model(job.model_file), job.number, job.target)
 
 
 def measure_point(job: Job) -> Point:
@@ -131,13 +147,11 @@ def _prepared(data: Data, smooth_s: float, seed: int) -> tuple["TrainingSet", tu
 def _measured(job: Job, model: Model) -> dict[str, Any]:
     number = job.candidate.number
     plan = make_plan(model, bench_scene(number), accept_unsafe=True)
-    size = footprint(make_plan(model, bench_scene(number, job.target), accept_unsafe=True))
     with built(plan) as library:
         return {
             **prediction(plan, library, job.data.validation),
             "tick_ns_hot": hot_ns(plan, library, job.data.validation),
-            "flash_bytes": size.flash_bytes if size else None,
-            "stack_bytes": size.stack_bytes if size else None,
+            **target_sizes(model, number, job.target),
             "ram_bytes": state_bytes(plan),
             "left_out": [vars(item) for item in plan.left_out],
             **small_signal_map(plan, library, 0).as_dict(),
@@ -171,11 +185,31 @@ def hot_ns(plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...])
     return min(Replay(library).hot_ns(position, velocity) for _ in range(HOT_REPEATS))
 
 
-def footprint(plan: Plan) -> Footprint | None:
-    """Sizes of a plan's C on its target; None where no compiler for it is installed."""
+def target_sizes(model: Model, number: Number, target: Target) -> dict[str, Any]:
+    """Flash and stack of the model's C on its target, bytes; null with `sizes_why` where unknown.
+
+    `sizes_compiler`: version of the target's compiler that they are of; null where there is none.
+    """
+    facts: dict[str, Any] = dict.fromkeys(("flash_bytes", "stack_bytes", "sizes_why"))
+    facts["sizes_compiler"] = target_compiler(target)
+    if why := missing_tools(target):
+        return facts | {"sizes_why": why}
+    try:
+        size = _footprint(make_plan(model, bench_scene(number, target), accept_unsafe=True))
+    except CompilerError as error:
+        return facts | {"sizes_why": str(error)}
+    return facts | vars(size)
+
+
+def target_compiler(target: Target) -> str | None:
+    """Version of the target's compiler; None where it is not installed."""
+    tools = toolchain(target)
+    return None if tools is None else compiler_version(tools.compiler)
+
+
+def _footprint(plan: Plan) -> Footprint:
     tools = toolchain(plan.scene.runtime.target)
-    if tools is None:
-        return None
+    assert tools is not None, "the caller has looked"
     with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
         for name, text in emit_files(plan).items():
             (Path(folder) / name).write_text(text)

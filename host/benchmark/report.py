@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.host.benchmark import figures
-from springpot.host.benchmark.labels import kilobytes, label, options_text
+from springpot.host.benchmark.labels import flash_text, kilobytes, label, options_text
 from springpot.host.benchmark.store import read_result
 from springpot.host.page import page_text, plain
 from springpot.host.paper.claims import PAPER_MODELLING_S, PAPER_RATES_HZ
@@ -35,6 +35,7 @@ def bench_page(result: Facts, folder: str) -> str:
         "defaults": options_text(result["defaults"]),
         "front": front,
         "refused": result["refused"],
+        "sizes_why": sorted({p["sizes_why"] for p in result["points"] if p["sizes_why"]}),
         "points": sorted(result["points"], key=lambda p: p["rmse_n"]),
         "chart": figures.front_figure(result),
         "curves": [
@@ -62,7 +63,9 @@ def bench_page(result: Facts, folder: str) -> str:
         "paper": paper_rows(result["points"]),
         "quality": result["quality"],
     }  # fmt: skip
-    return page_text("bench.html", context, us=_microseconds, size=kilobytes, label=label)
+    return page_text(
+        "bench.html", context, us=_microseconds, size=kilobytes, flash=flash_text, label=label
+    )
 
 
 def paper_rows(points: list[Facts]) -> list[dict[str, str]]:

@@ -23,7 +23,14 @@ from springpot.codegen.scene import Number, Target
 from springpot.host.benchmark.instructions import count_instructions, uncounted
 from springpot.host.benchmark.isolated import measure_alone
 from springpot.host.benchmark.picks import Budget, budgets, pareto, pick, why
-from springpot.host.benchmark.point import Data, Job, measure_point
+from springpot.host.benchmark.point import (
+    Data,
+    Job,
+    SizeJob,
+    measure_point,
+    measure_sizes,
+    target_compiler,
+)
 from springpot.host.benchmark.store import Store, data_key, key_of, measured_by, point_key
 from springpot.host.benchmark.work_precision import work_precision
 from springpot.host.console.output import progress_console
@@ -60,7 +67,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
     store.prepare()
     begin, load = time.perf_counter(), os.getloadavg()[0]
     measures = measured_by(bench.target)
-    found, computed = _sweep(bench, store, measures)
+    found, computed, computed_sizes = _sweep(bench, store, measures)
     points = [facts for facts in found if "error" not in facts]
     if not points:
         raise DataError(f"no model can be made of these recordings: {found[0]['error']}")
@@ -103,6 +110,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
         "work_precision": curves,
         "closed_loop": alone.matrices,
         "computed": computed,
+        "computed_sizes": computed_sizes,
         "computed_alone": alone.computed,
         "wall_s": time.perf_counter() - begin,
         "cpu_s": sum(p["point_cpu_s"] for p in points) + alone.cpu_s,
@@ -112,8 +120,9 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Facts:
     return result
 
 
-def _sweep(bench: Bench, store: Store, measures: Facts) -> tuple[list[Facts], int]:
-    """Facts of every candidate, in the sweep's order, and how many were computed now."""
+def _sweep(bench: Bench, store: Store, measures: Facts) -> tuple[list[Facts], int, int]:
+    """Facts of every candidate, in the sweep's order; how many were computed now, how many only
+    got their sizes."""
     from springpot.trainer.models.fit import FitOptions
     from springpot.trainer.parallel import in_parallel
     from springpot.trainer.selection.sweep import default_sweep
@@ -131,7 +140,26 @@ def _sweep(bench: Bench, store: Store, measures: Facts) -> tuple[list[Facts], in
             store.keep(point)
             known[point.key] = point.facts
             progress.advance(task)
-    return [facts for facts in known.values() if facts is not None], len(jobs)
+    found = [facts for facts in known.values() if facts is not None]
+    return found, len(jobs), _complete_sizes(found, bench.target, store)
+
+
+def _complete_sizes(found: Sequence[Facts], target: Target, store: Store) -> int:
+    """Measure again the sizes of kept points that are of no compiler, or of another version.
+
+    Returns how many. What an uninstalled compiler has measured stays.
+    """
+    from springpot.trainer.parallel import in_parallel
+
+    compiler = target_compiler(target)
+    points = {p["key"]: p for p in found if "error" not in p and p["sizes_compiler"] != compiler}
+    if compiler is None or not points:
+        return 0
+    jobs = [SizeJob(key, store.model_file(key), p["number"], target) for key, p in points.items()]
+    for key, sizes in in_parallel(measure_sizes, jobs, None):
+        points[key].update(sizes)
+        store.write("points", key, points[key])
+    return len(jobs)
 
 
 def _progress() -> Progress:
@@ -166,7 +194,8 @@ class _Alone:
         target = self._bench.target
         if why := uncounted(target):  # not kept: the tools may come
             return {"instructions": None, "instructions_why": why}
-        return self._once("instructions", key, lambda: count_instructions(*asked, target))
+        version = key_of([key, target_compiler(target)])
+        return self._once("instructions", version, lambda: count_instructions(*asked, target))
 
     def _once(self, kind: str, key: str, measure: Callable[[], Facts]) -> Facts:
         """What is kept, or else measured now and kept."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.scene import Target
-from springpot.host.native.toolchain import Toolchain, package_of, toolchain
+from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
 
 
 @dataclass(frozen=True)
@@ -72,10 +72,7 @@ def compiler_of(board: Board) -> Toolchain:
     """Return the board's compiler. Raises UsageError with what to install."""
     tools = toolchain(board.target)
     if tools is None:
-        raise UsageError(
-            f"no compiler for {board.target}: `apt-get install {package_of(board.target)}`, or "
-            "`make setup-mcu`"
-        )
+        raise UsageError(missing_tools(board.target))
     return tools
 
 

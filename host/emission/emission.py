@@ -4,7 +4,8 @@ import hashlib
 import json
 import shutil
 import time
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import Footprint, measure_footprint
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.toolchain import package_of, toolchain
+from springpot.host.native.toolchain import missing_tools, toolchain
 from springpot.host.stability.check import Check, check, refuse_unstable
 
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
@@ -34,13 +35,17 @@ _OWN_LATER = {"validation", "report.html", "example"}
 
 @dataclass(frozen=True)
 class Emission:
-    """What was emitted. footprint, compile_s, check: None without a compiler; notices say why."""
+    """What was emitted. footprint, compile_s, check: None without a compiler; notices say why.
+
+    unmeasured: why there is no footprint, and what to install; empty where there is one.
+    """
 
     folder: Path
     plan: Plan
     manifest: dict[str, Any]
     hash: str
     footprint: Footprint | None
+    unmeasured: str
     ram_bytes: int
     write_s: float
     compile_s: float | None
@@ -48,9 +53,16 @@ class Emission:
     notices: tuple[str, ...]
 
 
-def emit(scene: Scene, model_file: Path, folder: Path, accept_unsafe: bool = False) -> Emission:
+def emit(
+    scene: Scene,
+    model_file: Path,
+    folder: Path,
+    accept_unsafe: bool = False,
+    accept_unmeasured: bool = False,
+) -> Emission:
     """Emit `scene` into `folder`, replacing an earlier emission there.
 
+    accept_unmeasured: a size of the budget that cannot be measured here is a notice, no refusal.
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
     find it unstable, unless that is accepted: the manifest then says so.
@@ -64,7 +76,7 @@ def emit(scene: Scene, model_file: Path, folder: Path, accept_unsafe: bool = Fal
         begin = time.perf_counter()
         write_emission(plan, scene, model_file, aside)
         write_s = time.perf_counter() - begin
-        return _built(plan, aside, folder, write_s)
+        return _built(plan, aside, folder, write_s, accept_unmeasured)
 
 
 def read_emission(folder: Path) -> tuple[Plan, Model]:
@@ -87,9 +99,12 @@ def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> 
     _seal(folder)
 
 
-def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
+def _built(
+    plan: Plan, aside: Path, folder: Path, write_s: float, accept_unmeasured: bool
+) -> Emission:
     notices = _unchecked(plan.scene)
     footprint = compile_s = checked = None
+    unmeasured = ""
     try:
         begin = time.perf_counter()
         library = SceneLibrary(aside)
@@ -99,12 +114,16 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
                 f"{plan.scene.name}: the built C differs from its numpy reference at golden tick "
                 f"{differs - 1}: nothing was emitted; report the compiler ({library.path})"
             )
-        footprint, notice = _footprint(plan, aside)
-        notices += [notice] if notice else []
+        unmeasured = missing_tools(plan.scene.runtime.target)
+        if unmeasured:
+            notices.append(f"flash and stack could not be measured: {unmeasured}")
+        else:
+            footprint = _footprint(plan, aside)
         checked = check(plan, library)
         notices += _activity(checked)
     except NoCompilerError as error:
-        notices.append(f"not built, sizes unknown: {error}")
+        unmeasured = str(error)
+        notices.append(f"not built, so flash and stack could not be measured: {error}")
     facts = json.loads((aside / "manifest.json").read_text())
     emission = Emission(
         folder=folder,
@@ -112,14 +131,24 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
         manifest=facts,
         hash=facts["hash"],
         footprint=footprint,
+        unmeasured=unmeasured,
         ram_bytes=state_bytes(plan),
         write_s=write_s,
         compile_s=compile_s,
         check=checked,
         notices=tuple(notices),
     )
-    _check_budget(emission)
-    return emission
+    budget = plan.scene.budget
+    if not accept_unmeasured:
+        _require_sizes(emission, budget)
+    if over := _over(emission, budget):
+        raise BudgetError(over)
+    unchecked = [
+        f"not checked against the budget: {what}, at most {may} {unit}"
+        for what, unit, has, may in _sizes(emission, budget)
+        if has is None
+    ]
+    return replace(emission, notices=(*notices, *unchecked))
 
 
 def _activity(checked: Check) -> list[str]:
@@ -134,13 +163,10 @@ def _activity(checked: Check) -> list[str]:
     ]
 
 
-def _footprint(plan: Plan, folder: Path) -> tuple[Footprint | None, str | None]:
-    target = plan.scene.runtime.target
-    tools = toolchain(target)
-    if tools is None:
-        return None, f"no compiler for {target}: sizes unknown: install {package_of(target)}"
-    source = f"{plan.scene.runtime.prefix}_scene.c"
-    return measure_footprint(folder, source, tools), None
+def _footprint(plan: Plan, folder: Path) -> Footprint:
+    tools = toolchain(plan.scene.runtime.target)
+    assert tools is not None, "the caller has looked"
+    return measure_footprint(folder, f"{plan.scene.runtime.prefix}_scene.c", tools)
 
 
 def over_budget(emission: Emission, budget: Budget) -> str:
@@ -148,29 +174,46 @@ def over_budget(emission: Emission, budget: Budget) -> str:
 
     Raises BudgetError where a size that has a budget cannot be measured.
     """
+    _require_sizes(emission, budget)
+    return _over(emission, budget)
+
+
+def _over(emission: Emission, budget: Budget) -> str:
+    return "; ".join(
+        f"{what}: {has} {unit}, the scene's budget is {may}"
+        for what, unit, has, may in _sizes(emission, budget)
+        if has is not None and has > may
+    )
+
+
+def _require_sizes(emission: Emission, budget: Budget) -> None:
+    """Raise BudgetError where a size that has a budget is not known: which, why, what to do."""
+    missing = emission.unmeasured
+    whys = {
+        "flash": missing,
+        "stack": missing or "this compiler does not report it: use gcc",
+        "a tick": "the bound of instructions does not cover this scene: measure it on the board",
+    }
+    for what, unit, has, may in _sizes(emission, budget):
+        if has is None:
+            raise BudgetError(
+                f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
+                "remove the budget's key"
+            )
+
+
+def _sizes(emission: Emission, budget: Budget) -> Iterator[tuple[str, str, int | None, int]]:
+    """Of each size that has a budget: name, unit, value (None: not known), limit."""
     found = emission.footprint
     bound = instruction_bound(emission.plan)
-    over = []
     for what, unit, has, may in (
         ("flash", "bytes", found.flash_bytes if found else None, budget.flash_bytes),
         ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
         ("stack", "bytes", found.stack_bytes if found else None, budget.stack_bytes),
         ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
     ):
-        if may is None:
-            continue
-        if has is None:
-            raise BudgetError(
-                f"{what}: cannot be told: {'; '.join(emission.notices)}: remove the budget's key"
-            )
-        if has > may:
-            over.append(f"{what}: {has} {unit}, the scene's budget is {may}")
-    return "; ".join(over)
-
-
-def _check_budget(emission: Emission) -> None:
-    if over := over_budget(emission, emission.plan.scene.budget):
-        raise BudgetError(over)
+        if may is not None:
+            yield what, unit, has, may
 
 
 def _refuse_foreign(folder: Path) -> None:

@@ -49,5 +49,17 @@ def toolchain(target: str) -> Toolchain | None:
 
 
 def package_of(target: str) -> str:
-    """System package that holds the target's compiler."""
+    """System package that holds the target's compiler, or this machine's size tool."""
+    if target == "host":
+        return "binutils"
     return "gcc-arm-none-eabi" if target.startswith("cortex") else "gcc-riscv64-unknown-elf"
+
+
+def missing_tools(target: str) -> str:
+    """What is missing to compile for the target and how to get it; nothing where all is there."""
+    if toolchain(target) is not None:
+        return ""
+    install = f"`apt-get install {package_of(target)}`"
+    if target == "host":
+        return f"no `size` on PATH: {install}"
+    return f"no compiler for {target}: {install}, or `make setup-mcu`"

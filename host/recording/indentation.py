@@ -16,7 +16,7 @@ from springpot.host.devices.device import Wanted
 from springpot.host.devices.url import parse_device
 from springpot.host.native.loop_library import COLUMN, NONE, Rows, loop_library
 from springpot.host.recording.protocols import RATE_HZ
-from springpot.host.session.loop import LoopSettings
+from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, Running
 from springpot.host.session.step_functions import Engine
 
@@ -92,12 +92,24 @@ class PressedDevice:
                         "ODrive of firmware 0.6 that sends its torques (0x1C)"
                     )
                 if progress.state.watchdog_trips and not rows.full:
-                    raise DeviceError(
-                        f"{self._url}: silent for {1e3 * _WATCHDOG_S:g} ms while pressing, force "
-                        "zero, stopped: check cable, rate and power"
-                    )
+                    raise trip_error(self._url, progress.state)
                 if rows.full:
                     running.stop()
+
+
+def trip_error(url: str, state: LoopState) -> DeviceError:
+    """What to tell of a watchdog that ended a press: the loop's own, or the device's."""
+    ms = 1e3 * _WATCHDOG_S
+    if state.tripped:
+        return DeviceError(
+            f"{url}: switched its motor off: no force reached it for {ms:g} ms, or it met a fault "
+            f"of its own; stopped. On this computer {state.late} periods began late: end other "
+            "programs, then check cable and power"
+        )
+    return DeviceError(
+        f"{url}: silent for {ms:g} ms while pressing, force zero, stopped: check cable, rate and "
+        "power"
+    )
 
 
 class _Taken:

@@ -2,7 +2,6 @@
 
 import atexit
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -33,10 +32,6 @@ CANDIDATES = (
 
 def command(*arguments: str) -> list[str]:
     return [sys.executable, "-c", MAIN, *arguments]
-
-
-def spring(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command(*arguments), capture_output=True, text=True, check=False)
 
 
 def asked(kinds: tuple[str, ...] = ()) -> Bench:

@@ -81,7 +81,8 @@ def emit_(
     else:
         model_file = model_file or model_path(scene, scene_file)
     measured = read_recordings(map(Path, recordings)) if recordings else []
-    emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit)
+    unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
+    emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
     for notice in emission.notices:
         say(notice)
     print_result(emission_result(emission), as_json, emission_rows(emission))

@@ -12,7 +12,8 @@ typedef int (*step_function)(void *, sp_real, sp_real, sp_real *);
 typedef int (*idle_function)(void *, sp_real, sp_real *);
 typedef void (*reset_function)(void *);
 
-enum { WAITING = 64 };
+/* Samples of a second at 1 kHz: what waits in a descriptor is no silence of the device. */
+enum { WAITING = 1024 };
 
 struct sp_loop {
     sp_loop_config config;

@@ -8,7 +8,9 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from support.bench_folder import spring, write_training
+import pytest
+from support.bench_folder import write_training
+from support.in_process import spring
 
 _WAIT_S = 60.0
 
@@ -33,6 +35,7 @@ def wait_for(file: Path) -> None:
         time.sleep(0.1)
 
 
+@pytest.mark.slow
 def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
     recordings = str(write_training(tmp_path / "training"))
     known = tmp_path / "scheduler.json"

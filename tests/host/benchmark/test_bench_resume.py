@@ -10,15 +10,8 @@ from pathlib import Path
 from unittest import mock
 
 import pytest
-from support.bench_folder import (
-    CANDIDATES,
-    asked,
-    bench_folder,
-    command,
-    small,
-    spring,
-    write_training,
-)
+from support.bench_folder import CANDIDATES, asked, bench_folder, command, small, write_training
+from support.in_process import spring
 
 from springpot.host.benchmark import store as bench_store
 from springpot.host.benchmark.instructions import uncounted
@@ -126,7 +119,14 @@ def children(pid: int) -> set[int]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc")
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGKILL,
+        pytest.param(signal.SIGTERM, marks=pytest.mark.slow),
+        pytest.param(signal.SIGINT, marks=pytest.mark.slow),
+    ],
+)
 def test_nothing_outlives_a_sweep_that_was_killed(tmp_path: Path, number: int) -> None:
     recordings = write_training(tmp_path / "training")
     out = tmp_path / "bench"

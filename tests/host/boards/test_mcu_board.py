@@ -32,8 +32,7 @@ from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.recordings.recording_file import write_recording
 
-# Processes in real time: a busy machine may starve one of them.
-pytestmark = pytest.mark.flaky(reruns=3)
+pytestmark = [pytest.mark.board, pytest.mark.slow, pytest.mark.realtime]
 
 SECONDS = 60.0 if os.environ.get("SPRINGPOT_SOAK") else 3.0
 Emitted = Callable[..., Path]

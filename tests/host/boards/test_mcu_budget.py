@@ -27,6 +27,8 @@ from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import write_recording
 
+pytestmark = [pytest.mark.board, pytest.mark.slow]
+
 BOUND_ON = ("mps2-an386", "mps2-an500", "virt")
 FOREST = {"trees": 5, "leaf": 20}
 VARIANTS = {

@@ -22,6 +22,8 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
+pytestmark = [pytest.mark.board, pytest.mark.slow]
+
 KINDS = {
     "rf-fd": FitOptions(seed=1, trees=5, leaf=20),
     "rbf-fd": FitOptions(seed=1, select="cv"),

@@ -13,6 +13,8 @@ from springpot.host.boards.firmware import build_batch, build_firmware
 from springpot.host.emission.emission import emit
 from springpot.runtime_c.paths import flags
 
+pytestmark = [pytest.mark.board, pytest.mark.slow]
+
 MODES = ["off", "tool", "proxy"]
 TRIPLES = {"cortex-m4f": "thumbv7em-none-eabihf", "cortex-m7": "thumbv7em-none-eabihf",
            "rv32imafc": "riscv32-unknown-elf"}  # fmt: skip

@@ -8,15 +8,19 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.in_process import spring
 from support.small import model_file, recording, small_model, training, wandering
 
 from springpot.trainer.recordings.recording_file import write_recording
 
 
 def run(*arguments: object, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    """In a process of its own where it gets another environment."""
+    if env is None:
+        return spring(*arguments)
     command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
     return subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True,
-                          check=False, env={**os.environ, **(env or {})})  # fmt: skip
+                          check=False, env={**os.environ, **env})  # fmt: skip
 
 
 def refusal(status: int, *arguments: object, env: dict[str, str] | None = None) -> str:
@@ -79,6 +83,11 @@ def test_train_emit_build_validate_report(job: Path) -> None:
     assert page.count("<svg") == 5
     assert facts["hash"] in page
     assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
+
+
+def test_a_process_ends_with_the_status() -> None:
+    assert "No such command 'trian'" in refusal(2, "trian", env={})
+    assert "version" in run("--version", env={}).stdout
 
 
 def test_people_get_a_table(job: Path) -> None:

@@ -11,7 +11,7 @@ from support.peer import peer, wait_until
 from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
-from springpot.host.devices import serial_port
+from springpot.host import pressed_device, serial_port
 from springpot.host.devices.device import Wanted
 from springpot.host.devices.drivers import open_device
 from springpot.host.emission.emission import emit
@@ -153,10 +153,15 @@ def test_wrong_urls(url, error, says):
     assert says in refused(url, error=error)
 
 
-def test_recording_on_a_serial_device():
-    """Force control through the wire follows the command; limits end a press with zero force."""
+def test_recording_on_a_serial_device(monkeypatch):
+    """Force control through the wire follows the command; limits end a press with zero force.
+
+    The device's time passes with the forces, and the watchdogs wait: how long a busy machine keeps
+    its process away does not matter.
+    """
+    monkeypatch.setattr(pressed_device, "_WATCHDOG_S", 2.0)
     command_n = 4 * np.sin(np.linspace(0, np.pi, 600)) ** 2
-    with peer("serial_device", "--object", "dragon-skin-fx") as device:
+    with peer("serial_device", "--object", "dragon-skin-fx", "--lockstep") as device:
         taken = []
         opened = open_for_recording(device.url, object_name="pad")
         assert opened.object_name == "pad"
@@ -169,6 +174,9 @@ def test_recording_on_a_serial_device():
         with pytest.raises(SpringpotError, match="mm deep, the limit is 1 mm"):
             open_for_recording(device.url, limits=Limits(max_depth_m=1e-3)).press(command_n)
         assert device.wait_for("stop", more=2)["force_n"] == 0
+
+
+def test_a_serial_device_that_falls_silent_ends_a_press():
     with (
         peer("serial_device", "--silent-after", 0.2) as device,
         pytest.raises(DeviceError, match="silent for 20 ms while pressing"),

@@ -33,9 +33,6 @@ from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
-# Processes in real time: a busy machine may starve one of them.
-pytestmark = pytest.mark.flaky(reruns=3)
-
 FILES = {"0.5": "odrive-cansimple-0.5.6.dbc", "0.6": "odrive-cansimple-0.6.10.dbc"}
 TRAIN = "m_per_turn=0.1&max_torque_nm=1"
 NODE = 3
@@ -218,6 +215,7 @@ def test_other_nodes_and_damaged_lines_are_no_samples(link_of):
     assert link.c.crc_errors > 5000
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize("firmware", ["0.5", "0.6"])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
@@ -242,6 +240,7 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
     assert len(drive.named("tripped")) >= 1  # the proof of its watchdog
 
 
+@pytest.mark.realtime
 def test_a_drive_over_udp_multicast(tmp_path, folder):
     """Any interface of python-can: the same loop, and the log is as faithful."""
     log = tmp_path / "a.h5"
@@ -378,6 +377,7 @@ def test_a_serial_device_is_no_adapter(folder):
             Session(folder, f"{url}?{TRAIN}", tell=list).__enter__()
 
 
+@pytest.mark.realtime
 def test_recording_needs_the_torques_of_firmware_0_6():
     command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
     with peer("slcan_odrive", "--on-object", "--object", "dragon-skin-fx") as drive:

@@ -9,9 +9,9 @@ from support.small import model_file, press, recording, scene, small_fit, traini
 
 from springpot.codegen.errors import BudgetError, DataError
 from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
+from springpot.host import fitting, toolchain
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
-from springpot.host.native import toolchain
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -27,7 +27,24 @@ def tight(folder: Path) -> tuple[Scene, Path, int]:
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
 
 
-def test_what_is_fitted_keeps_to_the_budget(tmp_path: Path) -> None:
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few trims to build: one that fits is among them."""
+    monkeypatch.setattr(fitting, "_TREES", (1.0, 0.5, 0.2))
+    monkeypatch.setattr(fitting, "_LEAVES", (1, 8))
+
+
+def test_a_trim_that_fits_is_named_and_then_applied(tmp_path: Path, few: None) -> None:
+    chosen, model, flash_bytes = tight(tmp_path)
+    with pytest.raises(BudgetError, match=r"\d trims would fit: add --fit"):
+        emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
+    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=True)
+    assert fitted.footprint is not None
+    assert fitted.footprint.flash_bytes <= flash_bytes
+
+
+@pytest.mark.slow
+def test_of_all_trims_the_best_keeps_to_the_budget(tmp_path: Path) -> None:
     chosen, model, flash_bytes = tight(tmp_path)
     with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
         emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
@@ -43,7 +60,9 @@ def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
         emit_fitting(chosen, model, tmp_path / "c", False, [slow], fit=True)
 
 
-def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(tmp_path: Path) -> None:
+def test_what_was_accepted_for_the_model_is_accepted_for_its_trims(
+    tmp_path: Path, few: None
+) -> None:
     chosen, model, _ = tight(tmp_path)
     unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
     fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [JUDGE], fit=True)

@@ -1,6 +1,7 @@
 """The paper's tables, figures and claims on one object, with little work."""
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -49,7 +50,15 @@ def test_keys_files_and_captions(tmp_path: Path) -> None:
         assert facts["mismatches"] == 0
         assert 0.0 < facts["rmse_n"] < 2.0
     assert all(set(claim) == {"claim", "paper", "here", "holds"} for claim in result["claims"])
-    run_reproduce(out, [data], ORIGIN, LITTLE)  # an earlier result is replaced
+
+
+@pytest.mark.slow
+def test_an_earlier_result_is_replaced(tmp_path: Path) -> None:
+    data, work = simulated("ecoflex-00-50", "a", LITTLE), replace(LITTLE, kinds=PAPER_KINDS)
+    run_reproduce(tmp_path / "out", [data], ORIGIN, LITTLE)
+    again = run_reproduce(tmp_path / "out", [data], ORIGIN, work)
+    assert json.loads((tmp_path / "out/reproduce.json").read_text()) == again
+    assert set(again["models"]["ecoflex-00-50"]) == set(PAPER_KINDS)
 
 
 @cache

@@ -79,6 +79,8 @@ class Board:
                     say(event="zero", was_n=self.force_n)
                 self.force_n, self.force_came_s = values["force_n"], time.monotonic()
                 self.faults.force_came()
+                if self.options.lockstep:
+                    self.sample()
             elif frame.name == "ask":
                 self.receiver.restart()
                 self.hello()
@@ -123,7 +125,7 @@ class Board:
         if content:
             self.take(content)
         self.watch()
-        if content is not None:
+        if content is not None and not (self.options.lockstep and self.force_came_s):
             self.sample()
 
 
@@ -133,6 +135,8 @@ def main() -> None:
     parser.add_argument("--most-hz", type=float, default=8000.0)
     parser.add_argument("--model", default="", help="say that it renders the scene of this hash")
     parser.add_argument("--layout", type=int, default=0, help="say another layout of messages")
+    parser.add_argument("--lockstep", action="store_true",
+                        help="a period passes with each force, not by the clock")  # fmt: skip
     options = parser.parse_args()
     port = Port()
     board = Board(options, port)

@@ -29,7 +29,14 @@ def peak_bytes(kind: str, samples: int) -> int:
     return peak
 
 
-@pytest.mark.parametrize("kind", ["rf-fd", "rbf-pv", "hybrid"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "rbf-pv",
+        pytest.param("rf-fd", marks=pytest.mark.slow),
+        pytest.param("hybrid", marks=pytest.mark.slow),
+    ],
+)
 def test_memory_grows_with_few_numbers_a_sample(kind):
     """Two lengths, so that what the capped rows take falls out of the difference."""
     few, many = 60_000, 110_000
