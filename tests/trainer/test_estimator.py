@@ -1,7 +1,6 @@
 """scikit-learn's tools on springpot's models, and the user's own ensembles in C."""
 
 import pickle
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,11 +16,11 @@ from sklearn.exceptions import NotFittedError
 from sklearn.model_selection import GridSearchCV, cross_val_score
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import FunctionTransformer
-from support.small import model_file, recording, scene, training, wandering
+from support.small import recording, scene, training, wandering
 
 from springpot.codegen.errors import DataError, SpringpotError, UsageError
-from springpot.host.emission.emission import emit
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.codegen.plan.plan import make_plan
+from springpot.host.native.trial_build import built
 from springpot.trainer.ensemble import ensemble_data, from_ensemble
 from springpot.trainer.estimator import PositionRegressor
 from springpot.trainer.kinds import fit_model
@@ -108,19 +107,20 @@ ENSEMBLES = [
 @pytest.mark.parametrize("lags", [False, True])
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("ensemble", ENSEMBLES, ids=["forest", "extra", "boosted", "absolute"])
-def test_ensembles_become_c(tmp_path: Path, ensemble: object, number: str, lags: bool) -> None:
+def test_ensembles_become_c(ensemble: object, number: str, lags: bool) -> None:
     features = history_features(1e-3, None) if lags else None
     values, force_n = ensemble_data(training(), features)
     regressor = clone(ensemble).fit(values, force_n)
     model = from_ensemble(regressor, training(), features, name="mine")
     item = recording("new", 0.8 * X[-1])
     assert predict_n(model, item).max() == pytest.approx(item.force_n.max(), rel=0.2)
-    emission = emit(scene(number=number), model_file(tmp_path, model), tmp_path / "c")
-    force_c, _ = SceneLibrary(emission.folder).new_state().run(item.position_m)
+    with built(make_plan(model, scene(number=number))) as library:
+        assert library.selftest() == 0
+        force_c, _ = library.new_state().run(item.position_m)
+        library.new_state().run(wandering(3))
     inside = item.position_m > 0.002
     error_n = force_c[inside] - predict_n(model, item)[inside]
     assert np.percentile(np.abs(error_n), 99) < 0.03 * item.force_n.max()
-    SceneLibrary(emission.folder).new_state().run(wandering(3))
 
 
 def test_ensembles_of_something_else_are_refused() -> None:

@@ -48,20 +48,20 @@ SHAPES = {
 Emitted = tuple[Plan, SceneLibrary]
 
 
-def emitted(folder: Path, **options: Any) -> Emitted:
-    """The small model, emitted and loaded, and its plan."""
-    chosen = scene(**options)
-    emit(chosen, model_file(folder), folder / "c")
-    return make_plan(small_model(), chosen), SceneLibrary(folder / "c")
+def emitted(**options: Any) -> Emitted:
+    """The small model's plan, and its C."""
+    plan = make_plan(small_model(), scene(**options))
+    with built(plan) as library:
+        return plan, library
 
 
 @pytest.fixture(scope="module")
-def shape_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Emitted]:
+def shape_of() -> Callable[[str, str], Emitted]:
     """Each shape and number type emitted once."""
 
     @cache
     def found(shape: str, number: str) -> Emitted:
-        return emitted(tmp_path_factory.mktemp("shape"), number=number, **SHAPES[shape])
+        return emitted(number=number, **SHAPES[shape])
 
     return found
 
@@ -79,8 +79,8 @@ def compared(found: Emitted, position_m: np.ndarray, guessed: bool = True) -> tu
     return Run(force_n, notes), run_reference(plan, position, velocity, guess_m)
 
 
-def both(folder: Path, position_m: np.ndarray, **options: str) -> tuple[Run, Run]:
-    return compared(emitted(folder, **options), position_m)
+def both(position_m: np.ndarray, **options: str) -> tuple[Run, Run]:
+    return compared(emitted(**options), position_m)
 
 
 def assert_same_bits(c: Run, reference: Run) -> None:
@@ -157,12 +157,10 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
     assert_same_bits(Run(*Replay(library).run(position, velocity)), right)
 
 
-def test_m2cgen_and_the_table_give_the_same_bits(tmp_path: Path) -> None:
+def test_m2cgen_and_the_table_give_the_same_bits() -> None:
     motion = wandering(4)
-    (tmp_path / "table").mkdir()
-    (tmp_path / "ifs").mkdir()
-    table, _ = both(tmp_path / "table", motion)
-    ifs, _ = both(tmp_path / "ifs", motion, forest="m2cgen")
+    table, _ = both(motion)
+    ifs, _ = both(motion, forest="m2cgen")
     assert_same_bits(table, ifs)
 
 
@@ -177,13 +175,11 @@ def test_two_halves_give_what_the_whole_gives(tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.concatenate([first, second]), whole)
 
 
-def test_two_models_in_one_process_keep_apart(tmp_path: Path) -> None:
+def test_two_models_in_one_process_keep_apart() -> None:
     motion = press(2.0)
-    (tmp_path / "a").mkdir()
-    (tmp_path / "b").mkdir()
-    alone_a, _ = both(tmp_path / "a", motion)
-    alone_b, _ = both(tmp_path / "b", motion, mode="tool", number="float64")
-    a, b = SceneLibrary(tmp_path / "a" / "c"), SceneLibrary(tmp_path / "b" / "c")
+    alone_a, _ = both(motion)
+    alone_b, _ = both(motion, mode="tool", number="float64")
+    (_, a), (_, b) = emitted(), emitted(mode="tool", number="float64")
     state_a, state_b = a.new_state(), b.new_state()
     forces = [(state_a.step(x)[0], state_b.step(x)[0]) for x in motion]
     np.testing.assert_array_equal([pair[0] for pair in forces], alone_a.force_n)

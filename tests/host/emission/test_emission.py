@@ -3,6 +3,8 @@
 import json
 import shutil
 import subprocess
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -33,11 +35,24 @@ def test_emitting_again_gives_the_same_bytes() -> None:
     assert emit_files(plan) == emit_files(make_plan(small_model(), SHAPES["paper"]))
 
 
+@pytest.fixture(scope="module")
+def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Each shape emitted once, to be read."""
+
+    @cache
+    def folder(shape: str) -> Path:
+        above = tmp_path_factory.mktemp(shape)
+        return emit(SHAPES[shape], model_file(above), above / "c").folder
+
+    return folder
+
+
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("shape", list(SHAPES))
-def test_generated_c_is_warning_clean(tmp_path: Path, shape: str, compiler: str) -> None:
-    emission = emit(SHAPES[shape], model_file(tmp_path), tmp_path / "c")
-    sources = sorted(emission.folder.glob("*.c"))
+def test_generated_c_is_warning_clean(
+    tmp_path: Path, folder_of: Callable[[str], Path], shape: str, compiler: str
+) -> None:
+    sources = sorted(folder_of(shape).glob("*.c"))
     assert len(sources) == 3
     for source in sources:
         command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-c", str(source), "-o",
@@ -48,13 +63,14 @@ def test_generated_c_is_warning_clean(tmp_path: Path, shape: str, compiler: str)
 
 
 @pytest.mark.parametrize("shape", list(SHAPES))
-def test_image_holds_the_api_and_nothing_else(tmp_path: Path, shape: str) -> None:
-    emit(SHAPES[shape], model_file(tmp_path), tmp_path / "c")
+def test_image_holds_the_api_and_nothing_else(
+    tmp_path: Path, folder_of: Callable[[str], Path], shape: str
+) -> None:
     prefix = SHAPES[shape].runtime.prefix
     symbols = ""
     for part in ("scene", "selftest"):
         built = tmp_path / f"{part}.o"
-        source = tmp_path / "c" / f"{prefix}_{part}.c"
+        source = folder_of(shape) / f"{prefix}_{part}.c"
         subprocess.run(["gcc", *flags("SP_CFLAGS"), "-c", source, "-o", built], check=True)
         symbols += subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
     rows = [line.split()[-2:] for line in symbols.splitlines()]
@@ -68,10 +84,9 @@ def test_image_holds_the_api_and_nothing_else(tmp_path: Path, shape: str) -> Non
 
 
 @pytest.mark.parametrize("shape", list(SHAPES))
-def test_state_is_as_large_as_planned(tmp_path: Path, shape: str) -> None:
-    emit(SHAPES[shape], model_file(tmp_path), tmp_path / "c")
+def test_state_is_as_large_as_planned(folder_of: Callable[[str], Path], shape: str) -> None:
     plan = make_plan(small_model(), SHAPES[shape])
-    assert SceneLibrary(tmp_path / "c").state_bytes == state_bytes(plan)
+    assert SceneLibrary(folder_of(shape)).state_bytes == state_bytes(plan)
 
 
 def test_builds_by_hand_without_python(tmp_path: Path) -> None:

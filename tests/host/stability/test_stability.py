@@ -41,7 +41,13 @@ def simulated_model(name: str, kind: str, trees: int = TREES) -> Model:
     return fit_model(kind, name, training, options).model
 
 
-@pytest.mark.parametrize(("name", "kind"), LISTED)
+FAST = (("dragon-skin-10", "hammerstein"), ("dragon-skin-10", "rf-fd"))  # the stiffest
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [pytest.param(*pair, marks=() if pair in FAST else pytest.mark.slow) for pair in LISTED],
+)
 def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     plan = make_plan(simulated_model(name, kind), PLAIN)
     found = stability(plan)

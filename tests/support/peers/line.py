@@ -39,6 +39,9 @@ def arguments(description: str) -> argparse.ArgumentParser:
     parser.add_argument("--delay-ms", type=float, default=0.0, help="of every frame, 0 .. twice it")
     parser.add_argument("--gone-after", type=float, metavar="S", help="s after the first force")
     parser.add_argument("--gone-for", type=float, default=1e9, metavar="S")
+    parser.add_argument(
+        "--lockstep", action="store_true", help="a period passes with each force, not by the clock"
+    )
     parser.add_argument("--silent-after", type=float, metavar="S")
     parser.add_argument("--silent-for", type=float, default=1e9, metavar="S")
     parser.add_argument("--burst-after", type=float, metavar="S", help="hold all frames back ...")

@@ -135,8 +135,6 @@ def main() -> None:
     parser.add_argument("--most-hz", type=float, default=8000.0)
     parser.add_argument("--model", default="", help="say that it renders the scene of this hash")
     parser.add_argument("--layout", type=int, default=0, help="say another layout of messages")
-    parser.add_argument("--lockstep", action="store_true",
-                        help="a period passes with each force, not by the clock")  # fmt: skip
     options = parser.parse_args()
     port = Port()
     board = Board(options, port)

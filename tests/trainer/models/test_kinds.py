@@ -13,10 +13,9 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_hash, read_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
-from springpot.host.emission.emission import emit
 from springpot.host.metrics import rms
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
@@ -44,14 +43,15 @@ def fitted(variant: str) -> Model:
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("contact", ["surface", "always"])
 @pytest.mark.parametrize("variant", list(VARIANTS))
-def test_c_and_reference_agree(tmp_path: Path, variant: str, contact: str, number: str) -> None:
+def test_c_and_reference_agree(variant: str, contact: str, number: str) -> None:
     model = dataclasses.replace(fitted(variant), contact=contact)
     chosen = scene(number=number, mode="tool" if contact == "always" else "off")
-    emit(chosen, model_file(tmp_path, model), tmp_path / "c", accept_unsafe=True)  # for replay
     plan = make_plan(model, chosen)
     position = np.concatenate([press(2.0), wandering(5)]).astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
-    force_n, notes = Replay(SceneLibrary(tmp_path / "c")).run(position, velocity)
+    with built(plan) as library:
+        assert library.selftest() == 0
+        force_n, notes = Replay(library).run(position, velocity)
     reference = run_reference(plan, position, velocity)
     np.testing.assert_array_equal(force_n, reference.force_n)
     np.testing.assert_array_equal(notes, reference.notes)
@@ -59,11 +59,11 @@ def test_c_and_reference_agree(tmp_path: Path, variant: str, contact: str, numbe
 
 
 @pytest.mark.parametrize("variant", list(VARIANTS))
-def test_the_c_predicts_what_the_model_predicts(tmp_path: Path, variant: str) -> None:
+def test_the_c_predicts_what_the_model_predicts(variant: str) -> None:
     model = fitted(variant)
-    emit(scene(number="float64"), model_file(tmp_path, model), tmp_path / "c")
     item = recording("new", press(1.7, 0.010))
-    force_n, _ = SceneLibrary(tmp_path / "c").new_state().run(item.position_m)
+    with built(make_plan(model, scene(number="float64"))) as library:
+        force_n, _ = library.new_state().run(item.position_m)
     predicted_n = predict_n(model, item)
     inside = item.position_m > 0.002  # below the onset, where contact shapes the force
     # Trees may take the other branch where a feature rounds differently.
