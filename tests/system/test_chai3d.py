@@ -40,7 +40,7 @@ def test_the_example_in_the_documentation(tmp_path, cxx):
     program = tmp_path / "loop"
     warnings = ["-Wall", "-Wextra", "-Werror"]
     subprocess.run(
-        [cxx, "-std=c++17", *warnings, f"-I{tmp_path / 'c'}", f"-I{ROOT / 'tests' / 'stubs'}",
+        [cxx, "-std=c++17", *warnings, f"-I{tmp_path / 'c'}", f"-I{ROOT / 'tests/support/stubs'}",
          tmp_path / "loop.cpp", *built, "-o", program, "-pthread"], check=True)  # fmt: skip
     out = subprocess.run([program], check=True, capture_output=True, text=True).stdout
     lines = [line.split() for line in out.splitlines()]

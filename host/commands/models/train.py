@@ -119,7 +119,7 @@ def train(
     """Fit a model on RECORDINGS (files or folders)."""
     if out.suffix != SUFFIX:
         raise UsageError(f"--out {out}: model files end in {SUFFIX}: give a name like x{SUFFIX}")
-        from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
+    from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
 
     options = FitOptions(
         seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s, select=select,

@@ -12,6 +12,7 @@ from unittest import mock
 import pytest
 from support.bench_folder import CANDIDATES, asked, bench_folder, command, small, write_training
 from support.in_process import spring
+from support.paths import ROOT
 
 from springpot.host.benchmark import store as bench_store
 from springpot.host.benchmark.instructions import uncounted
@@ -50,10 +51,10 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
 
 
 def test_other_code_measures_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    root = Path(str(bench_store._folder("host"))).parent
+    root = ROOT
     for floor in ("runtime_c", "codegen", "trainer", "host"):
         shutil.copytree(root / floor, tmp_path / floor)
-    monkeypatch.setattr(bench_store, "_folder", lambda floor: tmp_path / floor)
+    monkeypatch.setattr(bench_store.resources, "files", lambda _: tmp_path / "host")
     hashed = bench_store.code_hash.__wrapped__
     assert hashed() == bench_store.code_hash()
     for name in ("runtime_c/src/sp_guard.h", "runtime_c/flags.mk", "codegen/plan/plan.py",

@@ -11,10 +11,11 @@ from support.peer import peer, wait_until
 from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
-from springpot.host import pressed_device, serial_port
+from springpot.host.devices import serial_port
 from springpot.host.devices.device import Wanted
 from springpot.host.devices.drivers import open_device
 from springpot.host.emission.emission import emit
+from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_device as open_for_recording
 from springpot.host.session.session import Session
@@ -159,7 +160,7 @@ def test_recording_on_a_serial_device(monkeypatch):
     The device's time passes with the forces, and the watchdogs wait: how long a busy machine keeps
     its process away does not matter.
     """
-    monkeypatch.setattr(pressed_device, "_WATCHDOG_S", 2.0)
+    monkeypatch.setattr(indentation, "_WATCHDOG_S", 2.0)
     command_n = 4 * np.sin(np.linspace(0, np.pi, 600)) ** 2
     with peer("serial_device", "--object", "dragon-skin-fx", "--lockstep") as device:
         taken = []

@@ -9,11 +9,12 @@ from support.small import model_file, press, recording, scene, small_fit, traini
 
 from springpot.codegen.errors import BudgetError, DataError
 from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
-from springpot.host import fitting, toolchain
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
+from springpot.host.native import toolchain
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.selection import prune
 
 JUDGE = recording("judge", press(1.5, 0.011))
 
@@ -29,14 +30,14 @@ def tight(folder: Path) -> tuple[Scene, Path, int]:
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few trims to build: one that fits is among them."""
-    monkeypatch.setattr(fitting, "_TREES", (1.0, 0.5, 0.2))
-    monkeypatch.setattr(fitting, "_LEAVES", (1, 8))
+    """Few reductions to build: one that fits is among them."""
+    monkeypatch.setattr(prune, "_TREES", (1.0, 0.5, 0.2))
+    monkeypatch.setattr(prune, "_LEAVES", (1, 8))
 
 
-def test_a_trim_that_fits_is_named_and_then_applied(tmp_path: Path, few: None) -> None:
+def test_a_reduction_that_fits_is_named_and_then_applied(tmp_path: Path, few: None) -> None:
     chosen, model, flash_bytes = tight(tmp_path)
-    with pytest.raises(BudgetError, match=r"\d trims would fit: add --fit"):
+    with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
         emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
     fitted = emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=True)
     assert fitted.footprint is not None
@@ -44,7 +45,7 @@ def test_a_trim_that_fits_is_named_and_then_applied(tmp_path: Path, few: None) -
 
 
 @pytest.mark.slow
-def test_of_all_trims_the_best_keeps_to_the_budget(tmp_path: Path) -> None:
+def test_of_all_reductions_the_best_keeps_to_the_budget(tmp_path: Path) -> None:
     chosen, model, flash_bytes = tight(tmp_path)
     with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
         emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
@@ -60,7 +61,7 @@ def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
         emit_fitting(chosen, model, tmp_path / "c", False, [slow], fit=True)
 
 
-def test_what_was_accepted_for_the_model_is_accepted_for_its_trims(
+def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(
     tmp_path: Path, few: None
 ) -> None:
     chosen, model, _ = tight(tmp_path)

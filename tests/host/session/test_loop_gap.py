@@ -6,9 +6,11 @@ import time
 from typing import Any
 
 import numpy as np
+import pytest
 
 from springpot.host.devices.wire import Sender, constant
-from springpot.host.native.loop_library import LoopLibrary, loop_library
+from springpot.host.native.c_library import CLibrary
+from springpot.host.native.loop_library import loop_library
 from springpot.host.recording.indentation import trip_error
 from springpot.host.session.loop import CLoop, LoopSettings, LoopState
 from springpot.host.session.step_functions import Engine
@@ -42,7 +44,7 @@ class Steps:
         )
         return Engine(self.library, step, idle, reset, state=0, kept=self.kept)
 
-    def link(self, library: LoopLibrary) -> Any:
+    def link(self, library: CLibrary) -> Any:
         self.memory = library.memory(library.c.sp_link_serial_size())
         self.begin_s = time.monotonic()
         self.feed()
@@ -95,6 +97,7 @@ def test_a_trip_names_who_was_late() -> None:
     assert "36 periods began late: end other programs" in str(busy)
 
 
+@pytest.mark.realtime
 def test_samples_that_waited_are_used_one_a_period() -> None:
     device = Steps()
     loop = CLoop(device.engine(), LoopSettings(PERIOD_S, seconds=0.5, real_time=False))
