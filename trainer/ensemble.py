@@ -81,13 +81,13 @@ def from_ensemble(
         )
     options = FitOptions(smooth_s=smooth_s)
     passive, _, _ = fit_passive(data, options)
-    facts = {"n_nodes": len(forest.feature), "regressor": type(regressor).__name__}
+    metadata = {"n_nodes": len(forest.feature), "regressor": type(regressor).__name__}
     parts = (features, forest)
-    return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, facts)
+    return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, metadata)
 
 
 def _scale(data: TrainingSet) -> float:
-    return depth_scale(data.trained.greatest_m - min(data.trained.least_m, 0.0))
+    return depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
 
 
 def _scaled(data: TrainingSet, features: Features, rows: Any) -> Samples:

@@ -56,7 +56,7 @@ KINDS: dict[str, Kind] = {
              "models.springpot:fit_springpot", "*", "#6c584c"),
     )
 }  # fmt: skip
-AUTO = "auto"  # the kind of least cross-validated error
+AUTO = "auto"  # the kind of lowest cross-validated error
 _AUTO_FIT = "selection.auto:fit_auto"
 _REDUCED_FIT = "selection.reduce:fit_reduced"  # --within
 

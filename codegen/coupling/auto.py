@@ -11,7 +11,7 @@ from springpot.codegen.scene import Coupling
 # The loop must be stable with an object stiffer than this model by so much.
 STIFFNESS_MARGIN_OFF = 1.25
 STIFFNESS_MARGIN_PROXY = 1.5
-# A proxy's oscillations must die out within 0.5 s: 1 - dt/0.5 s is the greatest radius.
+# A proxy's oscillations must die out within 0.5 s: 1 - dt/0.5 s is the maximum radius.
 DECAY_PER_S = 2.0
 # Of the stiffest coupling that the linear loop allows; sensors and leaves of trees are not linear.
 GAIN_MARGIN = 0.75
@@ -32,7 +32,7 @@ class Choice:
 def choose(
     stiffness_npm: float, dt_s: float, delay_samples: int, smoothing: float, stated: Coupling
 ) -> Choice:
-    """Pick for an object of that greatest tangent stiffness.
+    """Pick for an object of that maximum tangent stiffness.
 
     `off` where the bare loop is stable with every hand at the stated delay, and with the mid and
     firm hands at one sample more: nothing then stands between the hand and the model. Else the
@@ -44,10 +44,10 @@ def choose(
 
     off = replace(stated, mode="off")
     bare = [(hand, more) for hand in HANDS for more in (0, 1) if more == 0 or hand.name != "light"]
-    limits = [loop(off, hand, more).greatest_stiffness_npm() for hand, more in bare]
-    told = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {delay_samples} samples late"
+    limits = [loop(off, hand, more).max_stiffness_npm() for hand, more in bare]
+    found = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {delay_samples} samples late"
     if min(limits) > STIFFNESS_MARGIN_OFF * stiffness_npm:
-        why = f"off: auto: {told}, are below the bare loop's limit of {_npmm(min(limits))}"
+        why = f"off: auto: {found}, are below the bare loop's limit of {_npmm(min(limits))}"
         return Choice(off, why, stiffness_npm)
     loads = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
 
@@ -61,29 +61,29 @@ def choose(
     proxy = _stiffest(radius, 1.0 - DECAY_PER_S * dt_s)
     felt = series(proxy.stiffness_npm, stiffness_npm)
     why = (
-        f"proxy: auto: {told}, pass the bare loop's limit of {_npmm(min(limits))}: "
+        f"proxy: auto: {found}, pass the bare loop's limit of {_npmm(min(limits))}: "
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
     )
     return Choice(proxy, why, felt)
 
 
-def _stiffest(radius: Callable[[Coupling], float], greatest: float) -> Coupling:
-    """Stiffest proxy of a radius up to `greatest`, less a margin; the quietest where there is none.
+def _stiffest(radius: Callable[[Coupling], float], maximum: float) -> Coupling:
+    """Stiffest proxy of a radius up to `maximum`, less a margin; the quietest where there is none.
 
-    Within a stiffness the lightest proxy comes first: it passes the least noise on.
+    Within a stiffness the lightest proxy comes first: it passes the lowest noise on.
     """
-    least = (np.inf, Coupling(mode="proxy"))
+    minimum = (np.inf, Coupling(mode="proxy"))
     for stiffness_npm in _STIFFNESSES_NPM[::-1]:
         for mass_kg in _MASSES_KG:
             critical = 2.0 * np.sqrt(stiffness_npm * mass_kg)
             for damping_nspm in _RATIOS * critical:
                 proxy = Coupling("proxy", stiffness_npm, damping_nspm, mass_kg)
                 found = radius(proxy)
-                if found <= greatest:
+                if found <= maximum:
                     return _rounded(proxy, GAIN_MARGIN)
-                least = min(least, (found, proxy), key=lambda item: item[0])
-    return _rounded(least[1], 1.0)
+                minimum = min(minimum, (found, proxy), key=lambda item: item[0])
+    return _rounded(minimum[1], 1.0)
 
 
 def _rounded(proxy: Coupling, share: float) -> Coupling:

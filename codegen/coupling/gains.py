@@ -12,10 +12,11 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.scene import Coupling
 
 PAPER_DT_S = 1e-3
-GREATEST_DAMPING_RATIO = 10.0
-# A proxy may be as light as its step is exact: no printed step judges it, but no device does more.
-GREATEST_PROXY_NPM = 1e6
-GREATEST_PROXY_NSPM = 1e3
+MAX_DAMPING_RATIO = 10.0
+# A proxy may be as light as its step is exact, whatever the published step allows; but no device
+# does more.
+MAX_PROXY_NPM = 1e6
+MAX_PROXY_NSPM = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,14 +30,14 @@ class CoupleConfig:
     phi: Reals
 
 
-def printed_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
+def published_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
     """Stability of the paper's Algorithm 1 (semi-implicit Euler): 2 b dt/m + k dt^2/m < 4."""
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
     return 2.0 * b * dt_s / m + k * dt_s**2 / m < 4.0
 
 
-def greatest_printed_damping_nspm(coupling: Coupling, dt_s: float) -> float:
-    """What the printed step allows with this stiffness and mass; 0 where none."""
+def max_published_damping_nspm(coupling: Coupling, dt_s: float) -> float:
+    """What Algorithm 1 as published allows with this stiffness and mass; 0 where none."""
     k, m = coupling.stiffness_npm, coupling.mass_kg
     return max(0.0, (4.0 * m - k * dt_s**2) / (2.0 * dt_s))
 
@@ -79,11 +80,12 @@ def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]
     )
 
 
-def refuse_unit_error(coupling: Coupling) -> None:
+def require_plausible_damping(coupling: Coupling) -> None:
     """Refuse gains that only a wrong unit explains; name the value that was meant.
 
     The exact step is stable with any damping, so a wrong unit no longer explodes: it glues the
-    proxy to the tool. So the printed step judges, at the paper's 1 ms whatever the scene's rate.
+    proxy to the tool. So Algorithm 1 as published
+    decides, at the paper's 1 ms whatever the scene's rate.
     """
     if _plausible(coupling):
         return
@@ -105,8 +107,8 @@ def is_unit_error(coupling: Coupling) -> bool:
 
 def _plausible(coupling: Coupling) -> bool:
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
-    if b / (2.0 * math.sqrt(k * m)) > GREATEST_DAMPING_RATIO:
+    if b / (2.0 * math.sqrt(k * m)) > MAX_DAMPING_RATIO:
         return False
     if coupling.mode == "proxy":
-        return k <= GREATEST_PROXY_NPM and b <= GREATEST_PROXY_NSPM
-    return printed_step_is_stable(coupling, PAPER_DT_S)
+        return k <= MAX_PROXY_NPM and b <= MAX_PROXY_NSPM
+    return published_step_is_stable(coupling, PAPER_DT_S)

@@ -50,12 +50,12 @@ class Loop:
     smoothing: float = 1.0
 
     def spectral_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
-        """Greatest eigenvalue of one tick, for each object stiffness (n,), N/m."""
+        """Maximum eigenvalue of one tick, for each object stiffness (n,), N/m."""
         matrices = self._tick(np.atleast_1d(np.asarray(stiffness_npm, dtype=np.float64)))
         radius: NDArray[np.float64] = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
         return radius
 
-    def greatest_stiffness_npm(self) -> float:
+    def max_stiffness_npm(self) -> float:
         """Softest object that it cannot hold, N/m, up to 1e7."""
         grid = np.geomspace(1.0, 1e7, 400)
         unstable = np.flatnonzero(self.spectral_radius(grid) >= 1.0)

@@ -56,22 +56,22 @@ def emit_files(plan: Plan) -> dict[str, str]:
 
 
 def manifest(plan: Plan) -> dict[str, Any]:
-    """All facts of the emission, for people and tools."""
+    """All metadata of the emission, for people and tools."""
     return {
         **_short_manifest(plan),
         "target": plan.scene.runtime.target,
         "model_hash": model_hash(plan.model),
         "provenance": dict(plan.model.provenance),
         "contact": "surface" if plan.contact else "always",
-        "coupling": coupling_facts(plan),
+        "coupling": coupling_metadata(plan),
         "outside": plan.outside,
         "accept_unsafe": plan.accept_unsafe,
-        **_model_facts(plan),
+        **_model_metadata(plan),
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
         "limits": {
-            "least_n": float(plan.output.least_n),
-            "greatest_n": float(plan.output.greatest_n),
+            "min_n": float(plan.output.min_n),
+            "max_n": float(plan.output.max_n),
             "watchdog_s": float(plan.output.watchdog_s),
             "jump_m": float(plan.guard.jump_m),
             "slew_nps": float(plan.output.slew_n) / plan.dt_s,
@@ -84,7 +84,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
     }
 
 
-def coupling_facts(plan: Plan) -> dict[str, Any]:
+def coupling_metadata(plan: Plan) -> dict[str, Any]:
     """Mode, gains, why, and what a hand will feel on the object's stiffest part."""
     choice = plan.coupling
     gains = asdict(choice.coupling) if plan.couple is not None else {"mode": "off"}
@@ -96,7 +96,7 @@ def coupling_facts(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _model_facts(plan: Plan) -> dict[str, Any]:
+def _model_metadata(plan: Plan) -> dict[str, Any]:
     features, regressor = plan.features, plan.regressor
     return {
         "orders": list(getattr(features, "orders", ())),
@@ -117,9 +117,9 @@ def _short_manifest(plan: Plan) -> dict[str, Any]:
         "dt_s": plan.dt_s,
         "number": plan.scene.runtime.number,
         "trained": {
-            "depth_m": [trained.least_m, trained.greatest_m],
-            "speed_mps": trained.greatest_mps,
-            "force_n": [trained.least_n, trained.greatest_n],
+            "depth_m": [trained.min_m, trained.max_m],
+            "speed_mps": trained.max_mps,
+            "force_n": [trained.min_n, trained.max_n],
         },
     }
 

@@ -76,7 +76,7 @@ def _constants(plan: Plan) -> str:
     if plan.per_fade is not None:
         parts.append(f"static const sp_real per_fade = {literal(plan.per_fade)};")
     if plan.needs_device_velocity:
-        parts.append(f"static const sp_real greatest_mps = {literal(plan.greatest_mps)};")
+        parts.append(f"static const sp_real max_mps = {literal(plan.max_mps)};")
     if plan.smooth_alpha is not None:
         parts.append(f"static const sp_real smooth_alpha = {literal(plan.smooth_alpha)};")
         if plan.any_rate:

@@ -19,8 +19,8 @@ _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
 def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
     """Positions, m, in the scene's number type: smooth legs, with a glitch, a NaN and a jump."""
     trained = plan.model.trained
-    base_m = 0.0 if plan.contact else trained.least_m
-    span_m = trained.greatest_m - base_m
+    base_m = 0.0 if plan.contact else trained.min_m
+    span_m = trained.max_m - base_m
     ramp = np.arange(LEG_TICKS) / LEG_TICKS
     smooth = ramp * ramp * (3.0 - 2.0 * ramp)
     legs = [start + (end - start) * smooth for start, end in pairwise(_STATIONS)]

@@ -48,13 +48,13 @@ def filled(template: str, plan: Plan, **places: str) -> str:
     """Text of a template with @PLACES@ replaced, and in C the scene's prefix."""
     text = (files("springpot.codegen.emit") / "templates" / template).read_text()
     prefix = plan.scene.runtime.prefix
-    facts = {
+    metadata = {
         "PREFIX": prefix,
         "REAL": plan.real,
         "BITS": "uint32_t" if plan.real == "float" else "uint64_t",
         "DT": repr(plan.dt_s),
         **places,
     }
-    for place, value in facts.items():
+    for place, value in metadata.items():
         text = text.replace(f"@{place}@", value)
     return prefixed(text, prefix) if template.endswith(".c") else text

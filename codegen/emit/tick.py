@@ -114,7 +114,7 @@ def _model_force(plan: Plan) -> list[str]:
         ]
         terms.append("model_n")
     if plan.excess is not None:
-        terms.append("(deep_passive_n - depth_passive_n)")
+        terms.append("(penetration_passive_n - clipped_passive_n)")
     return [*lines, f"force = {' + '.join(terms)};"]
 
 
@@ -149,7 +149,7 @@ def _device_velocity(plan: Plan) -> list[str]:
         return ["(void)velocity_mps;"]
     return [
         "const sp_real device_mps =",
-        "    sp_guard_velocity(greatest_mps, &state->good_mps, velocity_mps, &notes);",
+        "    sp_guard_velocity(max_mps, &state->good_mps, velocity_mps, &notes);",
     ]
 
 
@@ -181,18 +181,18 @@ def _pressed(plan: Plan) -> list[str]:
 
 
 def _depth(plan: Plan, where: str, used_in: list[str], notes: str) -> list[str]:
-    """`deep`: how far in the object; `depth`: the same within the trained range; where used."""
-    uses = [name for name in ("deep", "depth") if _mentions(name, used_in)]
+    """`penetration` into the object, and `clipped` to the trained range: those that are used."""
+    uses = [name for name in ("penetration", "clipped") if _mentions(name, used_in)]
     if notes == "&ignored" and not uses:
         return [] if _mentions("position", used_in) else ["(void)position;"]
     lines = []
-    if "deep" in uses or plan.contact:
-        least = "(sp_real)0" if plan.contact else "range.least_m"
-        lines.append(f"const sp_real deep = {where} > {least} ? {where} : {least};")
-    clip = f"sp_range_clip(&range, {'deep' if plan.contact else where}, {notes});"
-    if "depth" in uses:
+    if "penetration" in uses or plan.contact:
+        minimum = "(sp_real)0" if plan.contact else "range.min_m"
+        lines.append(f"const sp_real penetration = {where} > {minimum} ? {where} : {minimum};")
+    clip = f"sp_range_clip(&range, {'penetration' if plan.contact else where}, {notes});"
+    if "clipped" in uses:
         lines += ["int ignored = 0;"] if notes == "&ignored" else []
-        lines.append(f"const sp_real depth = {clip}")
+        lines.append(f"const sp_real clipped = {clip}")
     elif notes != "&ignored":
         lines.append(f"(void){clip}")
     return lines

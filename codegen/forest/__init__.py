@@ -1,1 +1,1 @@
-"""Tree ensembles: leaves in 16 bits, two node tables, walks, quantised features, pruning."""
+"""Tree ensembles: leaves in 16 bits, two node tables, traversal, quantised features, pruning."""

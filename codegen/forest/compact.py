@@ -10,22 +10,22 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Real
 from springpot.codegen.forest.leaves import (
     largest_float32_below,
-    leaf_quanta,
     level_order,
+    quantised_leaves,
     used_features,
 )
 from springpot.codegen.forest.tables import CompactForest
 from springpot.codegen.model.regressors import Forest
 
-# Facts of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
+# Metadata of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
 SLOT_BITS = 4
 LEVELS = 4
-REST = 10  # the plain C walks this many trees at once, or a multiple
+REST = 10  # the plain C traverses this many trees at once, or a multiple
 VECTOR = 16  # lanes of the widest vector unit
 
 ENTRIES = 1 << LEVELS
-_GREATEST_RANK = 2**16 - 1
-_GREATEST_STEP = 2 ** (16 - SLOT_BITS) - 1
+_MAX_BIN = 2**16 - 1
+_MAX_STEP = 2 ** (16 - SLOT_BITS) - 1
 _TOGETHER = 3  # levels that lie together below the first ones
 
 Ints = NDArray[np.int64]
@@ -51,27 +51,27 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
     columns = used_features(forest)
     leaf = forest.feature < 0
     slot = np.where(leaf, 0, np.searchsorted(columns, forest.feature) + 1)
-    thresholds, rank = _ranks(forest, columns)
+    thresholds, bin_index = _bins(forest, columns)
     order = _order(forest)
     low = order.level >= LEVELS
     step = np.where(leaf | ~low, 0, order.place[forest.left] - order.place)
     if (
         len(columns) >= 1 << SLOT_BITS
-        or rank.max(initial=0) > _GREATEST_RANK
-        or step.max(initial=0) > _GREATEST_STEP
+        or bin_index.max(initial=0) > _MAX_BIN
+        or step.max(initial=0) > _MAX_STEP
     ):
         return None
-    quanta = leaf_quanta(forest)
+    quantised = quantised_leaves(forest)
     stored = low | leaf
     nodes = np.zeros((order.size, 2), dtype=np.uint16)
     nodes[order.place[stored], 0] = (step << SLOT_BITS | slot)[stored]
-    nodes[order.place[stored], 1] = np.where(leaf, quanta.quanta, rank)[stored]
-    lanes = _lanes(len(order.roots))
-    top = np.zeros((ENTRIES - 1, lanes, 2), dtype=np.uint16)  # zeros send everything to the left
+    nodes[order.place[stored], 1] = np.where(leaf, quantised.quantised, bin_index)[stored]
+    n_padded = _padded(len(order.roots))
+    top = np.zeros((ENTRIES - 1, n_padded, 2), dtype=np.uint16)  # zeros send everything to the left
     high = ~low & ~leaf
     top[order.heap[high] - 1, order.tree[high], 0] = slot[high]
-    top[order.heap[high] - 1, order.tree[high], 1] = rank[high]
-    roots = np.full(lanes, order.size - 1, dtype=np.uint32)
+    top[order.heap[high] - 1, order.tree[high], 1] = bin_index[high]
+    roots = np.full(n_padded, order.size - 1, dtype=np.uint32)
     roots[: len(order.roots)] = order.roots
     return CompactForest(
         top=top,
@@ -79,14 +79,14 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
         roots=roots,
         n_trees=len(order.roots),
         thresholds=thresholds,
-        quantum_n=real(quanta.quantum_n),
-        bias_n=real(quanta.bias_n),
-        leaf_error_n=quanta.error_n,
-        longest_walks=_longest_walks(order, len(order.roots)),
+        leaf_step_n=real(quantised.leaf_step_n),
+        bias_n=real(quantised.bias_n),
+        leaf_error_n=quantised.error_n,
+        longest_paths=_longest_paths(order, len(order.roots)),
     )
 
 
-def _longest_walks(order: _Order, n_trees: int) -> Ints:
+def _longest_paths(order: _Order, n_trees: int) -> Ints:
     """Splits on the longest way to a leaf, of each tree: shape (trees,)."""
     longest = np.zeros(n_trees, dtype=np.int64)
     np.maximum.at(longest, order.tree, order.level)
@@ -94,31 +94,31 @@ def _longest_walks(order: _Order, n_trees: int) -> Ints:
 
 
 def work_at_most(forest: CompactForest) -> dict[str, int]:
-    """Greatest number of table entries that a tick reads: a static bound on its work.
+    """Maximum number of table entries that a tick reads: a static bound on its work.
 
     thresholds: two ends of the neighbourhood, then a search among all, for each feature.
     nodes: the longest way down each tree.
     """
     searches = [2 + len(below).bit_length() for below in forest.thresholds]
-    longest = int(forest.longest_walks.max())
+    longest = int(forest.longest_paths.max())
     return {"thresholds": sum(searches), "nodes": forest.n_trees * (longest + 1)}
 
 
-def _ranks(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
+def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
     """Sorted thresholds of each used feature, and each split's place among them.
 
-    Features that are rounded to whole steps are their own ranks: no thresholds are needed.
+    Features that are rounded to whole steps are their own bins: no thresholds are needed.
     """
-    if forest.rounding is not None:
-        return (), np.clip(np.floor(forest.threshold), 0, _GREATEST_RANK).astype(np.int64)
+    if forest.quantisation is not None:
+        return (), np.clip(np.floor(forest.threshold), 0, _MAX_BIN).astype(np.int64)
     split = largest_float32_below(forest.threshold)
-    rank = np.zeros(len(split), dtype=np.int64)
+    bin_index = np.zeros(len(split), dtype=np.int64)
     thresholds = []
     for column in columns:
         here = forest.feature == column
-        values, rank[here] = np.unique(split[here], return_inverse=True)
+        values, bin_index[here] = np.unique(split[here], return_inverse=True)
         thresholds.append(values)
-    return tuple(thresholds), rank
+    return tuple(thresholds), bin_index
 
 
 def _order(forest: Forest) -> _Order:
@@ -150,7 +150,7 @@ def _order(forest: Forest) -> _Order:
     return _Order(place, level, tree, heap, roots, size)
 
 
-def _lanes(n_trees: int) -> int:
-    """Trees and padding: whole groups of every way of walking."""
-    walked = -(-n_trees // REST) * REST
-    return -(-walked // VECTOR) * VECTOR
+def _padded(n_trees: int) -> int:
+    """Trees and padding: whole groups of every way of traversal."""
+    padded = -(-n_trees // REST) * REST
+    return -(-padded // VECTOR) * VECTOR

@@ -1,4 +1,4 @@
-"""Leaves of a forest in 16 bits: what every way of walking it adds up."""
+"""Leaves of a forest in 16 bits: what every way of traversing it adds up."""
 
 from dataclasses import dataclass
 
@@ -7,36 +7,36 @@ from numpy.typing import NDArray
 
 from springpot.codegen.model.regressors import Forest
 
-_GREATEST_QUANTA = 2**16 - 1
+_MAX_QUANTISED = 2**16 - 1
 
 
 @dataclass(frozen=True, eq=False)
-class LeafQuanta:
-    """value_n of a leaf = least_n + quanta x quantum_n, within half a quantum.
+class QuantisedLeaves:
+    """value_n of a leaf = min_n + steps x leaf_step_n, within half a step.
 
-    quanta: (IR nodes,) uint16, 0 where the node is no leaf.
-    quantum_n, bias_n: force = bias_n + quantum_n x sum of the quanta.
-    error_n: greatest error of the force by this rounding.
+    steps: (IR nodes,) uint16, 0 where the node is no leaf.
+    leaf_step_n, bias_n: force = bias_n + leaf_step_n x sum of the steps.
+    error_n: maximum error of the force by this rounding.
     """
 
-    quanta: NDArray[np.uint16]
-    quantum_n: float
+    quantised: NDArray[np.uint16]
+    leaf_step_n: float
     bias_n: float
     error_n: float
 
 
-def leaf_quanta(forest: Forest) -> LeafQuanta:
+def quantised_leaves(forest: Forest) -> QuantisedLeaves:
     """Spread 16 bits over the range of the leaves."""
     leaf = forest.feature < 0
-    least_n, greatest_n = float(forest.value_n[leaf].min()), float(forest.value_n[leaf].max())
-    quantum_n = (greatest_n - least_n) / _GREATEST_QUANTA
-    steps = (forest.value_n - least_n) / (quantum_n or 1.0)
+    min_n, max_n = float(forest.value_n[leaf].min()), float(forest.value_n[leaf].max())
+    leaf_step_n = (max_n - min_n) / _MAX_QUANTISED
+    steps = (forest.value_n - min_n) / (leaf_step_n or 1.0)
     n_trees = len(forest.roots)
-    return LeafQuanta(
-        quanta=np.where(leaf, np.rint(steps), 0.0).astype(np.uint16),
-        quantum_n=quantum_n * forest.weight,
-        bias_n=forest.bias_n + forest.weight * n_trees * least_n,
-        error_n=0.5 * quantum_n * abs(forest.weight) * n_trees,
+    return QuantisedLeaves(
+        quantised=np.where(leaf, np.rint(steps), 0.0).astype(np.uint16),
+        leaf_step_n=leaf_step_n * forest.weight,
+        bias_n=forest.bias_n + forest.weight * n_trees * min_n,
+        error_n=0.5 * leaf_step_n * abs(forest.weight) * n_trees,
     )
 
 

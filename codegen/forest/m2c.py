@@ -10,20 +10,20 @@ from springpot.codegen.forest.tables import ForestTable
 from springpot.codegen.forest.wide import LEAF_SLOT, SLOT_BITS
 from springpot.codegen.model.regressors import Forest
 
-GREATEST_NODES = 20_000
+MAX_NODES = 20_000
 _HEAD = "double score(double * input)"
 
 
 def score_source(forest: Forest, table: ForestTable) -> str:
-    """C function forest_score: sum of the leaves in quanta, the same number as the table's.
+    """C function forest_score: sum of the leaves in steps, the same number as the table's.
 
-    Leaves are whole quanta, so that the sum is exact in any order. Raises UsageError for forests
+    Leaves are whole steps, so that the sum is exact in any order. Raises UsageError for forests
     that a compiler would take minutes over.
     """
-    if len(table.value) > GREATEST_NODES:
+    if len(table.value) > MAX_NODES:
         raise UsageError(
             f'runtime.forest = "m2cgen": {len(table.value)} nodes would take minutes to compile '
-            f'(limit {GREATEST_NODES}): use "table"'
+            f'(limit {MAX_NODES}): use "table"'
         )
     sys.setrecursionlimit(max(sys.getrecursionlimit(), 20_000))
     trees = [_tree(table, int(row)) for row in table.roots[: len(forest.roots)]]

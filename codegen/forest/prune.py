@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.codegen.forest.leaves import level_order
-from springpot.codegen.forest.quantisation import GREATEST
+from springpot.codegen.forest.quantisation import MAX
 from springpot.codegen.model.regressors import Forest, Quantisation
 
-_ABOVE = 0.01  # of a feature's thresholds: room for values beyond the greatest
+_ABOVE = 0.01  # of a feature's thresholds: room for values beyond the maximum
 
 
 def fewer_trees(forest: Forest, count: int) -> Forest:
@@ -36,18 +36,20 @@ def larger_leaves(forest: Forest, leaves: int) -> Forest:
 
 def quantised(forest: Forest, n_features: int) -> Forest:
     """Thresholds in 16-bit steps of their range: no table of them is needed."""
-    if forest.rounding is not None:
+    if forest.quantisation is not None:
         return forest
-    least, per_step = np.zeros(n_features), np.ones(n_features)
+    feature_min, bins_per_unit = np.zeros(n_features), np.ones(n_features)
     threshold = np.zeros(len(forest.threshold))
     for column in range(n_features):
         here = forest.feature == column
         if here.any():
             values = forest.threshold[here]
             span = (1.0 + _ABOVE) * float(np.ptp(values)) or 1.0
-            least[column], per_step[column] = values.min(), (GREATEST - 1) / span
-            threshold[here] = np.floor((values - least[column]) * per_step[column] + 0.5)
-    return replace(forest, threshold=threshold, rounding=Quantisation(least, per_step))
+            feature_min[column], bins_per_unit[column] = values.min(), (MAX - 1) / span
+            threshold[here] = np.floor((values - feature_min[column]) * bins_per_unit[column] + 0.5)
+    return replace(
+        forest, threshold=threshold, quantisation=Quantisation(feature_min, bins_per_unit)
+    )
 
 
 def _reachable(forest: Forest) -> Forest:

@@ -13,8 +13,8 @@ class ForestTable:
     """sp_forest_wide.h: node table.
 
     value: (nodes,) float32; link: (nodes,) uint32; roots: (padded trees,) uint32.
-    depth: longest walk in levels. quantum_n: force of one quantum of the sum, N; bias_n: beside it.
-    leaf_error_n: greatest rounding of a leaf's force.
+    depth: longest path in levels. leaf_step_n: force of one step of the sum, N; bias_n: beside it.
+    leaf_error_n: maximum rounding of a leaf's force.
     leaf: (IR nodes,) int32, row of each IR node in this table.
     """
 
@@ -22,7 +22,7 @@ class ForestTable:
     link: NDArray[np.uint32]
     roots: NDArray[np.uint32]
     depth: int
-    quantum_n: Real
+    leaf_step_n: Real
     bias_n: Real
     leaf_error_n: float
     leaf: NDArray[np.int32]
@@ -30,12 +30,13 @@ class ForestTable:
 
 @dataclass(frozen=True, eq=False)
 class CompactForest:
-    """sp_forest.h: nodes as pairs (step, rank) of uint16.
+    """sp_forest.h: nodes as pairs (step, bin) of uint16.
 
     top: (15, lanes, 2), by heap position and tree; nodes: (nodes, 2); roots: (lanes,) uint32.
-    thresholds: of each used feature, sorted float32; none where features are rounded.
-    quantum_n, bias_n: force = bias_n + quantum_n x sum; leaf_error_n: its error by rounding leaves.
-    longest_walks: (trees,), splits on the longest way to a leaf of each.
+    thresholds: of each used feature, sorted float32; none where features are quantised.
+    leaf_step_n, bias_n: force = bias_n + leaf_step_n x sum; leaf_error_n: max error of that,
+    leaves being quantised.
+    longest_paths: (trees,), splits on the longest way to a leaf of each.
     """
 
     top: NDArray[np.uint16]
@@ -43,7 +44,7 @@ class CompactForest:
     roots: NDArray[np.uint32]
     n_trees: int
     thresholds: tuple[NDArray[np.float32], ...]
-    quantum_n: Real
+    leaf_step_n: Real
     bias_n: Real
     leaf_error_n: float
-    longest_walks: NDArray[np.int64]
+    longest_paths: NDArray[np.int64]

@@ -10,45 +10,45 @@ from springpot.codegen.forest.compact import SLOT_BITS as COMPACT_SLOT_BITS
 from springpot.codegen.forest.tables import CompactForest, ForestTable
 from springpot.codegen.forest.wide import LEAF_SLOT, SLOT_BITS
 
-_CHUNK = 4096  # samples whose walk stays in the cache
-Ranks = NDArray[np.int32]
+_CHUNK = 4096  # samples whose traversal stays in the cache
+Bins = NDArray[np.int32]
 
 
-def feature_ranks(
+def feature_bins(
     thresholds: tuple[NDArray[np.float32], ...], features: NDArray[np.float32]
-) -> Ranks:
+) -> Bins:
     """sp_bins.h: thresholds below each feature, shape (n, used features)."""
     columns = [np.searchsorted(below, features[:, i]) for i, below in enumerate(thresholds)]
     return np.stack(columns, axis=1).astype(np.int32) if columns else features.astype(np.int32)
 
 
-def compact_sums(forest: CompactForest, ranks: Ranks) -> NDArray[np.uint32]:
-    """sp_forest.h: quanta of each row of ranks (n, used features)."""
-    padded = np.concatenate([np.zeros((len(ranks), 1), dtype=np.int32), ranks], axis=1)
-    sums = np.zeros(len(ranks), dtype=np.uint32)
-    for begin in range(0, len(ranks), _CHUNK):
+def compact_sums(forest: CompactForest, bins: Bins) -> NDArray[np.uint32]:
+    """sp_forest.h: steps of each row of bins (n, used features)."""
+    padded = np.concatenate([np.zeros((len(bins), 1), dtype=np.int32), bins], axis=1)
+    sums = np.zeros(len(bins), dtype=np.uint32)
+    for begin in range(0, len(bins), _CHUNK):
         rows = slice(begin, begin + _CHUNK)
         for tree in range(forest.n_trees):
             sums[rows] += forest.nodes[_compact_leaves(forest, tree, padded[rows]), 1]
     return sums
 
 
-def _compact_leaves(forest: CompactForest, tree: int, ranks: Ranks) -> NDArray[np.int64]:
-    flat, width = np.ascontiguousarray(ranks).ravel(), ranks.shape[1]
-    base = np.arange(len(ranks)) * width
-    heap = np.ones(len(ranks), dtype=np.int64)
+def _compact_leaves(forest: CompactForest, tree: int, bins: Bins) -> NDArray[np.int64]:
+    flat, width = np.ascontiguousarray(bins).ravel(), bins.shape[1]
+    base = np.arange(len(bins)) * width
+    heap = np.ones(len(bins), dtype=np.int64)
     for _ in range(LEVELS):
         node = forest.top[heap - 1, tree]
         heap = 2 * heap + (flat[base + node[:, 0]] > node[:, 1])
     at = int(forest.roots[tree]) + heap - ENTRIES
-    walking = np.flatnonzero(forest.nodes[at, 0])
-    while len(walking):
-        here = at[walking]
+    active = np.flatnonzero(forest.nodes[at, 0])
+    while len(active):
+        here = at[active]
         step = forest.nodes[here, 0].astype(np.int64)
-        rank = flat[base[walking] + (step & ((1 << COMPACT_SLOT_BITS) - 1))]
-        here += (step >> COMPACT_SLOT_BITS) + (rank > forest.nodes[here, 1])
-        at[walking] = here
-        walking = walking[forest.nodes[here, 0] > 0]
+        bin_index = flat[base[active] + (step & ((1 << COMPACT_SLOT_BITS) - 1))]
+        here += (step >> COMPACT_SLOT_BITS) + (bin_index > forest.nodes[here, 1])
+        at[active] = here
+        active = active[forest.nodes[here, 0] > 0]
     return at
 
 
@@ -62,19 +62,19 @@ def forest_leaves(table: ForestTable, features: NDArray[np.float32]) -> NDArray[
     flat = np.ascontiguousarray(features).ravel()
     for tree, root in enumerate(table.roots):
         at = np.full(len(features), root, dtype=np.int64)
-        walking = np.arange(len(features)) if inner[root] else np.empty(0, dtype=np.int64)
-        while len(walking):
-            here = at[walking]
-            feature = flat[walking * n_columns + slot[here]]
+        active = np.arange(len(features)) if inner[root] else np.empty(0, dtype=np.int64)
+        while len(active):
+            here = at[active]
+            feature = flat[active * n_columns + slot[here]]
             here = left[here] + ~(feature <= table.value[here])
-            at[walking] = here
-            walking = walking[inner[here]]
+            at[active] = here
+            active = active[inner[here]]
         leaves[:, tree] = at
     return leaves
 
 
 def table_sums(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.uint32]:
-    """sp_forest_wide.h: quanta of each feature vector."""
+    """sp_forest_wide.h: steps of each feature vector."""
     sums = np.empty(len(features), dtype=np.uint32)
     value = table.value.astype(np.uint32)
     for begin in range(0, len(features), _CHUNK):
@@ -84,7 +84,7 @@ def table_sums(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.
 
 
 def forest_force(table: ForestTable | CompactForest, sums: NDArray[np.uint32]) -> NDArray[Any]:
-    """Force of each sum of quanta, N, in the scene's type."""
-    total: NDArray[Any] = sums.astype(type(table.quantum_n))
-    force_n: NDArray[Any] = table.bias_n + total * table.quantum_n
+    """Force of each sum of steps, N, in the scene's type."""
+    total: NDArray[Any] = sums.astype(type(table.leaf_step_n))
+    force_n: NDArray[Any] = table.bias_n + total * table.leaf_step_n
     return force_n

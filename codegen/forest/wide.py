@@ -8,17 +8,17 @@ from springpot.codegen.arrays import Real
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.leaves import (
     largest_float32_below,
-    leaf_quanta,
     level_order,
+    quantised_leaves,
     used_features,
 )
 from springpot.codegen.forest.tables import ForestTable
 from springpot.codegen.model.regressors import Forest
 
-# Facts of sp_forest_wide.h; a test compares them with the header.
+# Metadata of sp_forest_wide.h; a test compares them with the header.
 SLOT_BITS = 4
 LEAF_SLOT = (1 << SLOT_BITS) - 1
-LANES = 16
+VECTOR_WIDTH = 16
 
 
 def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
@@ -37,10 +37,10 @@ def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
     leaf = forest.feature < 0
     slot = np.where(leaf, LEAF_SLOT, np.searchsorted(columns, forest.feature))
     left = np.where(leaf, row, row[forest.left])
-    quanta = leaf_quanta(forest)
-    value = np.where(leaf, quanta.quanta, largest_float32_below(forest.threshold))
+    quantised = quantised_leaves(forest)
+    value = np.where(leaf, quantised.quantised, largest_float32_below(forest.threshold))
     n_nodes = len(row)
-    padding = -len(forest.roots) % LANES
+    padding = -len(forest.roots) % VECTOR_WIDTH
     table_value = np.zeros(n_nodes + 1, dtype=np.float32)
     table_link = np.full(n_nodes + 1, n_nodes << SLOT_BITS | LEAF_SLOT, dtype=np.uint32)
     table_value[row] = value.astype(np.float32)
@@ -53,8 +53,8 @@ def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
         link=table_link,
         roots=roots,
         depth=int(level.max()) + 1,
-        quantum_n=real(quanta.quantum_n),
-        bias_n=real(quanta.bias_n),
-        leaf_error_n=quanta.error_n,
+        leaf_step_n=real(quantised.leaf_step_n),
+        bias_n=real(quantised.bias_n),
+        leaf_error_n=quantised.error_n,
         leaf=row,
     )

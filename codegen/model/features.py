@@ -167,7 +167,7 @@ class Lags(Features):
 class PositionVelocity(Features):
     """Position (m) and velocity (m/s) by first-order adaptive windowing.
 
-    length: greatest number of steps of the window. band_m: noise band.
+    length: maximum number of steps of the window. band_m: noise band.
     """
 
     length: int

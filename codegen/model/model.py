@@ -53,11 +53,11 @@ class Hammerstein:
 class TrainedRange:
     """Extremes of the training recordings: what the guard needs to know."""
 
-    least_m: float
-    greatest_m: float
-    greatest_mps: float
-    least_n: float
-    greatest_n: float
+    min_m: float
+    max_m: float
+    max_mps: float
+    min_n: float
+    max_n: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +117,9 @@ class Model:
             self,
             trained=replace(
                 trained,
-                least_m=trained.least_m / factor,
-                greatest_m=trained.greatest_m / factor,
-                greatest_mps=trained.greatest_mps / factor,
+                min_m=trained.min_m / factor,
+                max_m=trained.max_m / factor,
+                max_mps=trained.max_mps / factor,
             ),
             features=features,
             regressor=self.regressor and self.regressor.on_scaled(scale),

@@ -25,7 +25,7 @@ from springpot.codegen.model.features import (
 from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 
-SCHEMA = 2  # 1: forests without rounding
+SCHEMA = 3  # 1: forests without quantisation; 2: other names of fields
 MAGIC = b"springpot-model"
 SUFFIX = ".spm"
 # The only types that a file can name; a kind of one's own adds its own with `register_part`.
@@ -35,6 +35,19 @@ _PARTS: dict[str, type[Any]] = {
         Model, TrainedRange, Hammerstein, FirBank, FastFirBank, RecursiveBank, Lags,
         PositionVelocity, Forest, Quantisation, Rbf,
     )
+}  # fmt: skip
+
+
+# Names of schema 2: of parts, and of the fields of a part.
+_FORMER_PARTS = {"Rounding": "Quantisation"}
+_FORMER_FIELDS = {
+    "TrainedRange": {
+        "least_m": "min_m", "greatest_m": "max_m", "greatest_mps": "max_mps",
+        "least_n": "min_n", "greatest_n": "max_n",
+    },
+    "Forest": {"rounding": "quantisation"},
+    "Quantisation": {"least": "feature_min", "per_step": "bins_per_unit"},
+    "Rbf": {"least": "feature_min", "greatest": "feature_max"},
 }  # fmt: skip
 
 
@@ -119,12 +132,15 @@ def _packed(value: Any, path: str, arrays: Arrays) -> Any:
 
 def _from_parts(value: Any, arrays: Arrays) -> Any:
     if isinstance(value, dict) and "part" in value:
-        inside = {
-            name: item if name == "provenance" else _from_parts(item, arrays)
+        named: str = value["part"]
+        part = _FORMER_PARTS.get(named, named)
+        now = _FORMER_FIELDS.get(part, {})
+        inside: dict[str, Any] = {
+            str(now.get(name, name)): item if name == "provenance" else _from_parts(item, arrays)
             for name, item in value.items()
             if name != "part"
         }
-        return _PARTS[value["part"]](**inside)
+        return _PARTS[part](**inside)
     if isinstance(value, dict):
         return tuple(value["tuple"]) if "tuple" in value else arrays[value["array"]]
     return value

@@ -27,21 +27,21 @@ class Regressor(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Quantisation:
-    """Features as bins: floor((x - least) per_step + 1/2), within 0 .. 65535.
+    """Features as bins: floor((x - feature_min) bins_per_unit + 1/2), within 0 .. 65535.
 
-    least, per_step: shape (features,), of all features that the bank has.
+    feature_min, bins_per_unit: shape (features,), of all features that the bank has.
     """
 
-    least: NDArray[np.float64]
-    per_step: NDArray[np.float64]
+    feature_min: NDArray[np.float64]
+    bins_per_unit: NDArray[np.float64]
 
     def on_scaled(self, scale: float) -> "Quantisation":
         """The same bins for features that are smaller by a factor."""
-        return Quantisation(self.least / scale, self.per_step * scale)
+        return Quantisation(self.feature_min / scale, self.bins_per_unit * scale)
 
     def take(self, columns: NDArray[np.intp]) -> "Quantisation":
         """That of some features."""
-        return Quantisation(self.least[columns], self.per_step[columns])
+        return Quantisation(self.feature_min[columns], self.bins_per_unit[columns])
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Forest(Regressor):
     value_n: (nodes,), float64, force of a leaf.
     roots: (trees,), int32, each tree's first row.
     weight, bias_n: force = bias_n + weight x sum of the leaves (weight 1/trees for a mean).
-    rounding: where the trees were fitted on quantised features; thresholds are bins then.
+    quantisation: where the trees were fitted on quantised features; thresholds are bins then.
     """
 
     feature: NDArray[np.int32]
@@ -65,7 +65,7 @@ class Forest(Regressor):
     roots: NDArray[np.int32]
     weight: float
     bias_n: float
-    rounding: Quantisation | None = None
+    quantisation: Quantisation | None = None
 
     @property
     def is_mean(self) -> bool:
@@ -73,8 +73,8 @@ class Forest(Regressor):
         return bool(np.isclose(self.weight * len(self.roots), 1.0))
 
     def on_scaled(self, scale: float) -> "Forest":
-        if self.rounding is not None:
-            return replace(self, rounding=self.rounding.on_scaled(scale))
+        if self.quantisation is not None:
+            return replace(self, quantisation=self.quantisation.on_scaled(scale))
         return replace(self, threshold=self.threshold / scale)
 
     def used_columns(self, n_features: int) -> NDArray[np.intp]:
@@ -86,14 +86,14 @@ class Forest(Regressor):
 class Rbf(Regressor):
     """Cubic radial basis functions with a linear tail, on standardised features.
 
-    z = (clip(feature, least, greatest) - mean) / scale, each of shape (features,).
+    z = (clip(feature, feature_min, feature_max) - mean) / scale, each of shape (features,).
     force = weights_n @ |z - centers|^3 + tail_n[0] + tail_n[1:] @ z; centers (n, features).
     """
 
     mean: NDArray[np.float64]
     scale: NDArray[np.float64]
-    least: NDArray[np.float64]
-    greatest: NDArray[np.float64]
+    feature_min: NDArray[np.float64]
+    feature_max: NDArray[np.float64]
     centers: NDArray[np.float64]
     weights_n: NDArray[np.float64]
     tail_n: NDArray[np.float64]
@@ -103,6 +103,6 @@ class Rbf(Regressor):
             self,
             mean=self.mean / scale,
             scale=self.scale / scale,
-            least=self.least / scale,
-            greatest=self.greatest / scale,
+            feature_min=self.feature_min / scale,
+            feature_max=self.feature_max / scale,
         )

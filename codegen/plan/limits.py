@@ -9,18 +9,18 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
-LEAST_JUMP_MPS = 1.0
+MIN_JUMP_MPS = 1.0
 JUMP_PER_TRAINED_SPEED = 8.0
 FREE_M = 10.0  # a tool may wait this far from the surface
-LEAST_REACH_M = 0.1
-REACH_PER_DEPTH = 10.0
+MIN_BELIEVED_M = 0.1
+BELIEVED_PER_RANGE = 10.0
 RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
-LEAST_WATCHDOG_TICKS = 3
+MIN_WATCHDOG_TICKS = 3
 RAMP_S = 0.05
-WATCHDOG_FALL_S = 0.008  # from the greatest force; 10 ms with the ticks' rounding
+WATCHDOG_FALL_S = 0.008  # from the maximum force; 10 ms with the ticks' rounding
 FORCE_MARGIN = 1.2
-# Greatest growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
-LEAST_SLEW_NPS = 1500.0
+# Maximum growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
+MIN_SLEW_NPS = 1500.0
 SLEW_S = 0.004
 
 
@@ -29,8 +29,8 @@ class GuardConfig:
     """sp_guard.h."""
 
     jump_m: Real
-    least_m: Real
-    greatest_m: Real
+    min_m: Real
+    max_m: Real
     resync_ticks: int
 
 
@@ -38,8 +38,8 @@ class GuardConfig:
 class OutputConfig:
     """sp_output.h."""
 
-    least_n: Real
-    greatest_n: Real
+    min_n: Real
+    max_n: Real
     slew_n: Real
     rise: Real
     fall_nps: Real
@@ -53,10 +53,10 @@ def watchdog_s_of(scene: Scene, dt_s: float) -> float:
     Raises UsageError where one bad sample would do.
     """
     watchdog_s = 1e-3 * (scene.guard.watchdog_ms or max(20.0, 3e3 * dt_s))
-    if watchdog_s < (LEAST_WATCHDOG_TICKS - 0.5) * dt_s:
+    if watchdog_s < (MIN_WATCHDOG_TICKS - 0.5) * dt_s:
         raise UsageError(
             f"guard.watchdog_ms = {1e3 * watchdog_s:g}: at {1 / dt_s:g} Hz give at least "
-            f"{1e3 * LEAST_WATCHDOG_TICKS * dt_s:g}, or one bad sample latches"
+            f"{1e3 * MIN_WATCHDOG_TICKS * dt_s:g}, or one bad sample latches"
         )
     return watchdog_s
 
@@ -66,20 +66,20 @@ def guard_config(
 ) -> GuardConfig:
     """What positions are believed."""
     trained = model.trained
-    deepest_m = max(abs(trained.least_m), abs(trained.greatest_m))
-    reach_m = max(LEAST_REACH_M, REACH_PER_DEPTH * deepest_m)
+    deepest_m = max(abs(trained.min_m), abs(trained.max_m))
+    believed_m = max(MIN_BELIEVED_M, BELIEVED_PER_RANGE * deepest_m)
     before_latch = int(watchdog_s / dt_s) - 1
     return GuardConfig(
-        jump_m=real(dt_s * greatest_mps(model)),
-        least_m=real(-FREE_M if contact else -reach_m),
-        greatest_m=real(reach_m),
+        jump_m=real(dt_s * max_mps(model)),
+        min_m=real(-FREE_M if contact else -believed_m),
+        max_m=real(believed_m),
         resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
     )
 
 
-def greatest_mps(model: Model) -> float:
-    """Greatest believable speed of the hand, m/s."""
-    return max(LEAST_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.greatest_mps)
+def max_mps(model: Model) -> float:
+    """Maximum believable speed of the hand, m/s."""
+    return max(MIN_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.max_mps)
 
 
 def output_config(
@@ -87,20 +87,20 @@ def output_config(
 ) -> OutputConfig:
     """What forces leave. Raises DataError where the model never pushes out."""
     trained = model.trained
-    peak_n = trained.greatest_n if contact else max(abs(trained.least_n), abs(trained.greatest_n))
-    greatest_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n
-    if greatest_n <= 0.0:
+    peak_n = trained.max_n if contact else max(abs(trained.min_n), abs(trained.max_n))
+    max_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n
+    if max_n <= 0.0:
         raise DataError(
-            f"the model's forces never push out (greatest {trained.greatest_n:g} N): turn the sign "
+            f"the model's forces never push out (maximum {trained.max_n:g} N): turn the sign "
             "round on import, for example --map force=COL:-1N, and train again"
         )
-    least_n = 0.0 if contact else max(-greatest_n, min(0.0, FORCE_MARGIN * trained.least_n))
+    min_n = 0.0 if contact else max(-max_n, min(0.0, FORCE_MARGIN * trained.min_n))
     return OutputConfig(
-        least_n=real(least_n),
-        greatest_n=real(greatest_n),
-        slew_n=real(dt_s * max(LEAST_SLEW_NPS, greatest_n / SLEW_S)),
+        min_n=real(min_n),
+        max_n=real(max_n),
+        slew_n=real(dt_s * max(MIN_SLEW_NPS, max_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
-        fall_nps=real(greatest_n / WATCHDOG_FALL_S),
+        fall_nps=real(max_n / WATCHDOG_FALL_S),
         watchdog_s=real(watchdog_s),
         dt_s=real(dt_s),
     )

@@ -23,9 +23,9 @@ from springpot.codegen.stages.stage import (
     FeatureStage,
     RegressorStage,
     feature_stage,
-    lanes_of,
     padded,
     regressor_stage,
+    vector_width_of,
 )
 
 # Importing them registers their stages.
@@ -59,18 +59,18 @@ class ModelStages:
 def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> ModelStages:
     """Resolve the model's part; outside the trained depth as the scene says."""
     falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
-    passive, excess, lanes = None, None, lanes_of(scene.runtime)
+    passive, excess, vector_width = None, None, vector_width_of(scene.runtime)
     if model.hammerstein is not None and model.hammerstein_adds:
-        follows = "deep" if falls_back else "depth"
+        follows = "penetration" if falls_back else "clipped"
         passive = hammerstein_stage(
-            model.hammerstein, dt_s, dtype, follows, lanes_of(scene.runtime)
+            model.hammerstein, dt_s, dtype, follows, vector_width_of(scene.runtime)
         )
     elif model.hammerstein is not None and falls_back:
-        deep, trained = (
-            hammerstein_stage(model.hammerstein, dt_s, dtype, follows, lanes)
-            for follows in ("deep", "depth")
+        penetration, trained = (
+            hammerstein_stage(model.hammerstein, dt_s, dtype, follows, vector_width)
+            for follows in ("penetration", "clipped")
         )
-        excess = (deep, trained)
+        excess = (penetration, trained)
     if model.features is None or model.regressor is None:
         return ModelStages(None, None, passive, excess, ())
     kept = model.regressor.used_columns(model.features.n_features)
@@ -86,7 +86,7 @@ def _dropped(features: Features, kept: Columns, dtype: type[Any]) -> list[LeftOu
     unused = [order for i, order in enumerate(orders) if i not in set(kept.tolist())]
     if not unused:
         return []
-    lanes = padded(len(orders)) - padded(max(len(kept), 1))
+    vector_width = padded(len(orders)) - padded(max(len(kept), 1))
     names = ", ".join(f"{order:g}" for order in unused)
-    saved = lanes * features.table_rows * np.dtype(dtype).itemsize
+    saved = vector_width * features.table_rows * np.dtype(dtype).itemsize
     return [LeftOut(f"orders {names}", "no split uses them", saved)]

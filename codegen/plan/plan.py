@@ -7,27 +7,27 @@ import numpy as np
 
 from springpot.codegen.arrays import Real
 from springpot.codegen.coupling.auto import Choice, choose, series
-from springpot.codegen.coupling.gains import CoupleConfig, couple_config, refuse_unit_error
+from springpot.codegen.coupling.gains import CoupleConfig, couple_config, require_plausible_damping
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.limits import (
     GuardConfig,
     OutputConfig,
-    greatest_mps,
     guard_config,
+    max_mps,
     output_config,
     watchdog_s_of,
 )
 from springpot.codegen.plan.model_stages import LeftOut, ModelStages, model_stages
-from springpot.codegen.plan.stiffness import greatest_stiffness_npm, tangent_fallback
+from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.model_force import RangeConfig
-from springpot.codegen.stages.stage import FeatureStage, RegressorStage, lanes_of
+from springpot.codegen.stages.stage import FeatureStage, RegressorStage, vector_width_of
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 
 RATES_HZ = (10.0, 8000.0)
-MOST_RECOVERY_S = 2.0
+MAX_RECOVERY_S = 2.0
 FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
 
 
@@ -50,7 +50,7 @@ class Plan:
     velocity: ToolVelocityStage | None
     couple: CoupleConfig | None
     at_proxy: bool
-    greatest_mps: Real
+    max_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
     left_out: tuple[LeftOut, ...]
@@ -71,17 +71,17 @@ class Plan:
 
     @property
     def recovery_ticks(self) -> int:
-        """Ticks of good input after which bad input is forgotten, to 2 % of the greatest force.
+        """Ticks of good input after which bad input is forgotten, to 2 % of the maximum force.
 
         The guard's resynchronisation, the ramp, and the longest memory: a window's length, or four
-        time constants of a pole (none longer than MOST_RECOVERY_S counts: an object that creeps for
+        time constants of a pole (none longer than MAX_RECOVERY_S counts: an object that creeps for
         minutes has rightly rested elsewhere).
         """
         ramp = round(1.0 / float(self.output.rise))
         model = self.model
         passive_s = 0.0 if model.hammerstein is None else 4.0 * model.hammerstein.memory_s
         features_s = 0.0 if model.features is None else model.features.settling_s(self.dt_s)
-        longest_s = min(max(features_s, passive_s), MOST_RECOVERY_S)
+        longest_s = min(max(features_s, passive_s), MAX_RECOVERY_S)
         return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
 
     @property
@@ -112,15 +112,15 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     contact = (scene.guard.contact or model.contact) == "surface"
     stages, outside = _stages(model, scene, dt_s, dtype)
     trained = RangeConfig(
-        least_m=dtype(0.0 if contact else model.trained.least_m),
-        greatest_m=dtype(model.trained.greatest_m),
+        min_m=dtype(0.0 if contact else model.trained.min_m),
+        max_m=dtype(model.trained.max_m),
     )
-    stiffness_npm = greatest_stiffness_npm(stages, model, trained, dtype)
+    stiffness_npm = max_stiffness_npm(stages, model, trained, dtype)
     choice = _coupling(scene, stiffness_npm, dt_s)
     couple = None
     if choice.coupling.mode != "off":
         if not accept_unsafe:
-            refuse_unit_error(choice.coupling)
+            require_plausible_damping(choice.coupling)
         couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
@@ -140,7 +140,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         velocity=tool_velocity_stage(dt_s, dtype) if estimates else None,
         couple=couple,
         at_proxy=choice.coupling.mode == "proxy",
-        greatest_mps=dtype(greatest_mps(model)),
+        max_mps=dtype(max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
         output=output_config(model, scene, watchdog_s, dt_s, contact, dtype),
         left_out=(
@@ -160,8 +160,10 @@ def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[
     if scene.guard.outside != "fallback" or model.hammerstein is not None:
         return stages, _outside_note(model, scene)
     tangent = tangent_fallback(stages, model, dtype)
-    deep = hammerstein_stage(tangent, dt_s, dtype, "deep", lanes_of(scene.runtime))
-    return replace(stages, passive=deep), (
+    penetration = hammerstein_stage(
+        tangent, dt_s, dtype, "penetration", vector_width_of(scene.runtime)
+    )
+    return replace(stages, passive=penetration), (
         "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
         f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
     )
@@ -189,7 +191,7 @@ def _time_step(model: Model, scene: Scene) -> float:
 def _onset_m(model: Model, scene: Scene) -> float:
     if scene.guard.onset_mm is not None:
         return scene.guard.onset_mm * 1e-3
-    return 0.01 * model.trained.greatest_m
+    return 0.01 * model.trained.max_m
 
 
 def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:
@@ -204,7 +206,7 @@ def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:
 
 
 def _fade_m(trained: RangeConfig) -> float:
-    return FADE * (float(trained.greatest_m) - float(trained.least_m))
+    return FADE * (float(trained.max_m) - float(trained.min_m))
 
 
 def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
@@ -242,5 +244,5 @@ def _outside_note(model: Model, scene: Scene) -> str:
             f"{100 * FADE:g} % of the depth beyond the trained one"
         )
     if scene.guard.outside == "hold":
-        return "hold: stated in the scene; the force stays that of the greatest trained depth"
+        return "hold: stated in the scene; the force stays that of the maximum trained depth"
     return "fallback: the passive model adds its share of the depth beyond the trained one"

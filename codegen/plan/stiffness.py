@@ -1,4 +1,4 @@
-"""Tangents of a model, from its reference: the greatest one, and that at the trained border."""
+"""Tangents of a model, from its reference: the maximum one, and that at the trained border."""
 
 from typing import Any
 
@@ -9,44 +9,44 @@ from springpot.codegen.plan.model_stages import ModelStages
 from springpot.codegen.stages.model_force import RangeConfig, clip, model_force
 
 STEP = 0.05  # of the trained depth: longer than a leaf of a forest, shorter than a press
-REACH = 1.3  # of the trained depth: the fallback counts too
-_SPEEDS = (1.0, 0.25, 0.0625)  # of the greatest trained one
-_MOST_TICKS = 200
+RANGE_FACTOR = 1.3  # of the trained depth: the fallback counts too
+_SPEEDS = (1.0, 0.25, 0.0625)  # of the maximum trained one
+_MAX_TICKS = 200
 
 
-def greatest_stiffness_npm(
+def max_stiffness_npm(
     stages: ModelStages, model: Model, trained: RangeConfig, dtype: type[Any]
 ) -> float:
     """Steepest secant over 5 % of the depth, pressed from rest at any depth, N/m."""
-    base_m = float(trained.least_m)
-    span_m = float(trained.greatest_m) - base_m
-    starts_m = base_m + span_m * np.arange(0.0, REACH, STEP)
+    base_m = float(trained.min_m)
+    span_m = float(trained.max_m) - base_m
+    starts_m = base_m + span_m * np.arange(0.0, RANGE_FACTOR, STEP)
     found = 0.0
     for share in _SPEEDS:
-        ticks = 1 + max(1, round(STEP * span_m / (share * model.trained.greatest_mps * model.dt_s)))
-        ticks = min(ticks, _MOST_TICKS)
+        ticks = 1 + max(1, round(STEP * span_m / (share * model.trained.max_mps * model.dt_s)))
+        ticks = min(ticks, _MAX_TICKS)
         rise_m = STEP * span_m * np.linspace(0.0, 1.0, ticks)
         motion = (starts_m[:, None] + rise_m).astype(dtype)
-        deep = motion.ravel()
-        motions = {"deep": deep, "depth": clip(trained, deep)[0]}
-        starts = np.arange(0, len(deep), ticks)
-        force_n = model_force(stages, motions, starts, np.ones(len(deep), dtype=bool))
+        penetration = motion.ravel()
+        motions = {"penetration": penetration, "clipped": clip(trained, penetration)[0]}
+        starts = np.arange(0, len(penetration), ticks)
+        force_n = model_force(stages, motions, starts, np.ones(len(penetration), dtype=bool))
         force_n = force_n.reshape(motion.shape).astype(np.float64)
         found = max(found, float((force_n[:, -1] - force_n[:, 0]).max()) / (STEP * span_m))
     return found
 
 
 def tangent_fallback(stages: ModelStages, model: Model, dtype: type[Any]) -> Hammerstein:
-    """Kelvin-Voigt tangent at the greatest trained depth, for a model without a passive part.
+    """Kelvin-Voigt tangent at the maximum trained depth, for a model without a passive part.
 
     Spring: the secant over the last tenth, pressed at a sixteenth of the trained speed. Damper:
     what a press at the trained speed adds; as a Maxwell branch that relaxes within five ticks. Both
     act on the depth beyond the border only, and neither is negative.
     """
     trained = model.trained
-    end_m = trained.greatest_m
-    step_m = 0.1 * (end_m - max(trained.least_m, 0.0))
-    slow_mps, fast_mps = trained.greatest_mps / 16.0, trained.greatest_mps
+    end_m = trained.max_m
+    step_m = 0.1 * (end_m - max(trained.min_m, 0.0))
+    slow_mps, fast_mps = trained.max_mps / 16.0, trained.max_mps
     slow_n, fast_n = (
         _rise_n(stages, end_m - step_m, step_m, speed, model.dt_s, dtype)
         for speed in (slow_mps, fast_mps)
@@ -71,9 +71,12 @@ def _rise_n(
     stages: ModelStages, from_m: float, step_m: float, speed: float, dt_s: float, dtype: type[Any]
 ) -> float:
     """Force gained on a straight press from rest, N."""
-    ticks = 1 + min(_MOST_TICKS, max(1, round(step_m / (speed * dt_s))))
+    ticks = 1 + min(_MAX_TICKS, max(1, round(step_m / (speed * dt_s))))
     motion = (from_m + step_m * np.linspace(0.0, 1.0, ticks)).astype(dtype)
     force_n = model_force(
-        stages, {"deep": motion, "depth": motion}, np.array([0]), np.ones(ticks, dtype=bool)
+        stages,
+        {"penetration": motion, "clipped": motion},
+        np.array([0]),
+        np.ones(ticks, dtype=bool),
     )
     return float(force_n[-1]) - float(force_n[0])

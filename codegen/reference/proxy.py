@@ -13,13 +13,13 @@ from springpot.codegen.reference.tick import Coupled, shaped
 from springpot.codegen.stages.stage import Starts
 
 ModelForce = Callable[[Reals, Starts, NDArray[np.bool_]], Reals]
-_CHUNK = 1024  # ticks guessed at a time, at most
-_LEAST = 8  # at least: what a pass costs by itself
-_AHEAD = 4  # times the ticks that the last pass proved
+_CHUNK = 1024  # ticks predicted at a time, at most
+_MIN = 8  # at least: what a pass costs by itself
+_AHEAD = 4  # times the ticks that the last pass verified
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class ContactTrace:
     """What the coupling sees of a run: tool position and velocity, contact, restarts."""
 
     position: Reals
@@ -40,67 +40,70 @@ class Touch:
         return int(self.starts[found - 1]) if found else 0
 
 
-def proxy_motion(plan: Plan, touch: Touch, force: ModelForce, guess_m: Reals | None) -> Reals:
+def proxy_motion(
+    plan: Plan, trace: ContactTrace, force: ModelForce, predicted_m: Reals | None
+) -> Reals:
     """Where the model looks at each tick, m, shape (n,): the proxy, or the tool in free air.
 
-    Guess and proof: the stages' references take whole motions, but the proxy's next position
-    needs the force here. So force is evaluated on a guessed motion, the proxy stepped with it, and
-    every tick up to the first that differs is exact: its past was. What follows is a better guess.
-    A pass begins at the last restart, which forgets what was before, and reaches a few times as far
-    as the last one proved: in a stiff object a wrong tick makes the rest of a long guess useless.
-    force(motion, starts, asked): the model's force on a motion where `asked`. guess_m: the motion
-    that the C reports, which makes one pass do.
+    Predict and verify: the stages' references take whole motions, but the proxy's next position
+    needs the force here. So the force is evaluated on a predicted motion and the proxy stepped
+    with it: every tick up to the first that differs is exact, for its past was; what follows is a
+    better prediction. A pass begins at the last restart, which forgets what was before, and
+    reaches a few times as far as the last one verified: in a stiff object one wrong tick spoils
+    the rest of a long prediction.
+    force(motion, starts, asked): the model's force, N, on a motion (n,), m, where `asked` (n,).
+    predicted_m: (n,), the motion that the C reports, with which one pass is enough.
     """
-    coupled = _Stepper(plan, touch)
-    pressed = touch.position.copy()
-    if guess_m is not None:
-        guessed = touch.contact & ~touch.placed
-        pressed[guessed] = guess_m[guessed]
+    coupled = _Stepper(plan, trace)
+    pressed = trace.position.copy()
+    if predicted_m is not None:
+        predicted = trace.contact & ~trace.placed
+        pressed[predicted] = predicted_m[predicted]
     total = len(pressed)
-    done, chunk = 0, _CHUNK if guess_m is None else total
+    done, chunk = 0, _CHUNK if predicted_m is None else total
     while done < total:
         end = min(total, done + chunk)
-        begin = touch.restart_before(done)
-        asked = touch.contact[begin:end].copy()
+        begin = trace.restart_before(done)
+        asked = trace.contact[begin:end].copy()
         asked[: done - begin] = False
-        starts = touch.starts[(touch.starts >= begin) & (touch.starts < end)] - begin
+        starts = trace.starts[(trace.starts >= begin) & (trace.starts < end)] - begin
         motion = pressed[begin:end]
         model_n = shaped(plan, motion, force(motion, starts, asked))
-        proven = coupled.prove(pressed, model_n[done - begin :], done, end)
-        chunk = min(_CHUNK, max(_LEAST, _AHEAD * (proven - done)))
-        done = proven
+        verified = coupled.verify(pressed, model_n[done - begin :], done, end)
+        chunk = min(_CHUNK, max(_MIN, _AHEAD * (verified - done)))
+        done = verified
     return pressed
 
 
 class _Stepper:
-    def __init__(self, plan: Plan, touch: Touch) -> None:
+    def __init__(self, plan: Plan, trace: ContactTrace) -> None:
         assert plan.couple is not None
         self._coupled = Coupled(plan.couple)
-        self._touch = touch
-        self._placed = touch.placed
+        self._trace = trace
+        self._placed = trace.placed
 
-    def prove(self, pressed: Reals, model_n: Reals, begin: int, end: int) -> int:
-        """Step through ticks begin .. end; correct `pressed`; return the first unproven tick.
+    def verify(self, pressed: Reals, model_n: Reals, begin: int, end: int) -> int:
+        """Step through ticks begin .. end; correct `pressed`; return the first unverified tick.
 
-        model_n: force of those ticks on the guess.
+        model_n: force of those ticks on the prediction.
         """
-        proven = end
+        verified = end
         for i in range(begin, end):
             proxy = self._coupled.proxy
-            if self._tick(pressed, model_n[i - begin], i) and proven == end:
-                proven, at_proof = i, proxy
-        if proven < end:
+            if self._tick(pressed, model_n[i - begin], i) and verified == end:
+                verified, at_proof = i, proxy
+        if verified < end:
             self._coupled.proxy = at_proof
-        return proven
+        return verified
 
     def _tick(self, pressed: Reals, model_n: Any, i: int) -> bool:
-        """One tick; returns whether the guessed position was wrong."""
-        touch = self._touch
-        if self._placed[i] or not touch.contact[i]:
+        """One tick; returns whether the predicted position was wrong."""
+        trace = self._trace
+        if self._placed[i] or not trace.contact[i]:
             self._coupled.proxy = None
-        if not touch.contact[i]:
+        if not trace.contact[i]:
             return False
-        x, v = touch.position[i], touch.velocity[i]
+        x, v = trace.position[i], trace.velocity[i]
         at = self._coupled.place(x, v)
         wrong = bool(at != pressed[i]) and not (np.isnan(at) and np.isnan(pressed[i]))
         pressed[i] = at

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.proxy import Touch, proxy_motion
-from springpot.codegen.reference.tick import HELD, OUTSIDE, RESYNC, Guarding, Tail
+from springpot.codegen.reference.proxy import ContactTrace, proxy_motion
+from springpot.codegen.reference.tick import HELD, OUTSIDE, RESYNC, Guarding, OutputStage
 from springpot.codegen.stages.model_force import clip, model_force
 from springpot.codegen.stages.stage import Starts
 
@@ -27,12 +27,12 @@ def run_reference(
     plan: Plan,
     position_m: Reals,
     velocity_mps: Reals | None = None,
-    guess_m: Reals | None = None,
+    predicted_m: Reals | None = None,
 ) -> Run:
     """Run the plan on positions (and device velocities) from a fresh state.
 
     position_m, velocity_mps: shape (n,), any float type; rounded to the scene's type first.
-    guess_m: (n,), where the C's proxy was; it decides how long this takes, never the result.
+    predicted_m: (n,), where the C's proxy was; it decides how long this takes, never the result.
     """
     raw = np.asarray(position_m, dtype=plan.dtype)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
@@ -51,22 +51,22 @@ def run_reference(
             def at_proxy(motion: Reals, begun: Starts, asked: NDArray[np.bool_]) -> Reals:
                 return model_force(plan, _depths(plan, motion)[0], begun, asked)
 
-            touch = Touch(position, velocity, contact, starts)
-            pressed = proxy_motion(plan, touch, at_proxy, guess_m)
+            trace = ContactTrace(position, velocity, contact, starts)
+            pressed = proxy_motion(plan, trace, at_proxy, predicted_m)
         motion, outside = _depths(plan, pressed)
         notes |= np.where(outside, OUTSIDE, 0).astype(np.int32)
         model_n = model_force(plan, motion, starts, contact)
-        tail = Tail(plan)
-        force_n = tail.run(position, velocity, pressed, model_n, contact, held, notes)
+        output = OutputStage(plan)
+        force_n = output.run(position, velocity, pressed, model_n, contact, held, notes)
     return Run(force_n=force_n, notes=notes)
 
 
 def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bool_]]:
-    """`deep` and `depth` of sp_step, and where the depth was clipped."""
-    least = plan.dtype(0) if plan.contact else plan.range.least_m
-    deep = np.where(pressed > least, pressed, least)
-    depth, outside = clip(plan.range, deep if plan.contact else pressed)
-    return {"deep": deep, "depth": depth}, outside
+    """`penetration` and `clipped` of sp_step, and where the depth was clipped."""
+    minimum = plan.dtype(0) if plan.contact else plan.range.min_m
+    penetration = np.where(pressed > minimum, pressed, minimum)
+    clipped, outside = clip(plan.range, penetration if plan.contact else pressed)
+    return {"penetration": penetration, "clipped": clipped}, outside
 
 
 def _device_velocity(
@@ -76,7 +76,7 @@ def _device_velocity(
     if not plan.needs_device_velocity or velocity_mps is None:
         return np.zeros(length, dtype=plan.dtype), np.zeros(length, dtype=bool)
     velocity = np.asarray(velocity_mps, dtype=plan.dtype)
-    good = np.abs(velocity) <= plan.greatest_mps
+    good = np.abs(velocity) <= plan.max_mps
     last = np.maximum.accumulate(np.where(good, np.arange(length), -1))
     kept = np.where(last >= 0, velocity[last], plan.dtype(0))
     return kept.astype(plan.dtype), ~good

@@ -34,7 +34,7 @@ class Guarding:
         good = suspect = raw.dtype.type(0)
         agreeing = 0
         started = False
-        plausible = (raw >= self._config.least_m) & (raw <= self._config.greatest_m)
+        plausible = (raw >= self._config.min_m) & (raw <= self._config.max_m)
         for i, x in enumerate(raw):
             if not plausible[i]:
                 agreeing = 0
@@ -74,11 +74,11 @@ def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
 
 
 def _beyond(config: RangeConfig, x: Reals) -> Reals:
-    above, below = x - config.greatest_m, config.least_m - x
+    above, below = x - config.max_m, config.min_m - x
     return np.where(above > below, above, below)
 
 
-class Tail:
+class OutputStage:
     """Contact, coupling, smoothing and output: sp_contact.h to sp_output.h."""
 
     def __init__(self, plan: Plan) -> None:
@@ -192,10 +192,10 @@ class _Output:
             note |= RAMPED
         force, limited = self._slewed(force)
         note |= limited
-        least_n, greatest_n = self._config.least_n, self._config.greatest_n
-        if not least_n <= force <= greatest_n:
-            clamped = least_n if force < least_n else self._real(0)
-            force = greatest_n if force > greatest_n else clamped
+        min_n, max_n = self._config.min_n, self._config.max_n
+        if not min_n <= force <= max_n:
+            clamped = min_n if force < min_n else self._real(0)
+            force = max_n if force > max_n else clamped
             note |= CLAMPED
         self._force = force
         return force, note
@@ -203,10 +203,10 @@ class _Output:
     def _slewed(self, force: Any) -> tuple[Any, int]:
         zero, last = self._real(0), self._force
         most = (last if last > 0 else zero) + self._config.slew_n
-        least = (last if last < 0 else zero) - self._config.slew_n
+        minimum = (last if last < 0 else zero) - self._config.slew_n
         if force > most:
             return most, LIMITED
-        return (least, LIMITED) if force < least else (force, 0)
+        return (minimum, LIMITED) if force < minimum else (force, 0)
 
     def _fall(self) -> Any:
         size = abs(self._force)

@@ -51,10 +51,10 @@ class FastFirStage(WeightedSumStage):
 
     def tables(self) -> list[str]:
         """Decay of the poles, weights and sizes."""
-        rows, lanes = self.weights.shape
+        rows, width = self.weights.shape
         return [
             f"enum {{\n    N_WINDOW = {self.length + 1},\n    N_DIRECT = {self.n_direct},\n"
-            f"    N_POLES = {len(self.keep)},\n    N_TERMS = {rows},\n    N_LANES = {lanes}\n}};",
+            f"    N_POLES = {len(self.keep)},\n    N_TERMS = {rows},\n    N_VECTOR = {width}\n}};",
             array_text("keep", "sp_real", self.keep),
             array_text("leave", "sp_real", self.leave),
             f"/* Rises, poles, oldest sample: a row each; lanes: the orders {self.named}. */",
@@ -64,7 +64,7 @@ class FastFirStage(WeightedSumStage):
     def restart(self) -> list[str]:
         """Fill the window; no pole has seen a rise."""
         return [
-            "sp_window_fill(state->history, &state->newest, N_WINDOW, depth);",
+            "sp_window_fill(state->history, &state->newest, N_WINDOW, clipped);",
             "for (uint32_t i = 0; i < N_POLES; i++) {",
             "    state->poles[i] = (sp_real)0;",
             "}",
@@ -75,7 +75,7 @@ class FastFirStage(WeightedSumStage):
         return [
             "sp_real terms[N_TERMS];",
             "sp_fast_window(keep, leave, N_DIRECT, N_POLES,",
-            "               sp_window_push(state->history, &state->newest, N_WINDOW, depth),",
+            "               sp_window_push(state->history, &state->newest, N_WINDOW, clipped),",
             "               N_WINDOW, state->poles, terms);",
         ]
 

@@ -65,13 +65,13 @@ class FirStage(FeatureStage):
 
     def restart(self) -> list[str]:
         """Fill the window."""
-        return ["sp_window_fill(state->history, &state->newest, N_TAPS, depth);"]
+        return ["sp_window_fill(state->history, &state->newest, N_TAPS, clipped);"]
 
     def advance(self) -> list[str]:
         """Push the newest depth."""
         return [
             "const sp_real *window =",
-            "    sp_window_push(state->history, &state->newest, N_TAPS, depth);",
+            "    sp_window_push(state->history, &state->newest, N_TAPS, clipped);",
         ]
 
     def read(self) -> list[str]:

@@ -9,7 +9,7 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.forest.compact import LEVELS, compact_forest, work_at_most
 from springpot.codegen.forest.quantisation import rounded
 from springpot.codegen.forest.tables import CompactForest, ForestTable
-from springpot.codegen.forest.traverse import compact_sums, feature_ranks, forest_force, table_sums
+from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
 from springpot.codegen.forest.wide import forest_table
 from springpot.codegen.literals import array_text, literal, wrapped
 from springpot.codegen.model.regressors import Forest, Quantisation
@@ -20,12 +20,12 @@ from springpot.codegen.stages.stage import (
     Columns,
     Member,
     RegressorStage,
-    lanes_of,
     regressor_stage,
+    vector_width_of,
 )
 
 _LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
-_FORCE = "const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;"
+_FORCE = "const sp_real model_n = forest_bias_n + (sp_real)leaf_sum * leaf_step_n;"
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,23 +37,23 @@ class CompactForestStage(RegressorStage):
 
     forest: CompactForest
     n_features: int
-    rounding: Quantisation | None
+    quantisation: Quantisation | None
     vectors: bool
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """Ranks by rounding or by search, and the walk."""
-        ranks = "sp_quantise.h" if self.rounding is not None else "sp_bins.h"
-        walk = ("sp_forest.h", "sp_forest_x86.h", "sp_forest_simd.h")
-        return (ranks, *(walk if self.vectors else walk[:1]))
+        """Bins by quantisation or by search, and the traversal."""
+        bins = "sp_quantise.h" if self.quantisation is not None else "sp_bins.h"
+        traversal = ("sp_forest.h", "sp_forest_x86.h", "sp_forest_simd.h")
+        return (bins, *(traversal if self.vectors else traversal[:1]))
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """Which vector unit there is; where each feature's rank was."""
+        """Which vector unit there is; where each feature's bin was."""
         simd = (Member("uint32_t simd", (U32,)),) if self.vectors else ()
         searched = len(self.forest.thresholds)
-        ranks = (Member(f"uint32_t ranks[{searched}]", (U32,) * searched),) if searched else ()
-        return simd + ranks
+        bins = (Member(f"uint32_t bins[{searched}]", (U32,) * searched),) if searched else ()
+        return simd + bins
 
     def init(self) -> list[str]:
         """Look for a vector unit, once."""
@@ -65,15 +65,19 @@ class CompactForestStage(RegressorStage):
         return [
             f"enum {{\n    N_FEATURES = {self.n_features}\n}};",
             *_scale(forest),
-            *(_rounding(self.rounding) if self.rounding is not None else self._thresholds()),
-            "/* The first levels of all trees side by side: step, rank (sp_forest.h). */",
+            *(
+                _rounding(self.quantisation)
+                if self.quantisation is not None
+                else self._thresholds()
+            ),
+            "/* The first levels of all trees side by side: step, bin (sp_forest.h). */",
             *_nodes("forest_top", forest.top.reshape(-1, 2)),
             "/* Below, tree after tree. */",
             *_nodes("forest_nodes", forest.nodes),
             array_text("forest_roots", "uint32_t", forest.roots),
             "static const sp_forest forest = {",
             "    .top = forest_top,\n    .nodes = forest_nodes,\n    .roots = forest_roots,",
-            f"    .n_trees = {forest.n_trees},\n    .n_lanes = {forest.top.shape[1]},\n}};",
+            f"    .n_trees = {forest.n_trees},\n    .n_padded = {forest.top.shape[1]},\n}};",
         ]
 
     def _thresholds(self) -> list[str]:
@@ -88,29 +92,29 @@ class CompactForestStage(RegressorStage):
         ]
 
     def force(self) -> list[str]:
-        """Ranks, then the sum of leaves in quanta."""
+        """Bins, then the sum of leaves in leaf_sum."""
         call = "sp_forest_fastest" if self.vectors else "sp_forest_sum"
         simd = ", state->simd" if self.vectors else ""
         return [
-            "uint32_t ranks[SP_FOREST_SLOTS] = {0};",
-            *self._rank_lines(),
-            f"const uint32_t quanta = {call}(&forest, ranks{simd});",
+            "uint32_t bins[SP_FOREST_SLOTS] = {0};",
+            *self._bin_lines(),
+            f"const uint32_t leaf_sum = {call}(&forest, bins{simd});",
             _FORCE,
         ]
 
-    def _rank_lines(self) -> list[str]:
-        if self.rounding is None:
+    def _bin_lines(self) -> list[str]:
+        if self.quantisation is None:
             if not self.forest.thresholds:  # trees without a split
                 return ["(void)features;"]
             return [
-                "sp_bins(thresholds, threshold_starts, N_FEATURES, features, state->ranks);",
+                "sp_bins(thresholds, threshold_starts, N_FEATURES, features, state->bins);",
                 "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-                "    ranks[i + 1] = state->ranks[i];",
+                "    bins[i + 1] = state->bins[i];",
                 "}",
             ]
         return [
             "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-            "    ranks[i + 1] = sp_quantise(features[i], round_least[i], round_per_step[i]);",
+            "    bins[i + 1] = sp_quantise(features[i], feature_min[i], bins_per_unit[i]);",
             "}",
         ]
 
@@ -119,14 +123,14 @@ class CompactForestStage(RegressorStage):
         return self.forest.top.nbytes + self.forest.nodes.nbytes
 
     def instructions(self, costs: Costs) -> float:
-        below = np.maximum(self.forest.longest_walks - LEVELS, 0)
+        below = np.maximum(self.forest.longest_paths - LEVELS, 0)
         rounds = below // _LEVELS_A_ROUND + 1
         steps = sum(len(thresholds).bit_length() for thresholds in self.forest.thresholds)
-        each = costs.rounding if self.rounding is not None else costs.rank
+        each = costs.quantisation if self.quantisation is not None else costs.bin_search
         return float(
             len(below) * costs.tree
             + rounds.sum() * costs.tree_round
-            + steps * costs.rank_step
+            + steps * costs.bin_step
             + self.n_features * each
             + 80.0
         )
@@ -139,11 +143,11 @@ class CompactForestStage(RegressorStage):
 
     def reference(self, features: Reals) -> Reals:
         """The same leaves and sums."""
-        if self.rounding is None:
-            ranks = feature_ranks(self.forest.thresholds, features.astype(np.float32))
+        if self.quantisation is None:
+            bins = feature_bins(self.forest.thresholds, features.astype(np.float32))
         else:
-            ranks = rounded(self.rounding, features).astype(np.int32)
-        return forest_force(self.forest, compact_sums(self.forest, ranks))
+            bins = rounded(self.quantisation, features).astype(np.int32)
+        return forest_force(self.forest, compact_sums(self.forest, bins))
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +156,7 @@ class _OnFloats(RegressorStage):
 
     table: ForestTable
     n_features: int
-    rounding: Quantisation | None
+    quantisation: Quantisation | None
 
     def manifest(self) -> dict[str, Any]:
         return {"leaf_error_n": self.table.leaf_error_n}
@@ -160,18 +164,18 @@ class _OnFloats(RegressorStage):
     def reference(self, features: Reals) -> Reals:
         """The same leaves and sums."""
         values = features.astype(np.float32)
-        if self.rounding is not None:
-            values = rounded(self.rounding, values)
+        if self.quantisation is not None:
+            values = rounded(self.quantisation, values)
         return forest_force(self.table, table_sums(self.table, values))
 
     def _head(self) -> list[str]:
-        steps = [] if self.rounding is None else _rounding(self.rounding)
+        steps = [] if self.quantisation is None else _rounding(self.quantisation)
         return [f"enum {{\n    N_FEATURES = {self.n_features}\n}};", *_scale(self.table), *steps]
 
     def _slots(self, cast: str) -> list[str]:
         feature = "(float)features[i]"
-        if self.rounding is not None:
-            feature = "sp_quantise(features[i], round_least[i], round_per_step[i])"
+        if self.quantisation is not None:
+            feature = "sp_quantise(features[i], feature_min[i], bins_per_unit[i])"
         return [
             "for (uint32_t i = 0; i < N_FEATURES; i++) {",
             f"    slots[i] = {cast}{feature};",
@@ -185,8 +189,8 @@ class WideForestStage(_OnFloats):
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """The walk, and the rounding where there is one."""
-        return (*(("sp_quantise.h",) if self.rounding is not None else ()), "sp_forest_wide.h")
+        """The traversal, and the rounding where there is one."""
+        return (*(("sp_quantise.h",) if self.quantisation is not None else ()), "sp_forest_wide.h")
 
     def tables(self) -> list[str]:
         """Nodes, roots, sizes and scale."""
@@ -206,11 +210,11 @@ class WideForestStage(_OnFloats):
         ]
 
     def force(self) -> list[str]:
-        """Sum of leaves, in quanta."""
+        """Sum of leaves, in leaf_sum."""
         return [
             "float slots[SP_WIDE_SLOTS];",
-            *self._slots("(float)" if self.rounding is not None else ""),
-            "const int32_t quanta = sp_wide_sum(nodes, roots, N_ROOTS, DEPTH, slots);",
+            *self._slots("(float)" if self.quantisation is not None else ""),
+            "const int32_t leaf_sum = sp_wide_sum(nodes, roots, N_ROOTS, DEPTH, slots);",
             _FORCE,
         ]
 
@@ -224,7 +228,7 @@ class IfsStage(_OnFloats):
     @property
     def headers(self) -> tuple[str, ...]:
         """The rounding where there is one."""
-        return ("sp_quantise.h",) if self.rounding is not None else ()
+        return ("sp_quantise.h",) if self.quantisation is not None else ()
 
     def tables(self) -> list[str]:
         """The function forest_score."""
@@ -233,11 +237,11 @@ class IfsStage(_OnFloats):
         return [*self._head(), score_source(self.forest, self.table)]
 
     def force(self) -> list[str]:
-        """Sum of leaves, in quanta."""
+        """Sum of leaves, in leaf_sum."""
         return [
             "double slots[N_FEATURES];",
             *self._slots("(double)"),
-            "const int32_t quanta = (int32_t)forest_score(slots);",
+            "const int32_t leaf_sum = (int32_t)forest_score(slots);",
             _FORCE,
         ]
 
@@ -247,30 +251,32 @@ def forest_stage(
     forest: Forest, kept: Columns, runtime: Runtime, dtype: type[Any]
 ) -> RegressorStage:
     """Nodes of 4 bytes where they do, 8 where not; nested ifs where the scene asks for them."""
-    rounding = None if forest.rounding is None else forest.rounding.take(kept)
+    quantisation = None if forest.quantisation is None else forest.quantisation.take(kept)
     if runtime.forest == "m2cgen":
-        return IfsStage(forest_table(forest, dtype), len(kept), rounding, forest)
+        return IfsStage(forest_table(forest, dtype), len(kept), quantisation, forest)
     compact = compact_forest(forest, dtype)
     if compact is None:
-        return WideForestStage(forest_table(forest, dtype), len(kept), rounding)
-    return CompactForestStage(compact, len(kept), rounding, vectors=lanes_of(runtime) > 1)
+        return WideForestStage(forest_table(forest, dtype), len(kept), quantisation)
+    return CompactForestStage(
+        compact, len(kept), quantisation, vectors=vector_width_of(runtime) > 1
+    )
 
 
 def _nodes(name: str, nodes: Any) -> list[str]:
-    pairs = [f"{{{step}, {rank}}}" for step, rank in nodes.tolist()]
+    pairs = [f"{{{step}, {bin_index}}}" for step, bin_index in nodes.tolist()]
     return [f"static const sp_forest_node {name}[{len(pairs)}] = {{", *wrapped(pairs), "};"]
 
 
-def _rounding(rounding: Quantisation) -> list[str]:
+def _rounding(quantisation: Quantisation) -> list[str]:
     return [
         "/* A feature's least value, and its steps in a unit (sp_quantise.h). */",
-        array_text("round_least", "float", rounding.least.astype(np.float32)),
-        array_text("round_per_step", "float", rounding.per_step.astype(np.float32)),
+        array_text("feature_min", "float", quantisation.feature_min.astype(np.float32)),
+        array_text("bins_per_unit", "float", quantisation.bins_per_unit.astype(np.float32)),
     ]
 
 
 def _scale(table: ForestTable | CompactForest) -> list[str]:
     return [
-        f"static const sp_real quantum_n = {literal(table.quantum_n)};",
+        f"static const sp_real leaf_step_n = {literal(table.leaf_step_n)};",
         f"static const sp_real forest_bias_n = {literal(table.bias_n)};",
     ]

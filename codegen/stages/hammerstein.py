@@ -12,9 +12,9 @@ from springpot.codegen.model.model import Basis, Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.recursive import loss_and_gain
 from springpot.codegen.stages.stage import (
-    LANES,
     REAL,
     SMALLEST,
+    VECTOR_WIDTH,
     Measured,
     Member,
     Stage,
@@ -46,7 +46,7 @@ class HammersteinStage(Stage):
     Curves: shape (pieces, degree + 1, curves), highest power first. spring: one, branches: one
     each, stops: (stops, pieces, degree + 1), radius: (stops,). loss, per_tau (1/s), per_gain
     (inverse of what is folded into the branches): (branches,).
-    follows: "depth" (clipped to the trained range) or "deep" (not clipped). Its force is the C
+    follows: "clipped" (to the trained range) or "penetration" (not clipped). Its force is the C
     variable `{follows}_passive_n`.
     """
 
@@ -65,12 +65,12 @@ class HammersteinStage(Stage):
     @property
     def members(self) -> tuple[Member, ...]:
         """Input and state of each branch, play of each stop."""
-        lanes, stops = self.config.n_branches, self.config.n_stops
+        vector_width, stops = self.config.n_branches, self.config.n_stops
         name = self.follows
         play = (Member(f"sp_real {name}_play[{stops}]", (REAL,) * stops),) if stops else ()
         return (
-            Member(f"sp_real {name}_before[{lanes}]", (REAL,) * lanes),
-            Member(f"sp_real {name}_held[{lanes}]", (REAL,) * lanes),
+            Member(f"sp_real {name}_before[{vector_width}]", (REAL,) * vector_width),
+            Member(f"sp_real {name}_held[{vector_width}]", (REAL,) * vector_width),
             *play,
         )
 
@@ -172,9 +172,9 @@ class HammersteinStage(Stage):
         for k in range(config.n_stops):
             at_play = self._place(play[:, k])
             still_n = still_n - _curves(self.stops[k][:, :, None], *at_play)[:, 0]
-        s = np.zeros((LANES, len(depth)), dtype=depth.dtype)
+        s = np.zeros((VECTOR_WIDTH, len(depth)), dtype=depth.dtype)
         for i in range(config.n_branches):
-            s[i % LANES] += held[:, i]
+            s[i % VECTOR_WIDTH] += held[:, i]
         force_n: Reals = still_n + ((s[0] + s[2]) + (s[1] + s[3]))
         return force_n
 
@@ -211,14 +211,14 @@ def basis(kind: Basis, u: Reals) -> Iterator[Reals]:
 
 
 def hammerstein_stage(
-    model: Hammerstein, dt_s: float, dtype: type, follows: str, lanes: int
+    model: Hammerstein, dt_s: float, dtype: type, follows: str, vector_width: int
 ) -> HammersteinStage:
     """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
 
     Branches are padded to whole vectors of `lanes`, with curves of 0.
     """
     n_branches, n_stops = len(model.tau_s), len(model.radius_m)
-    capacity = padded(max(n_branches, 1), lanes)
+    capacity = padded(max(n_branches, 1), vector_width)
     pole_loss, gain = loss_and_gain(model.tau_s, dt_s)
     stop_n = model.stop_n.reshape(n_stops, BASIS_SIZE[model.basis])
     branches = np.zeros((capacity, BASIS_SIZE[model.basis]))

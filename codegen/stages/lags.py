@@ -57,16 +57,16 @@ class LagsStage(FeatureStage):
 
     def restart(self) -> list[str]:
         """Fill the ring."""
-        return ["sp_lags_fill(state->past, &state->newest, N_PAST, depth);"]
+        return ["sp_lags_fill(state->past, &state->newest, N_PAST, clipped);"]
 
     def advance(self) -> list[str]:
         """Push the newest depth."""
-        return ["sp_lags_push(state->past, &state->newest, N_PAST, depth);"]
+        return ["sp_lags_push(state->past, &state->newest, N_PAST, clipped);"]
 
     def read(self) -> list[str]:
         """Look back."""
         past = "sp_lags_at(state->past, state->newest, N_PAST, lags[i])"
-        value = f"lags[i] == 0 ? depth : depth - {past}" if self.difference else past
+        value = f"lags[i] == 0 ? clipped : clipped - {past}" if self.difference else past
         return [
             "for (uint32_t i = 0; i < N_LAGS; i++) {",
             f"    features[i] = {value};",

@@ -15,8 +15,8 @@ from springpot.codegen.stages.stage import FeatureStage, RegressorStage, Starts
 class RangeConfig:
     """sp_range.h."""
 
-    least_m: Real
-    greatest_m: Real
+    min_m: Real
+    max_m: Real
 
 
 class Stages(Protocol):
@@ -45,19 +45,24 @@ def model_force(
     starts: Starts,
     contact: NDArray[np.bool_],
 ) -> Reals:
-    """Force of the model's stages, N; 0 where there is no contact. motion: "deep" and "depth"."""
-    zero = motion["depth"].dtype.type(0)
+    """Force of the model's stages, N; 0 where there is no contact.
+
+    motion: "penetration" and "clipped", each of shape (n,), m.
+    """
+    zero = motion["clipped"].dtype.type(0)
     terms: list[Reals] = []
     if stages.passive is not None:
         terms.append(stages.passive.reference(motion[stages.passive.follows], starts))
     if stages.features is not None and stages.regressor is not None:
         model_n = np.zeros(len(contact), dtype=zero.dtype)
-        features = stages.features.reference(motion["depth"], starts)
+        features = stages.features.reference(motion["clipped"], starts)
         model_n[contact] = stages.regressor.reference(features[contact])
         terms.append(model_n)
     if stages.excess is not None:
-        deep, trained = (stage.reference(motion[stage.follows], starts) for stage in stages.excess)
-        terms.append(deep - trained)
+        penetration, trained = (
+            stage.reference(motion[stage.follows], starts) for stage in stages.excess
+        )
+        terms.append(penetration - trained)
     force_n = terms[0]
     for term in terms[1:]:
         force_n = force_n + term
@@ -66,6 +71,6 @@ def model_force(
 
 def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, NDArray[np.bool_]]:
     """sp_range.h: clipped depth, and where it was outside."""
-    deep, shallow = depth > config.greatest_m, depth < config.least_m
-    clipped = np.where(deep, config.greatest_m, np.where(shallow, config.least_m, depth))
-    return clipped.astype(depth.dtype), deep | shallow
+    above, below = depth > config.max_m, depth < config.min_m
+    clipped = np.where(above, config.max_m, np.where(below, config.min_m, depth))
+    return clipped.astype(depth.dtype), above | below

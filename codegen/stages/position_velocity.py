@@ -108,7 +108,7 @@ class PositionVelocityStage(FeatureStage):
 
     def read(self) -> list[str]:
         """Equation (13)."""
-        return ["features[0] = depth;", "features[1] = depth_mps;"]
+        return ["features[0] = clipped;", "features[1] = clipped_mps;"]
 
     def instructions(self, costs: Costs) -> float:
         return float(len(self.velocity.per_step) * costs.velocity_step + 60.0)
@@ -123,7 +123,7 @@ def position_velocity_stage(
     features: PositionVelocity, kept: Columns, dt_s: float, dtype: type[Any]
 ) -> PositionVelocityStage:
     """Depth and its velocity: both are kept always."""
-    return PositionVelocityStage(velocity_stage(features, dt_s, dtype, "depth"))
+    return PositionVelocityStage(velocity_stage(features, dt_s, dtype, "clipped"))
 
 
 def velocity_stage(
@@ -146,17 +146,17 @@ def foaw(per_step: Reals, band_m: Real, x: Reals, held: bool) -> Reals:
 def foaw_of(per_step: Reals, band_m: Real, windows: Reals) -> Reals:
     """The velocity at the end of each window, shape (n,), m/s; windows: (n, steps + 1), m."""
     newest = windows[:, -1]
-    slope = least = greatest = np.zeros_like(newest)
+    slope = minimum = maximum = np.zeros_like(newest)
     longer = np.ones(len(newest), dtype=bool)
     for j, per_s in enumerate(per_step):
         rise = newest - windows[:, -2 - j]
         candidate = rise * per_s
         low, high = (rise - band_m) * per_s, (rise + band_m) * per_s
         if j == 0:
-            slope, least, greatest = candidate, low, high
+            slope, minimum, maximum = candidate, low, high
             continue
-        longer &= (candidate >= least) & (candidate <= greatest)
+        longer &= (candidate >= minimum) & (candidate <= maximum)
         slope = np.where(longer, candidate, slope)
-        least = np.where(longer & (low > least), low, least)
-        greatest = np.where(longer & (high < greatest), high, greatest)
+        minimum = np.where(longer & (low > minimum), low, minimum)
+        maximum = np.where(longer & (high < maximum), high, maximum)
     return slope

@@ -13,12 +13,12 @@ from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import Columns, RegressorStage, padded, regressor_stage
 
-LANES = 8  # SP_RBF_LANES
+VECTOR_WIDTH = 8  # SP_RBF_WIDTH
 
 
 @dataclass(frozen=True, eq=False)
 class RbfStage(RegressorStage):
-    """standard: shape (2, 4): least, greatest, mean, 1/scale of each feature.
+    """standard: shape (2, 4): feature_min, feature_max, mean, 1/scale of each feature.
 
     centers: (2, padded centers); weights_n: (padded centers,); tail_n: (3,).
     """
@@ -34,7 +34,7 @@ class RbfStage(RegressorStage):
         """Centers, weights and scales."""
         return [
             f"enum {{\n    N_CENTERS = {len(self.weights_n)}\n}};",
-            "/* least, greatest, mean, 1/scale of each feature */",
+            "/* feature_min, feature_max, mean, 1/scale of each feature */",
             array_text("standard", "sp_real", self.standard),
             array_text("centers", "sp_real", self.centers),
             array_text("center_weights", "sp_real", self.weights_n),
@@ -61,13 +61,13 @@ class RbfStage(RegressorStage):
         """The same eight partial sums, added in the same order."""
         z = []
         for i in range(2):
-            least, greatest, mean, per_scale = self.standard[i]
-            below = np.where(features[:, i] < greatest, features[:, i], greatest)
-            inside = np.where(below > least, below, least)
+            feature_min, feature_max, mean, per_scale = self.standard[i]
+            below = np.where(features[:, i] < feature_max, features[:, i], feature_max)
+            inside = np.where(below > feature_min, below, feature_min)
             z.append((inside - mean) * per_scale)
-        sums = np.zeros((LANES, len(features)), dtype=features.dtype)
-        for block in range(0, len(self.weights_n), LANES):
-            for i in range(LANES):
+        sums = np.zeros((VECTOR_WIDTH, len(features)), dtype=features.dtype)
+        for block in range(0, len(self.weights_n), VECTOR_WIDTH):
+            for i in range(VECTOR_WIDTH):
                 d0 = z[0] - self.centers[0, block + i]
                 d1 = z[1] - self.centers[1, block + i]
                 square = d0 * d0 + d1 * d1
@@ -85,12 +85,12 @@ def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: type[Any]) -> Rb
     n, n_features = rbf.centers.shape
     if n_features != 2:
         raise UsageError(f"radial basis functions on {n_features} features: the C has two")
-    capacity = padded(n, LANES)
+    capacity = padded(n, VECTOR_WIDTH)
     centers: Reals = np.zeros((2, capacity), dtype=dtype)
     centers[:, :n] = rbf.centers.T
     weights: Reals = np.zeros(capacity, dtype=dtype)
     weights[:n] = rbf.weights_n
-    standard = np.stack([rbf.least, rbf.greatest, rbf.mean, 1.0 / rbf.scale], axis=1)
+    standard = np.stack([rbf.feature_min, rbf.feature_max, rbf.mean, 1.0 / rbf.scale], axis=1)
     return RbfStage(
         standard=standard.astype(dtype),
         centers=centers,

@@ -73,18 +73,18 @@ class RecursiveStage(WeightedSumStage):
         return (
             *slow,
             Member(f"sp_real poles[{n_poles}]", (REAL,) * n_poles),
-            Member("sp_real last_depth", (REAL,)),
+            Member("sp_real last_clipped", (REAL,)),
         )
 
     def tables(self) -> list[str]:
         """Losses, weights and sizes."""
-        n_poles, lanes = self.weights.shape
+        n_poles, vector_width = self.weights.shape
         n_fast = len(self.loss)
         slow = [array_text("slow_loss", "double", self.slow_loss)] if len(self.slow_loss) else []
         fast = [array_text("loss", "sp_real", self.loss)] if n_fast else []
         return [
             f"enum {{\n    N_POLES = {n_poles},\n    N_FAST = {n_fast},\n"
-            f"    N_LANES = {lanes}\n}};",
+            f"    N_VECTOR = {vector_width}\n}};",
             *fast,
             *slow,
             f"/* Poles to orders: a row a pole, a lane each for the orders {self.named}. */",
@@ -106,8 +106,8 @@ class RecursiveStage(WeightedSumStage):
                 array_text("per_gain", "sp_real", self.per_gain),
             ),
             advance=(
-                "const sp_real rise = depth - state->last_depth;",
-                "state->last_depth = depth;",
+                "const sp_real rise = clipped - state->last_clipped;",
+                "state->last_clipped = clipped;",
                 *((fast,) if len(self.loss) else ()),
                 *(slow if len(self.slow_loss) else ()),
             ),
@@ -126,13 +126,13 @@ class RecursiveStage(WeightedSumStage):
                 "    state->slow[i] = 0.0;",
                 "}",
             ]
-        return [*lines, "state->last_depth = depth;"]
+        return [*lines, "state->last_clipped = clipped;"]
 
     def advance(self) -> list[str]:
         """One multiply-add a pole."""
         lines = [
-            "const sp_real rise = depth - state->last_depth;",
-            "state->last_depth = depth;",
+            "const sp_real rise = clipped - state->last_clipped;",
+            "state->last_clipped = clipped;",
         ]
         if len(self.loss):
             lines.append("sp_poles_shared(loss, N_FAST, rise, state->poles);")

@@ -20,7 +20,7 @@ Columns = NDArray[np.intp]
 Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample held
 
 REAL, U32, DOUBLE = "real", "u32", "double"
-LANES = 4  # SP_LANES of sp_weighted_sum.h
+VECTOR_WIDTH = 4  # SP_VECTOR_WIDTH of sp_weighted_sum.h
 SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
 
 
@@ -55,7 +55,7 @@ class Measured:
 
 
 class Stage(ABC):
-    """A part of the tick with a state. Lines of C see `state`, `depth` and what they declare."""
+    """A part of the tick with a state. Lines of C see `state`, `clipped` and what they declare."""
 
     @property
     @abstractmethod
@@ -73,7 +73,7 @@ class Stage(ABC):
 
     @abstractmethod
     def restart(self) -> list[str]:
-        """Lines that forget the past: the object has rested at `depth` for ever."""
+        """Lines that forget the past: the object has rested at `clipped` for ever."""
 
     @abstractmethod
     def advance(self) -> list[str]:
@@ -172,9 +172,9 @@ def regressor_stage(
     raise TypeError(f"{type(regressor).__name__} has no stage: register one with regressor_stage")
 
 
-def lanes_of(runtime: Runtime) -> int:
+def vector_width_of(runtime: Runtime) -> int:
     """Numbers that tables are padded to whole vectors of; 1 where the target has no vectors."""
-    return LANES if runtime.target == "host" else 1
+    return VECTOR_WIDTH if runtime.target == "host" else 1
 
 
 def flushed(x: Any) -> Any:
@@ -182,9 +182,9 @@ def flushed(x: Any) -> Any:
     return x.dtype.type(0) if abs(x) < x.dtype.type(SMALLEST) else x
 
 
-def padded(n: int, lanes: int = LANES) -> int:
+def padded(n: int, vector_width: int = VECTOR_WIDTH) -> int:
     """Return n rounded up to whole vectors."""
-    return -(-n // lanes) * lanes
+    return -(-n // vector_width) * vector_width
 
 
 def segments(length: int, starts: Starts) -> list[tuple[int, int, bool]]:

@@ -40,22 +40,22 @@ class WeightedSumStage(FeatureStage):
 
     def read(self) -> list[str]:
         """All orders from the terms."""
-        return [f"sp_weighted_sum(weights, {self.terms}, {self.n_terms}, N_LANES, features);"]
+        return [f"sp_weighted_sum(weights, {self.terms}, {self.n_terms}, N_VECTOR, features);"]
 
     def probe(self) -> Probe:
         """Weights on made-up terms."""
-        rows, lanes = self.weights.shape
+        rows, vector_width = self.weights.shape
         return Probe(
             inputs=rows,
-            outputs=lanes,
-            call=f"sp_weighted_sum(weights, in, {self.n_terms}, N_LANES, sums);",
+            outputs=vector_width,
+            call=f"sp_weighted_sum(weights, in, {self.n_terms}, N_VECTOR, sums);",
             sums=self.weigh,
         )
 
     def sum_instructions(self, costs: Costs) -> float:
         """Of the weighted sums alone."""
-        terms, lanes = self.weights.shape
-        return float(lanes * (terms * costs.weight + costs.lane))
+        terms, vector_width = self.weights.shape
+        return float(vector_width * (terms * costs.weight + costs.lane))
 
     def weigh(self, terms: Reals) -> Reals:
         """Terms (..., terms) by the weights, each lane's sum in order: (..., lanes)."""

@@ -13,10 +13,10 @@ from springpot.host.benchmark.picks import Budget, misfit, pick, unmeasured
 from springpot.host.benchmark.store import Store, read_result
 from springpot.host.console.output import say
 
-Facts = dict[str, Any]
+Metadata = dict[str, Any]
 
 
-def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[Facts, Budget]:
+def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[Metadata, Budget]:
     """The point of a pick, and its budget.
 
     Raises UsageError for an unknown name, BudgetError where no model fits it, UnsafeError where
@@ -30,7 +30,7 @@ def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[F
     budget = Budget(**found["budget"])
     if found["point"] is None:
         raise BudgetError(f"--pick {name}: {found['why']}: give --flash, --ram or --budget-us")
-    point: Facts = next(p for p in result["points"] if p["key"] == found["point"])
+    point: Metadata = next(p for p in result["points"] if p["key"] == found["point"])
     if not point["bounded"] and not accept_unsafe:
         raise UnsafeError(
             f"--pick {name}: {found['why']}; or emit with --accept-unsafe, for replay"
@@ -38,13 +38,13 @@ def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[F
     return point, budget
 
 
-def choose_within(folder: Path, budget: Budget) -> tuple[Facts, Budget]:
+def choose_within(folder: Path, budget: Budget) -> tuple[Metadata, Budget]:
     """The most accurate point that fits and is known to be stable: of the front and the picks.
 
     Raises BudgetError with the point that comes nearest, or where a limit cannot be checked.
     """
     result = read_result(folder)
-    _refuse_unmeasured(result["points"], budget)
+    _require_measured(result["points"], budget)
     stable = [p for p in result["points"] if p["bounded"] and not p["active_cells"]]
     if not stable:
         raise BudgetError(f"{folder}: no stable model at all: record more, or sweep more kinds")
@@ -58,7 +58,7 @@ def choose_within(folder: Path, budget: Budget) -> tuple[Facts, Budget]:
     return found, budget
 
 
-def _refuse_unmeasured(points: list[Facts], budget: Budget) -> None:
+def _require_measured(points: list[Metadata], budget: Budget) -> None:
     """A limit that a person states is checked, or refused."""
     unknown = next((found for p in points if (found := unmeasured(p, budget))), None)
     if unknown is not None:
@@ -69,7 +69,7 @@ def _refuse_unmeasured(points: list[Facts], budget: Budget) -> None:
 
 
 def scene_of(
-    folder: Path, point: Facts, budget: Budget, stated: Scene | None
+    folder: Path, point: Metadata, budget: Budget, stated: Scene | None
 ) -> tuple[Scene, Path]:
     """The scene to emit and its model file. stated: a scene file's keys, that rule.
 

@@ -16,9 +16,9 @@ from springpot.host.benchmark.labels import hover
 from springpot.host.plot_style import STYLE, svg_text
 from springpot.trainer.kinds import KINDS
 
-Facts = dict[str, Any]
+Metadata = dict[str, Any]
 Places = NDArray[np.float64]
-Curves = dict[str, list[Facts]]  # points of each family: name, time, error
+Curves = dict[str, list[Metadata]]  # points of each family: name, time, error
 _FRONT, _OFF = 8.5, 5.5  # size of marks, points
 _PICK = 9.0  # of letters, points
 # Of a label from its point: near, to the right, and then farther, around it.
@@ -28,7 +28,7 @@ _OFFSETS = np.array(
 _DASHES = ("-", "--", ":", "-.")
 
 
-def front_figure(result: Facts) -> str:
+def front_figure(result: Metadata) -> str:
     """Every point, error on the validation recordings against time of a tick; front and picks."""
     points = result["points"]
     with mpl.rc_context(STYLE):
@@ -49,7 +49,7 @@ def front_figure(result: Facts) -> str:
         return _labelled(svg_text(figure), [hover(point) for point in points])
 
 
-def family_figure(points: Sequence[Facts]) -> str:
+def family_figure(points: Sequence[Metadata]) -> str:
     """Whole models: the best error of each kind within each time, one line a kind."""
     with mpl.rc_context(STYLE):
         figure, axes = _small()
@@ -97,7 +97,7 @@ def _small() -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def _mark(axes: Axes, point: Facts, gid: str) -> None:
+def _mark(axes: Axes, point: Metadata, gid: str) -> None:
     kind = KINDS[point["model"]]
     front = point["pareto"]
     axes.plot(
@@ -107,16 +107,16 @@ def _mark(axes: Axes, point: Facts, gid: str) -> None:
     )  # fmt: skip
 
 
-def _envelope(axes: Axes, points: Sequence[Facts]) -> None:
+def _envelope(axes: Axes, points: Sequence[Metadata]) -> None:
     """The steps under which no point of the front lies."""
     best = _best([point for point in points if point["pareto"]])
     axes.step([point["tick_ns_hot"] for point in best], [point["rmse_n"] for point in best],
               where="post", color="black", lw=1.0, ls="--", zorder=2)  # fmt: skip
 
 
-def _best(points: Sequence[Facts]) -> list[Facts]:
+def _best(points: Sequence[Metadata]) -> list[Metadata]:
     """Points that are more accurate than all faster ones, fastest first."""
-    found: list[Facts] = []
+    found: list[Metadata] = []
     for point in sorted(points, key=lambda p: (p["tick_ns_hot"], p["rmse_n"])):
         if not found or point["rmse_n"] < found[-1]["rmse_n"]:
             found.append(point)
@@ -131,7 +131,7 @@ def _noise_floor(axes: Axes, floor_n: float | None) -> None:
                   xycoords=("axes fraction", "data"), fontsize=7.5, color="#555555")  # fmt: skip
 
 
-def _name_picks(axes: Axes, result: Facts) -> None:
+def _name_picks(axes: Axes, result: Metadata) -> None:
     """One label for each picked point, with the names of all budgets that pick it."""
     by_key = {point["key"]: point for point in result["points"]}
     names: dict[str, list[str]] = {}
@@ -153,7 +153,7 @@ def _name_picks(axes: Axes, result: Facts) -> None:
         marks = np.concatenate([marks, np.repeat(middle[None], len(marks), axis=0)])
 
 
-def _on_page(axes: Axes, points: Sequence[Facts]) -> Places:
+def _on_page(axes: Axes, points: Sequence[Metadata]) -> Places:
     """Where points are, in typographic points, (n, 2)."""
     values = np.array([(point["tick_ns_hot"], point["rmse_n"]) for point in points])
     page: Places = axes.transData.transform(values) * (72.0 / axes.figure.dpi)
@@ -172,8 +172,8 @@ def _inside(axes: Axes, corner: Places, text: str) -> Places:
 
 def _covered(corner: Places, text: str, marks: Places) -> int:
     """Marks, and labels before, that a text there would cover."""
-    least, most = corner - 8.0, corner + np.array([_width(text) + 8.0, _PICK + 8.0])
-    return int(np.sum(np.all((marks > least) & (marks < most), axis=1)))
+    minimum, most = corner - 8.0, corner + np.array([_width(text) + 8.0, _PICK + 8.0])
+    return int(np.sum(np.all((marks > minimum) & (marks < most), axis=1)))
 
 
 def _log_axes(axes: Axes, x: str, y: str) -> None:

@@ -12,7 +12,7 @@ from springpot.codegen.scene import Number, Runtime, Scene, Target
 from springpot.host.benchmark.point import NAME, bench_scene
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.trial_build import built
-from springpot.host.stability.check import refuse_unstable, stability
+from springpot.host.stability.check import require_stable, stability
 from springpot.trainer.recordings.recording import Recording
 
 PACED_S = 2.0
@@ -20,7 +20,7 @@ PACED_TRIES = 3
 DISTURBED = 5.0  # times the median: other work had the processor in one of 100 ticks
 
 
-def measure_alone(model_file: Path, number: Number, recording: Recording) -> dict[str, Any]:
+def measure_isolated(model_file: Path, number: Number, recording: Recording) -> dict[str, Any]:
     """Paced ticks, and the closed loop of the scene to be emitted."""
     model = read_model(model_file)
     return {**paced_ticks(model, number, recording), **closed_loop(model, number)}
@@ -54,17 +54,17 @@ def closed_loop(model: Model, number: Number) -> dict[str, Any]:
     """All cases with all hands; `bounded` if every one is. None is run where `emit` refuses."""
     try:
         plan = make_plan(model, rendered_scene(NAME, number))
-        refuse_unstable(plan)
+        require_stable(plan)
         found = stability(plan)
     except UnsafeError as error:
         return {"bounded": False, "verdict": str(error), "closed_loop": []}
     outcomes = [outcome.as_dict() for outcome in found.outcomes]
-    judged = [outcome for outcome in found.outcomes if outcome.case != "stiff"]
+    evaluated = [outcome for outcome in found.outcomes if outcome.case != "stiff"]
     return {
         "bounded": found.check.stable and all(outcome.bounded for outcome in found.outcomes),
         "spectral_radius": found.check.spectral_radius,
         "coupling": found.check.plan.coupling.why,
-        "worst_fidelity_percent": max(outcome.fidelity_percent for outcome in judged),
+        "worst_fidelity_percent": max(outcome.fidelity_percent for outcome in evaluated),
         "verdict": found.as_dict()["recommendation"],
         "closed_loop": outcomes,
     }

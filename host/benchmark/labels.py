@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-Facts = dict[str, Any]
+Metadata = dict[str, Any]
 _WORDS = {
     "trees": "{} trees",
     "leaf": "{} in a leaf",
@@ -16,10 +16,10 @@ _WORDS = {
 _FLAGS = {"round_features": "rounded features", "monotone": "monotone"}
 
 
-def label(point: Facts) -> str:
+def label(point: Metadata) -> str:
     """Kind and options of a point."""
-    told = options_text(point["options"])
-    return f"{point['model']}, {told}" if told else str(point["model"])
+    options = options_text(point["options"])
+    return f"{point['model']}, {options}" if options else str(point["model"])
 
 
 def options_text(options: Mapping[str, Any]) -> str:
@@ -30,7 +30,7 @@ def options_text(options: Mapping[str, Any]) -> str:
     )
 
 
-def point_line(point: Facts) -> str:
+def point_line(point: Metadata) -> str:
     """One point in a line."""
     return (
         f"{label(point)}: RMSE {point['rmse_n']:.3g} N ({point['rmse_percent_of_peak']:.2g} % of "
@@ -39,7 +39,7 @@ def point_line(point: Facts) -> str:
     )
 
 
-def flash_text(point: Facts) -> str:
+def flash_text(point: Metadata) -> str:
     """Flash of a point, or that it is not known."""
     count = point["flash_bytes"]
     return "flash unknown" if count is None else f"{kilobytes(count)} of flash"
@@ -52,7 +52,7 @@ def kilobytes(count: int | None) -> str:
     return f"{count} bytes" if count < 10_000 else f"{count / 1024:.0f} kB"
 
 
-def hover(point: Facts) -> str:
+def hover(point: Metadata) -> str:
     """Label of a point in the figure."""
     active = point["active_cells"]
     lines = [

@@ -7,10 +7,10 @@ from typing import Any
 
 from springpot.codegen.scene import Target
 
-Facts = dict[str, Any]
-NEARLY = 1.005  # of the least error: of two within it, the faster is taken,
+Metadata = dict[str, Any]
+ERROR_TOLERANCE = 1.005  # of the lowest error: of two within it, the faster is taken,
 FASTER = 0.9  # where its time is below this share of the other's: timing has noise
-MOST_TRIED = 4  # closed loops that are not bounded: then it is the object, not the model
+MAX_TRIED = 4  # closed loops that are not bounded: then it is the object, not the model
 SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")
 PERIOD_SHARE = 0.1  # of the period that a tick may take on a PC, that does other work too
 _AXES = ("cv_rmse_n", "tick_ns_hot", "flash_bytes")
@@ -34,7 +34,7 @@ class Budget:
     instructions: int | None = None
     target: Target | None = None
 
-    def as_dict(self) -> Facts:
+    def as_dict(self) -> Metadata:
         """JSON values."""
         return asdict(self)
 
@@ -65,7 +65,7 @@ def budgets(target: Target) -> tuple[Budget, ...]:
     return (pc_budget(1000.0), pc_budget(4000.0), *boards)
 
 
-def pareto(points: Sequence[Facts]) -> set[str]:
+def pareto(points: Sequence[Metadata]) -> set[str]:
     """Keys of the points that no other beats in error, time and flash alike.
 
     The error is the cross-validated one: the validation recordings only report.
@@ -80,7 +80,7 @@ def _beats(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
     return any(a < b for a, b in known) and all(a <= b for a, b in known)
 
 
-def misfit(point: Facts, budget: Budget, recorded_hz: float) -> str | None:
+def misfit(point: Metadata, budget: Budget, recorded_hz: float) -> str | None:
     """Why a point does not fit a budget; None where it does, as far as its sizes are known."""
     rate_hz = budget.rate_hz
     if rate_hz is not None and rate_hz > 1.001 * recorded_hz and not point["any_rate"]:
@@ -99,7 +99,7 @@ def misfit(point: Facts, budget: Budget, recorded_hz: float) -> str | None:
     return None
 
 
-def unmeasured(point: Facts, budget: Budget) -> str | None:
+def unmeasured(point: Metadata, budget: Budget) -> str | None:
     """Which size of the budget is not known of a point, and why; None where all are."""
     if budget.flash_bytes is None or point["flash_bytes"] is not None:
         return None
@@ -107,23 +107,23 @@ def unmeasured(point: Facts, budget: Budget) -> str | None:
 
 
 def pick(
-    points: Sequence[Facts],
+    points: Sequence[Metadata],
     budget: Budget,
     recorded_hz: float,
-    is_bounded: Callable[[Facts], bool],
-) -> Facts | None:
-    """The point of least cross-validated error that fits, is passive and bounded; None: none is.
+    is_bounded: Callable[[Metadata], bool],
+) -> Metadata | None:
+    """The point of lowest cross-validated error that fits, is passive and bounded; None: none is.
 
     Passive: no cell of its small-signal map is active. `is_bounded` runs the closed loop, and
     completes the point with what is measured alone on the machine. Of points within half a per
     cent of that error, the fastest that is bounded too. Where none is bounded, the point of least
     error, which says so: some objects are too hard for a hand at their recordings' rate.
     """
-    best: Facts | None = None
+    best: Metadata | None = None
     listed = list(_candidates(points, budget, recorded_hz))
-    wild: list[Facts] = []
+    unbounded: list[Metadata] = []
     for point in listed:
-        if best is not None and point["cv_rmse_n"] > NEARLY * best["cv_rmse_n"]:
+        if best is not None and point["cv_rmse_n"] > ERROR_TOLERANCE * best["cv_rmse_n"]:
             break
         if best is not None and point["tick_ns_hot"] >= FASTER * best["tick_ns_hot"]:
             continue
@@ -133,20 +133,22 @@ def pick(
         if bounded:
             best = point
             continue
-        wild.append(point)
-        if best is None and len(wild) == MOST_TRIED:
+        unbounded.append(point)
+        if best is None and len(unbounded) == MAX_TRIED:
             break
-    return best or next(iter(wild), None)
+    return best or next(iter(unbounded), None)
 
 
-def _candidates(points: Sequence[Facts], budget: Budget, recorded_hz: float) -> Iterator[Facts]:
+def _candidates(
+    points: Sequence[Metadata], budget: Budget, recorded_hz: float
+) -> Iterator[Metadata]:
     fitting = [p for p in points if misfit(p, budget, recorded_hz) is None]
     yield from sorted((p for p in fitting if not p["active_cells"]), key=lambda p: p["cv_rmse_n"])
 
 
-def why(point: Facts, points: Sequence[Facts], budget: Budget, recorded_hz: float) -> str:
+def why(point: Metadata, points: Sequence[Metadata], budget: Budget, recorded_hz: float) -> str:
     """What was chosen, what it gains on the paper's forest, and why nothing more accurate was."""
-    text = "least error on held-out training recordings of all that fit this budget"
+    text = "lowest error on held-out training recordings of all that fit this budget"
     if not point["bounded"]:
         text = (
             f"{text} and give no energy back, for simulation only: no model that was tried is "
@@ -170,12 +172,12 @@ def why(point: Facts, points: Sequence[Facts], budget: Budget, recorded_hz: floa
     return text + _unjudged(point, budget)
 
 
-def _unjudged(point: Facts, budget: Budget) -> str:
+def _unjudged(point: Metadata, budget: Budget) -> str:
     unknown = unmeasured(point, budget)
     return "" if unknown is None else f". Its {unknown}, and did not decide"
 
 
-def _rejected(other: Facts, budget: Budget, recorded_hz: float) -> str:
+def _rejected(other: Metadata, budget: Budget, recorded_hz: float) -> str:
     if (reason := misfit(other, budget, recorded_hz)) is not None:
         return reason
     if other["active_cells"]:

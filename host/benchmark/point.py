@@ -18,7 +18,7 @@ from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
 from springpot.host.native.compiler import CompilerError, compiler_version
 from springpot.host.native.footprint import Footprint, measure_footprint
-from springpot.host.native.machine import cpu_s, machine_facts
+from springpot.host.native.machine import cpu_s, machine_metadata
 from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools, toolchain
@@ -60,10 +60,10 @@ class Job:
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """What a worker hands back: facts as JSON values; the model's file, None where it failed."""
+    """What a worker hands back: metadata as JSON values; the model's file, None where it failed."""
 
     key: str
-    facts: dict[str, Any]
+    metadata: dict[str, Any]
     model: bytes | None
 
 
@@ -89,16 +89,16 @@ def measure_point(job: Job) -> Point:
     stated = {"key": job.key, "model": candidate.kind, "options": candidate.named_options()}
     begin, cpu = time.perf_counter(), cpu_s()
     try:
-        fit, facts = _fitted(job)
-        facts |= _measured(job, fit.model)
+        fit, metadata = _fitted(job)
+        metadata |= _measured(job, fit.model)
     except SpringpotError as error:
         return Point(job.key, stated | {"error": str(error)}, None)
     spent = {
         "point_s": time.perf_counter() - begin,
         "point_cpu_s": cpu_s() - cpu,
-        "worker": f"{machine_facts()['processor']}, process {os.getpid()}",
+        "worker": f"{machine_metadata()['processor']}, process {os.getpid()}",
     }
-    return Point(job.key, stated | facts | spent, model_bytes(fit.model))
+    return Point(job.key, stated | metadata | spent, model_bytes(fit.model))
 
 
 def bench_scene(number: Number, target: Target = "host") -> Scene:
@@ -119,7 +119,7 @@ def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
     candidate, options = job.candidate, job.candidate.options
     whole, folds = _prepared(job.data, options.smooth_s, options.seed)
     fit = fit_kind(candidate.kind, NAME, whole, options)
-    facts = {
+    metadata = {
         "number": candidate.number,
         "engine": fit.model.engine,
         "window_s": fit.model.memory_s,
@@ -132,7 +132,7 @@ def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
         "cv_rmse_n": cross_validated_rmse_n(candidate.kind, folds, options),
         "hash": model_hash(fit.model),
     }
-    return fit, facts | {name: fit.facts[name] for name in _SIZES if name in fit.facts}
+    return fit, metadata | {name: fit.metadata[name] for name in _SIZES if name in fit.metadata}
 
 
 @lru_cache(maxsize=1)
@@ -190,15 +190,15 @@ def target_sizes(model: Model, number: Number, target: Target) -> dict[str, Any]
 
     `sizes_compiler`: version of the target's compiler that they are of; null where there is none.
     """
-    facts: dict[str, Any] = dict.fromkeys(("flash_bytes", "stack_bytes", "sizes_why"))
-    facts["sizes_compiler"] = target_compiler(target)
+    metadata: dict[str, Any] = dict.fromkeys(("flash_bytes", "stack_bytes", "sizes_why"))
+    metadata["sizes_compiler"] = target_compiler(target)
     if why := missing_tools(target):
-        return facts | {"sizes_why": why}
+        return metadata | {"sizes_why": why}
     try:
         size = _footprint(make_plan(model, bench_scene(number, target), accept_unsafe=True))
     except CompilerError as error:
-        return facts | {"sizes_why": str(error)}
-    return facts | vars(size)
+        return metadata | {"sizes_why": str(error)}
+    return metadata | vars(size)
 
 
 def target_compiler(target: Target) -> str | None:

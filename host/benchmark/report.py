@@ -10,7 +10,7 @@ from springpot.host.page import page_text, plain
 from springpot.host.paper.claims import PAPER_MODELLING_S, PAPER_RATES_HZ
 from springpot.trainer.kinds import KINDS
 
-Facts = dict[str, Any]
+Metadata = dict[str, Any]
 REPORT_NAME = "report.html"
 
 
@@ -21,7 +21,7 @@ def write_bench_report(folder: Path) -> Path:
     return path
 
 
-def bench_page(result: Facts, folder: str) -> str:
+def bench_page(result: Metadata, folder: str) -> str:
     """The page: one text, nothing outside it."""
     by_key = {point["key"]: point for point in result["points"]}
     picks = [_pick(found, by_key) for found in result["picks"].values()]
@@ -53,8 +53,8 @@ def bench_page(result: Facts, folder: str) -> str:
                     "error of the force, N",
                 ),
                 "Steps of the paper's coupling against its exact solution, for a tool that taps a "
-                "spring of 1 N/mm; either step costs about ten multiplications. The printed one is "
-                "closer while it is stable, the exact one is stable with any gains.",
+                "spring of 1 N/mm; either step costs about ten multiplications. The published one "
+                "is closer while it is stable, the exact one is stable with any gains.",
             ),
         ],
         "verdicts": [
@@ -68,7 +68,7 @@ def bench_page(result: Facts, folder: str) -> str:
     )
 
 
-def paper_rows(points: list[Facts]) -> list[dict[str, str]]:
+def paper_rows(points: list[Metadata]) -> list[dict[str, str]]:
     """The paper's figures 9, 10 and Table 3 beside the same three models here.
 
     None where the sweep did not hold all three.
@@ -99,15 +99,15 @@ def paper_rows(points: list[Facts]) -> list[dict[str, str]]:
     return rows
 
 
-def _pick(found: Facts, by_key: dict[str, Facts]) -> Facts:
+def _pick(found: Metadata, by_key: dict[str, Metadata]) -> Metadata:
     return {**found, "point": by_key[found["point"]] if found["point"] else None}
 
 
-def _picked(picks: list[Facts]) -> list[str]:
+def _picked(picks: list[Metadata]) -> list[str]:
     return list(dict.fromkeys(pick["point"]["key"] for pick in picks if pick["point"]))
 
 
-def _summary(picks: list[Facts]) -> list[str]:
+def _summary(picks: list[Metadata]) -> list[str]:
     """What a reader asks first: which model for which budget, and whether a hand may hold it."""
     lines = []
     for key in _picked(picks):
@@ -123,7 +123,7 @@ def _summary(picks: list[Facts]) -> list[str]:
     return [*lines, f"{', '.join(missing)}: no model"] if missing else lines
 
 
-def _cases(outcomes: list[Facts]) -> list[Facts]:
+def _cases(outcomes: list[Metadata]) -> list[Metadata]:
     """The worst of all hands and delays, case by case."""
     rows = []
     for case in dict.fromkeys(outcome["case"] for outcome in outcomes):
@@ -135,7 +135,7 @@ def _cases(outcomes: list[Facts]) -> list[Facts]:
                 "runs": len(found),
                 "depth_mm": 1e3 * max(outcome["max_depth_m"] for outcome in found),
                 "speed_mmps": 1e3 * max(outcome["hf_speed_mps"] for outcome in found),
-                "unlike": max(outcome["fidelity_percent"] for outcome in found),
+                "fidelity_percent": max(outcome["fidelity_percent"] for outcome in found),
             }
         )
     return rows

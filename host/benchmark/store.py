@@ -12,7 +12,7 @@ from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Target
 from springpot.host.benchmark.point import Point
-from springpot.host.native.machine import machine_facts
+from springpot.host.native.machine import machine_metadata
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ class Store:
             raise UsageError(
                 f"{self.folder}: not empty and no earlier benchmark: give --out a new folder"
             )
-        for name in ("points", "alone", "instructions", "models"):
+        for name in ("points", "isolated", "instructions", "models"):
             (self.folder / name).mkdir(parents=True, exist_ok=True)
         (self.folder / _MARK).touch()
 
@@ -51,22 +51,22 @@ class Store:
         return self.folder / "models" / f"{key}.spm"
 
     def keep(self, point: Point) -> None:
-        """Write a point; its facts last, so that a point with facts has its model."""
+        """Write a point; its metadata last, so that a point with metadata has its model."""
         if point.model is not None:
             write_file(self.model_file(point.key), point.model)
-        self.write("points", point.key, point.facts)
+        self.write("points", point.key, point.metadata)
 
     def read(self, kind: str, key: str) -> dict[str, Any] | None:
-        """Facts of a key; None where they are not there, or not whole."""
+        """Metadata of a key; None where they are not there, or not whole."""
         try:
-            facts: dict[str, Any] = json.loads((self.folder / kind / f"{key}.json").read_text())
+            metadata: dict[str, Any] = json.loads((self.folder / kind / f"{key}.json").read_text())
         except (OSError, ValueError):
             return None
-        return facts
+        return metadata
 
-    def write(self, kind: str, key: str, facts: dict[str, Any]) -> None:
-        """Write facts of a key."""
-        text = json.dumps(facts, indent=1, allow_nan=False)
+    def write(self, kind: str, key: str, metadata: dict[str, Any]) -> None:
+        """Write metadata of a key."""
+        text = json.dumps(metadata, indent=1, allow_nan=False)
         write_file(self.folder / kind / f"{key}.json", text.encode())
 
     def write_result(self, result: dict[str, Any]) -> None:
@@ -90,7 +90,7 @@ def measured_by(target: Target) -> dict[str, Any]:
 
     Not the target's compiler: what is measured with it is kept apart, or beside its version.
     """
-    return {"machine": machine_facts(), "code": code_hash(), "target": target}
+    return {"machine": machine_metadata(), "code": code_hash(), "target": target}
 
 
 @cache
@@ -121,6 +121,6 @@ def point_key(data: str, measures: dict[str, Any], candidate: "Candidate") -> st
     return key_of({"data": data, "measured by": measures, "candidate": candidate.as_dict()})
 
 
-def key_of(facts: object) -> str:
+def key_of(metadata: object) -> str:
     """Hash of JSON values: the name of what is kept for them."""
-    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:24]
+    return hashlib.sha256(json.dumps(metadata, sort_keys=True).encode()).hexdigest()[:24]

@@ -38,11 +38,14 @@ def work_precision() -> dict[str, dict[str, Curve]]:
                 {
                     "name": f"{1e3 * step:g} ms",
                     "time": 1.0 / step,
-                    "error": abs(stepped_force(step, printed) - truth_n),
+                    "error": abs(stepped_force(step, published) - truth_n),
                 }
                 for step in STEPS_S
             ]
-            for family, printed in (("printed (semi-implicit Euler)", True), ("exact step", False))
+            for family, published in (
+                ("as published (semi-implicit Euler)", True),
+                ("exact step", False),
+            )
         },
     }
 
@@ -88,14 +91,14 @@ def filter_point(features: Features) -> dict[str, float]:
         return {"time": Replay(library).hot_ns(depth, np.zeros_like(depth)), "error": float(error)}
 
 
-def stepped_force(step_s: float, printed: bool) -> float:
+def stepped_force(step_s: float, published: bool) -> float:
     """Force of the coupling after 1 s on a tool that taps a spring, N."""
     couple = Coupled(couple_config(PAPER, step_s, np.float64))
     x_p = v_p = force_n = 0.0
     for i in range(round(1.0 / step_s) + 1):
         x, v = _tool(i * step_s)
         model_n = SPRING_NPM * x
-        if printed:
+        if published:
             force_n = -PAPER.stiffness_npm * (x_p - x) - PAPER.damping_nspm * (v_p - v)
             v_p += step_s * (force_n - model_n) / PAPER.mass_kg
             x_p += step_s * v_p

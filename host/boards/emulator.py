@@ -61,9 +61,11 @@ def run_batch(folder: Path, board: Board, calls: Calls) -> Batch:
         program = build_batch(folder, board, place)
         (place / "calls.bin").write_bytes(rows.tobytes())
         _emulate(board, program, place)
-        told = (place / "returns.bin").read_bytes()
+        returned_bytes = (place / "returns.bin").read_bytes()
     row = np.dtype([("force_n", real), ("notes", "<i4"), ("counts", "<u4")], align=wide)
-    returned = np.frombuffer(told[: len(told) // row.itemsize * row.itemsize], dtype=row)
+    returned = np.frombuffer(
+        returned_bytes[: len(returned_bytes) // row.itemsize * row.itemsize], dtype=row
+    )
     if len(returned) != 1 + len(rows):
         raise SpringpotError(
             f"{board.name}: {max(len(returned) - 1, 0)} of {len(rows)} calls returned: the "

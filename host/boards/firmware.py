@@ -33,7 +33,7 @@ def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) 
         _port_file(name, plan, out)
     for name in _WIRE:
         shutil.copyfile(PORT_WIRE / name, out / name)
-    (out / "sp_facts.h").write_text(_facts(plan, folder))
+    (out / "sp_metadata.h").write_text(_metadata(plan, folder))
     return _linked(board, out, (*_COMMON, "sp_wire.c", *board.sources), strict)
 
 
@@ -63,18 +63,18 @@ def _port_file(name: str, plan: Plan, out: Path) -> None:
     (out / name).write_text(prefixed(text, prefix))
 
 
-def _facts(plan: Plan, folder: Path) -> str:
+def _metadata(plan: Plan, folder: Path) -> str:
     """What the protocol says of the scene."""
     digest = bytes.fromhex(json.loads((folder / "manifest.json").read_text())["hash"])
     items = ", ".join(f"{byte}" for byte in digest)
-    greatest_n = max(float(plan.output.greatest_n), -float(plan.output.least_n))
+    max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
     return (
         "/* What the firmware tells the host of its scene. */\n"
-        "#ifndef SP_FACTS_H\n#define SP_FACTS_H\n\n"
-        f"#define SP_FACTS_DT_S {_float(plan.dt_s)}\n"
-        f"#define SP_FACTS_WATCHDOG_S {_float(float(plan.output.watchdog_s))}\n"
-        f"#define SP_FACTS_GREATEST_N {_float(greatest_n)}\n"
-        f"#define SP_FACTS_HASH {{{{{items}}}}}\n\n#endif\n"
+        "#ifndef SP_METADATA_H\n#define SP_METADATA_H\n\n"
+        f"#define SP_METADATA_DT_S {_float(plan.dt_s)}\n"
+        f"#define SP_METADATA_WATCHDOG_S {_float(float(plan.output.watchdog_s))}\n"
+        f"#define SP_METADATA_MAX_N {_float(max_n)}\n"
+        f"#define SP_METADATA_HASH {{{{{items}}}}}\n\n#endif\n"
     )
 
 

@@ -15,7 +15,7 @@ from springpot.host.devices.url import parse_device
 from springpot.host.devices.wire import constant
 from springpot.host.native.loop_library import IDLE, INPUT, RESET
 from springpot.host.native.replay import Replay
-from springpot.host.session.session import wanted_of
+from springpot.host.session.session import requirements_of
 
 _ANSWER_S = 1.0
 _POLL_S = 0.0001
@@ -74,12 +74,12 @@ class BoardReplay:
             for frame in self._device.frames():
                 if frame.name != "rendered" or frame.old:
                     continue
-                said = frame.values
-                idle = bool(said["call"] & constant("IDLE"))
-                was_reset = bool(said["call"] & constant("WAS_RESET"))
+                values = frame.values
+                idle = bool(values["call"] & constant("IDLE"))
+                was_reset = bool(values["call"] & constant("WAS_RESET"))
                 call = IDLE * idle + RESET * was_reset
-                rows.append((call, said["position_m"], said["velocity_mps"], said["dt_s"],
-                             said["force_n"], said["notes"]))  # fmt: skip
+                rows.append((call, values["position_m"], values["velocity_mps"], values["dt_s"],
+                             values["force_n"], values["notes"]))  # fmt: skip
                 if not idle:
                     return rows
             time.sleep(_POLL_S)
@@ -97,14 +97,14 @@ def board_replay(url: str, plan: Plan, scene_hash: str) -> Iterator[BoardReplay]
     address = parse_device(url)
     if address.scheme != "serial":
         raise UsageError(f"{url}: only a board that renders can replay: give serial://PORT")
-    wanted = wanted_of(
+    requirements = requirements_of(
         plan.scene.device,
         rate_hz=1 / plan.dt_s,
         watchdog_s=float(plan.output.watchdog_s),
-        greatest_n=0.0,
+        max_n=0.0,
         hash=scene_hash,
     )
-    device = SerialDevice(address, wanted)
+    device = SerialDevice(address, requirements)
     try:
         if not device.renders:
             raise UsageError(
@@ -123,7 +123,7 @@ def board_force(replay: Replay, calls: dict[str, Reals]) -> tuple[Reals, int]:
     The board tells forces in single precision.
     """
     here_n, notes = replay.repeat(calls)
-    told_n = calls["returned_n"].astype(np.float32)
-    other = here_n.astype(np.float32).view(np.uint32) != told_n.view(np.uint32)
+    board_n = calls["returned_n"].astype(np.float32)
+    other = here_n.astype(np.float32).view(np.uint32) != board_n.view(np.uint32)
     other |= notes != calls["notes"].astype(int)
-    return told_n[(calls["call"].astype(int) & IDLE) == 0], int(np.sum(other))
+    return board_n[(calls["call"].astype(int) & IDLE) == 0], int(np.sum(other))

@@ -17,7 +17,7 @@ from springpot.host.devices.url import Address
 
 BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
 STUFFED_BITS = 135  # of a frame of 8 bytes with a short identifier, at worst
-_ROOM_S = 0.05  # a full queue of frames is sent in a few ms
+_QUEUE_S = 0.05  # a full queue of frames is sent in a few ms
 _ANSWER_S = 0.5
 
 
@@ -131,7 +131,7 @@ class SocketBus:
     def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
         """Send one frame."""
         flag = REMOTE if remote else 0
-        if not select.select([], [self.fd], [], _ROOM_S)[1]:
+        if not select.select([], [self.fd], [], _QUEUE_S)[1]:
             raise DeviceError(
                 f"{self._url}: its queue stays full, nobody on the bus answers: check the wiring, "
                 "the drive's power and ?bitrate="

@@ -7,17 +7,17 @@ from springpot.host.native.c_library import CLibrary
 
 
 @dataclass(frozen=True)
-class Wanted:
+class DeviceRequirements:
     """What a session asks of a device.
 
     presses: the loop drives the tool into an object, to record it.
-    hash: of the scene, for boards that render it themselves. greatest_n: of the scene's force.
+    hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. max_torque_nm: the transmission of a motor drive.
     """
 
     rate_hz: float
     watchdog_s: float
-    greatest_n: float
+    max_n: float
     hash: str = ""
     presses: bool = False
     surface_m: float = 0.0

@@ -62,16 +62,16 @@ class Drive:
     def arm(self) -> None:
         """Clear errors, torque control, closed loop; zero torque is sent meanwhile."""
         self.ask_for_torque_control()
-        until, told = time.monotonic() + _ARMED_S, ""
+        until, found = time.monotonic() + _ARMED_S, ""
         while time.monotonic() < until:
             self.torque(0.0)
             beat = self._heartbeat(time.monotonic() + _FEED_S)
             if beat is not None and beat.state == CLOSED_LOOP and not (beat.error or beat.failed):
                 return
             if beat is not None:
-                told = f"state {beat.state}, error 0x{beat.error:x}"
+                found = f"state {beat.state}, error 0x{beat.error:x}"
         raise DeviceError(
-            f"{self.url}: node {self.node} does not go to closed loop ({told or 'it is silent'}): "
+            f"{self.url}: node {self.node} does not go to closed loop ({found or 'it is silent'}): "
             "calibrate it and clear its errors with odrivetool (`dump_errors(odrv0)`)"
         )
 

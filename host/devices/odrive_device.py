@@ -7,9 +7,9 @@ from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
-from springpot.host.devices.device import Wanted
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.odrive import Drive
-from springpot.host.devices.serial_port import refuse_slow_adapter
+from springpot.host.devices.serial_port import require_fast_adapter
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 
@@ -29,8 +29,8 @@ class Transmission:
     max_torque_nm: float
 
     @property
-    def greatest_n(self) -> float:
-        """Force at the greatest torque."""
+    def max_n(self) -> float:
+        """Force at the maximum torque."""
         return self.max_torque_nm * 2 * math.pi / self.m_per_turn
 
 
@@ -39,16 +39,16 @@ class OdriveDevice:
 
     comes_back = True
 
-    def __init__(self, address: Address, wanted: Wanted) -> None:
+    def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and arm it. Raises UsageError for a missing transmission, DeviceError otherwise."""
-        address.refuse_others(_KEYS)
+        address.require_known(_KEYS)
         self.address = address
         self.node = int(address.number("node", 0, 0, 63))
         bitrate = int(address.number("bitrate", BITRATE, 1e4, 1e6))
-        self.transmission = _transmission(address, wanted)
-        refuse_slow_bus(address.url, bitrate, wanted.rate_hz)
+        self.transmission = _transmission(address, requirements)
+        require_fast_bus(address.url, bitrate, requirements.rate_hz)
         if address.interface == "slcan":
-            refuse_slow_adapter(address.place, wanted.rate_hz)
+            require_fast_adapter(address.place, requirements.rate_hz)
         self.bus = open_bus(address, bitrate)
         self.drive = Drive(self.bus, self.node, address.url)
         self._kept: Any = None
@@ -87,7 +87,7 @@ class OdriveDevice:
         self.bus.close()
 
 
-def refuse_slow_bus(url: str, bitrate: int, rate_hz: float) -> None:
+def require_fast_bus(url: str, bitrate: int, rate_hz: float) -> None:
     """Raise DeviceError where position and torque frames of each tick do not fit."""
     needed = 2 * STUFFED_BITS * rate_hz
     if needed > bitrate:
@@ -98,28 +98,28 @@ def refuse_slow_bus(url: str, bitrate: int, rate_hz: float) -> None:
         )
 
 
-def _transmission(address: Address, wanted: Wanted) -> Transmission:
-    m_per_turn = address.number("m_per_turn", wanted.m_per_turn or 0.0, 0, 100)
-    max_torque_nm = address.number("max_torque_nm", wanted.max_torque_nm or 0.0, 0, 1e4)
+def _transmission(address: Address, requirements: DeviceRequirements) -> Transmission:
+    m_per_turn = address.number("m_per_turn", requirements.m_per_turn or 0.0, 0, 100)
+    max_torque_nm = address.number("max_torque_nm", requirements.max_torque_nm or 0.0, 0, 1e4)
     for key, value in (("m_per_turn", m_per_turn), ("max_torque_nm", max_torque_nm)):
         if not value > 0:
             raise UsageError(
                 f"{address.url}: {key} is not known: set device.{key} in the scene, or ?{key}="
             )
-    sign = address.number("sign", wanted.sign, -1, 1)
+    sign = address.number("sign", requirements.sign, -1, 1)
     if sign not in (-1, 1):
         raise UsageError(f"{address.url}: sign={sign:g}: give 1 or -1")
     found = Transmission(
         m_per_turn=m_per_turn,
         sign=sign,
-        zero_turns=address.number("zero_turns", wanted.zero_turns, -1e6, 1e6),
-        surface_m=address.number("surface_mm", 1e3 * wanted.surface_m, -1e5, 1e5) / 1e3,
+        zero_turns=address.number("zero_turns", requirements.zero_turns, -1e6, 1e6),
+        surface_m=address.number("surface_mm", 1e3 * requirements.surface_m, -1e5, 1e5) / 1e3,
         max_torque_nm=max_torque_nm,
     )
-    if found.greatest_n < wanted.greatest_n * (1 - 1e-6):
+    if found.max_n < requirements.max_n * (1 - 1e-6):
         raise DeviceError(
-            f"{address.url}: {max_torque_nm:g} Nm give {found.greatest_n:.3g} N and the scene up "
-            f"to {wanted.greatest_n:g} N: set guard.max_force_n = {found.greatest_n:.3g}, or "
+            f"{address.url}: {max_torque_nm:g} Nm give {found.max_n:.3g} N and the scene up "
+            f"to {requirements.max_n:g} N: set guard.max_force_n = {found.max_n:.3g}, or "
             "device.max_torque_nm"
         )
     return found

@@ -8,8 +8,8 @@ from typing import Any
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.device import Wanted
-from springpot.host.devices.serial_port import open_port, refuse_slow_adapter, refuse_slow_line
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.url import Address
 from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
 from springpot.host.native.c_library import CLibrary
@@ -24,21 +24,21 @@ class SerialDevice:
 
     comes_back = True
 
-    def __init__(self, address: Address, wanted: Wanted) -> None:
+    def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""
-        address.refuse_others(("baud", "surface_mm", "feed"))
-        self.address, self.wanted = address, wanted
+        address.require_known(("baud", "surface_mm", "feed"))
+        self.address, self.requirements = address, requirements
         baud = int(address.number("baud", BAUD, 1200, 12e6))
         frame_bytes = max(messages()[name].wire_bytes for name in ("sample", "force"))
-        refuse_slow_line(address.place, baud, wanted.rate_hz, frame_bytes)
-        refuse_slow_adapter(address.place, wanted.rate_hz)
+        require_fast_line(address.place, baud, requirements.rate_hz, frame_bytes)
+        require_fast_adapter(address.place, requirements.rate_hz)
         self.port: serial.Serial = open_port(address.place, baud)
         self.sender, self.receiver = Sender(), Receiver()
         self._link_memory: Any = None
         try:
             self.hello = self._hello()
             self._check(self.hello)
-            self.command("PRESS" if wanted.presses else "START")
+            self.command("PRESS" if requirements.presses else "START")
         except BaseException:
             self.close()
             raise
@@ -51,13 +51,15 @@ class SerialDevice:
     def link(self, library: CLibrary) -> Any:
         """Return the C link; Python no longer reads the port."""
         self._link_memory = library.memory(library.c.sp_link_serial_size())
-        surface_m = self.address.number("surface_mm", 1e3 * self.wanted.surface_m, -1e4, 1e4) / 1e3
+        surface_m = (
+            self.address.number("surface_mm", 1e3 * self.requirements.surface_m, -1e4, 1e4) / 1e3
+        )
         return library.c.sp_link_serial_init(
             self._link_memory,
             self.port.fd,
             surface_m,
-            self.wanted.watchdog_s,
-            self.wanted.rate_hz,
+            self.requirements.watchdog_s,
+            self.requirements.rate_hz,
             self.sender.sequence,
         )
 
@@ -80,8 +82,8 @@ class SerialDevice:
             return self.sender.encode(
                 "command",
                 action=constant(action),
-                watchdog_s=self.wanted.watchdog_s,
-                rate_hz=self.wanted.rate_hz,
+                watchdog_s=self.requirements.watchdog_s,
+                rate_hz=self.requirements.rate_hz,
             )
 
         def is_answer(frame: Frame) -> bool:
@@ -94,9 +96,10 @@ class SerialDevice:
                 "restart the device"
             )
         if refused := ack["refused"]:
+            required = self.requirements
             raise DeviceError(
                 f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')} "
-                f"({self.wanted.rate_hz:g} Hz, watchdog {1e3 * self.wanted.watchdog_s:g} ms): "
+                f"({required.rate_hz:g} Hz, watchdog {1e3 * required.watchdog_s:g} ms): "
                 "change runtime.rate_hz or guard.watchdog_ms in the scene"
             )
 
@@ -153,19 +156,19 @@ class SerialDevice:
         )
 
     def _check(self, hello: dict[str, Any]) -> None:
-        url, wanted = self.address.url, self.wanted
+        url, required = self.address.url, self.requirements
         if hello["layout"] != layout():
             raise DeviceError(
                 f"{url}: its messages are laid out otherwise ({hello['layout']:08x}, here "
                 f"{layout():08x}): flash the firmware of this springpot"
             )
-        if self.renders and hello["model"].hex() != wanted.hash:
+        if self.renders and hello["model"].hex() != required.hash:
             raise DeviceError(
                 f"{url}: the board renders model {hello['model'].hex()[:12]}, the scene is "
-                f"{wanted.hash[:12] or 'none'}: flash the scene, or give the one that it renders"
+                f"{required.hash[:12] or 'none'}: flash the scene, or give the one that it renders"
             )
-        if not self.renders and hello["greatest_n"] < wanted.greatest_n * (1 - 1e-6):
+        if not self.renders and hello["max_n"] < required.max_n * (1 - 1e-6):
             raise DeviceError(
-                f"{url}: gives at most {hello['greatest_n']:g} N and the scene up to "
-                f"{wanted.greatest_n:g} N: set guard.max_force_n = {hello['greatest_n']:g}"
+                f"{url}: gives at most {hello['max_n']:g} N and the scene up to "
+                f"{required.max_n:g} N: set guard.max_force_n = {hello['max_n']:g}"
             )

@@ -29,8 +29,8 @@ def open_port(place: str, baud: int) -> serial.Serial:
         port = serial.Serial(place, baud, timeout=0, write_timeout=1, exclusive=True)
     except (OSError, serial.SerialException, ValueError) as error:
         user = used_by(place)
-        told = f"in use by {user}: end that program first" if user else str(error)
-        raise DeviceError(f"{place}: cannot be opened: {told}") from None
+        found = f"in use by {user}: end that program first" if user else str(error)
+        raise DeviceError(f"{place}: cannot be opened: {found}") from None
     settings = termios.tcgetattr(port.fd)
     settings[6][termios.VMIN] = 1  # so that "nothing there" and "gone" read differently
     termios.tcsetattr(port.fd, termios.TCSANOW, settings)
@@ -58,7 +58,7 @@ def latency_timer(place: str) -> tuple[Path, int] | None:
     return (file, int(file.read_text())) if file.exists() else None
 
 
-def refuse_slow_adapter(place: str, rate_hz: float) -> None:
+def require_fast_adapter(place: str, rate_hz: float) -> None:
     """Raise DeviceError where the adapter gathers bytes for longer than a period."""
     found = latency_timer(place)
     if found is not None and found[1] * 1e-3 > 1 / rate_hz and found[1] > 1:
@@ -69,7 +69,7 @@ def refuse_slow_adapter(place: str, rate_hz: float) -> None:
         )
 
 
-def refuse_slow_line(place: str, baud: int, rate_hz: float, frame_bytes: int) -> None:
+def require_fast_line(place: str, baud: int, rate_hz: float, frame_bytes: int) -> None:
     """Raise DeviceError where one frame a period does not fit through the line."""
     needed = frame_bytes * BITS_A_BYTE * rate_hz
     if needed > baud:

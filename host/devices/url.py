@@ -28,8 +28,8 @@ class Address:
     place: str
     settings: dict[str, str]
 
-    def number(self, key: str, default: float, least: float, greatest: float) -> float:
-        """Return a setting as a number. Raises UsageError outside least .. greatest."""
+    def number(self, key: str, default: float, minimum: float, maximum: float) -> float:
+        """Return a setting as a number. Raises UsageError outside least .. maximum."""
         text = self.settings.get(key)
         if text is None:
             return default
@@ -37,13 +37,13 @@ class Address:
             value = float(text)
         except ValueError:
             value = math.nan
-        if not least <= value <= greatest:
+        if not minimum <= value <= maximum:
             raise UsageError(
-                f"{self.url}: {key}={text}: give a number between {least:g} and {greatest:g}"
+                f"{self.url}: {key}={text}: give a number between {minimum:g} and {maximum:g}"
             )
         return value
 
-    def refuse_others(self, known: tuple[str, ...]) -> None:
+    def require_known(self, known: tuple[str, ...]) -> None:
         """Raise UsageError for a setting that is not among the known ones."""
         for key in self.settings:
             if key not in known:

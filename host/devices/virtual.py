@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError
-from springpot.host.devices.device import Wanted
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand, parse_url
@@ -22,13 +22,13 @@ class SimulatedDevice:
 
     comes_back = False
 
-    def __init__(self, address: Address, wanted: Wanted) -> None:
+    def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Take the hand of the URL. Raises UsageError for a wrong one."""
         simulated = parse_url(address.url)
         self._hand = SimulatedHand(
             simulated.hand, noisy=True, seed=simulated.seed, delay_samples=simulated.delay_samples
         )
-        self._dt_s = 1 / wanted.rate_hz
+        self._dt_s = 1 / requirements.rate_hz
         self._memory: Any = None
 
     def link(self, library: CLibrary) -> Any:
@@ -49,14 +49,15 @@ class ReplayDevice:
 
     comes_back = False
 
-    def __init__(self, address: Address, wanted: Wanted) -> None:
+    def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Read it. Raises DataError where it cannot be read or has another rate."""
-        address.refuse_others(())
+        address.require_known(())
         recording = read_recording(Path(address.place))
-        if abs(recording.dt_s * wanted.rate_hz - 1) > 1e-3:
+        rate_hz = requirements.rate_hz
+        if abs(recording.dt_s * rate_hz - 1) > 1e-3:
             raise DataError(
                 f"{address.place} is sampled at {recording.rate_hz:g} Hz, the scene runs at "
-                f"{wanted.rate_hz:g} Hz: import it with --resample-hz {wanted.rate_hz:g}"
+                f"{rate_hz:g} Hz: import it with --resample-hz {rate_hz:g}"
             )
         self._position_m = np.ascontiguousarray(recording.position_m)
         self._velocity_mps = np.ascontiguousarray(

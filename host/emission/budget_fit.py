@@ -22,7 +22,7 @@ from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import toolchain
 from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.compatibility import refuse_other_frame
+from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.passive_terms import hammerstein_force
 from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.training_set import depth_m
@@ -30,7 +30,7 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection.prune import Pruned, pruned_models
 
 _BEST = 3
-_MOST_TRIED = 40
+_MAX_TRIED = 40
 _EVALUATED = 4000  # samples that decide the order; what is told is measured on all
 
 
@@ -97,10 +97,10 @@ def emit_fitting(
 def best_reductions(
     scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
 ) -> list[Reduction]:
-    """At most three reductions that fit, least error first; each size of leaf is there once."""
+    """At most three reductions that fit, lowest error first; each size of leaf is there once."""
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
     for recording in recordings:
-        refuse_other_frame(recording, model, tick_s)
+        require_compatible(recording, model, tick_s)
     candidates = list(pruned_models(model))
     if not candidates:
         return []
@@ -109,7 +109,7 @@ def best_reductions(
     found: list[Reduction] = []
     leaves_found = set()
     for tried, pruned in enumerate(ranked):
-        if len(found) == _BEST or tried == _MOST_TRIED:
+        if len(found) == _BEST or tried == _MAX_TRIED:
             break
         if pruned.leaves in leaves_found:
             continue

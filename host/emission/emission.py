@@ -23,12 +23,12 @@ from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import Footprint, measure_footprint
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools, toolchain
-from springpot.host.stability.check import Check, check, refuse_unstable
+from springpot.host.stability.check import Check, check, require_stable
 
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
 MODEL_COPY = "from/model.spm"
 SCENE_COPY = "from/scene.json"
-SEALS = "from/files.json"
+CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.
 _OWN_LATER = {"validation", "report.html", "example"}
 
@@ -67,11 +67,11 @@ def emit(
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
     find it unstable, unless that is accepted: the manifest then says so.
     """
-    _refuse_foreign(folder)
+    _require_replaceable(folder)
     model = read_model(model_file)
     plan = make_plan(model, scene, accept_unsafe)
     if not accept_unsafe:
-        refuse_unstable(plan)
+        require_stable(plan)
     with folder_written_aside(folder) as aside:
         begin = time.perf_counter()
         write_emission(plan, scene, model_file, aside)
@@ -96,7 +96,7 @@ def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> 
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
     shutil.copyfile(model_file, folder / MODEL_COPY)
-    _seal(folder)
+    _write_checksums(folder)
 
 
 def _built(
@@ -124,12 +124,12 @@ def _built(
     except NoCompilerError as error:
         unmeasured = str(error)
         notices.append(f"not built, so flash and stack could not be measured: {error}")
-    facts = json.loads((aside / "manifest.json").read_text())
+    metadata = json.loads((aside / "manifest.json").read_text())
     emission = Emission(
         folder=folder,
         plan=plan,
-        manifest=facts,
-        hash=facts["hash"],
+        manifest=metadata,
+        hash=metadata["hash"],
         footprint=footprint,
         unmeasured=unmeasured,
         ram_bytes=state_bytes(plan),
@@ -216,20 +216,20 @@ def _sizes(emission: Emission, budget: Budget) -> Iterator[tuple[str, str, int |
             yield what, unit, has, may
 
 
-def _refuse_foreign(folder: Path) -> None:
+def _require_replaceable(folder: Path) -> None:
     """Refuse to replace a folder in which anything is not as springpot wrote it."""
     if folder.is_file():
         raise UsageError(f"{folder}: is a file: give a folder to --out")
     if folder.exists() and any(folder.iterdir()):
-        if not (folder / SEALS).exists():
+        if not (folder / CHECKSUMS).exists():
             raise UsageError(
                 f"{folder}: holds files that springpot did not emit: give --out an empty or new "
                 "folder"
             )
-        known = json.loads((folder / SEALS).read_text())
+        known = json.loads((folder / CHECKSUMS).read_text())
         for file in sorted(folder.rglob("*")):
             name = str(file.relative_to(folder))
-            if file.is_dir() or name == SEALS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
+            if file.is_dir() or name == CHECKSUMS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
                 continue
             if known.get(name) != hashlib.sha256(file.read_bytes()).hexdigest():
                 raise UsageError(
@@ -239,29 +239,31 @@ def _refuse_foreign(folder: Path) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
 
 
-def _seal(folder: Path) -> None:
+def _write_checksums(folder: Path) -> None:
     files = [file for file in folder.rglob("*") if file.is_file()]
-    seals = {
+    checksums = {
         str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in files
     }
-    (folder / SEALS).write_text(json.dumps(seals, indent=2, sort_keys=True) + "\n")
+    (folder / CHECKSUMS).write_text(json.dumps(checksums, indent=2, sort_keys=True) + "\n")
 
 
 def _unchecked(scene: Scene) -> list[str]:
     """Keys of the scene that this version reads but does not act on."""
-    told = []
+    messages = []
     if scene.budget.tick_us is not None:
-        told.append("budget.tick_us is not checked at emission: `springpot validate` measures it")
+        messages.append(
+            "budget.tick_us is not checked at emission: `springpot validate` measures it"
+        )
     if scene.budget.tick_instructions is not None and scene.runtime.measured_step:
-        told.append(
+        messages.append(
             "budget.tick_instructions is of sp_step: sp_step_dt takes more, and is not bounded"
         )
     if scene.device.surface_mm:
-        told.append("device.surface_mm is for drivers: the C counts positions from the surface")
+        messages.append("device.surface_mm is for drivers: the C counts positions from the surface")
     if scene.runtime.number == "float64" and scene.runtime.target != "host":
-        told.append(
+        messages.append(
             f"float64 on {scene.runtime.target}: doubles run in software there, and the flash of "
             "their library is not counted"
         )
-    return told
+    return messages

@@ -55,8 +55,8 @@ def _checked(text: str, where: str) -> Scene:
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"]))
-        told = _told(first["type"], key) or f"{first['msg']} (found {first['input']!r})"
-        raise UsageError(f"{where}: {key}: {told}") from None
+        found = _message(first["type"], key) or f"{first['msg']} (found {first['input']!r})"
+        raise UsageError(f"{where}: {key}: {found}") from None
     prefix = scene.runtime.prefix
     if not _IDENTIFIER.fullmatch(prefix) or prefix in _TAKEN or prefix.startswith("sp_"):
         raise UsageError(
@@ -73,7 +73,7 @@ def _checked(text: str, where: str) -> Scene:
     return scene
 
 
-def _told(kind: str, key: str) -> str | None:
+def _message(kind: str, key: str) -> str | None:
     """What to do about a missing or unknown key."""
     if kind == "missing":
         return "missing: add this key"

@@ -76,8 +76,8 @@ def shared_library(
     """
     build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
     library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
-    seal = library.with_suffix(".sha256")
-    if _sealed(library, seal):
+    checksum = library.with_suffix(".sha256")
+    if _is_intact(library, checksum):
         return library
     try:
         library.parent.mkdir(parents=True, exist_ok=True)
@@ -91,14 +91,14 @@ def shared_library(
         if not built.exists():
             raise CompilerError(f"{find_compiler()} wrote no library: set CC to a C compiler")
         digest = hashlib.sha256(built.read_bytes()).hexdigest()
-    write_file(seal, digest.encode())
+    write_file(checksum, digest.encode())
     return library
 
 
-def _sealed(library: Path, seal: Path) -> bool:
+def _is_intact(library: Path, checksum: Path) -> bool:
     """Whether the library is there as it was built: a damaged one would crash the process."""
     try:
-        return hashlib.sha256(library.read_bytes()).hexdigest() == seal.read_text()
+        return hashlib.sha256(library.read_bytes()).hexdigest() == checksum.read_text()
     except OSError:
         return False
 
@@ -108,6 +108,11 @@ def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence
     digest = hashlib.sha256()
     for file in [*sources, *headers]:
         digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
-    facts = [compiler_version(find_compiler()), *build_flags, platform.machine(), platform.system()]
-    digest.update("\0".join(facts).encode())
+    metadata = [
+        compiler_version(find_compiler()),
+        *build_flags,
+        platform.machine(),
+        platform.system(),
+    ]
+    digest.update("\0".join(metadata).encode())
     return digest.hexdigest()[:32]

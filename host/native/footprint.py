@@ -58,7 +58,7 @@ def _flash_bytes(sizes: str) -> int:
 
 
 def deepest_stack(call_graph: str) -> int | None:
-    """Greatest sum of frames along any path of a -fcallgraph-info=su graph, bytes.
+    """Maximum sum of frames along any path of a -fcallgraph-info=su graph, bytes.
 
     None where a frame is unbounded or the graph has a cycle. Functions from outside (memcpy,
     memset) count as 0: they are leaves that keep to registers or a few words.

@@ -1,4 +1,4 @@
-"""Facts of the machine that a figure was measured on."""
+"""Metadata of the machine that a figure was measured on."""
 
 import os
 import platform
@@ -9,7 +9,7 @@ from springpot.host.native.compiler import CompilerError, compiler_version, find
 from springpot.runtime_c.paths import flags
 
 
-def machine_facts() -> dict[str, str]:
+def machine_metadata() -> dict[str, str]:
     """Processor, system, compiler, flags, versions: name -> text."""
     try:
         compiler = compiler_version(find_compiler())

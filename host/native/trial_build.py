@@ -20,7 +20,7 @@ def built(plan: Plan) -> Iterator[SceneLibrary]:
         yield SceneLibrary(Path(folder))
 
 
-def alone(plan: Plan) -> Plan:
+def uncoupled(plan: Plan) -> Plan:
     """The model by itself: coupling and smoothing off, all else as in the scene."""
     if plan.couple is None and plan.smooth_alpha is None:
         return plan

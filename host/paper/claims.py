@@ -20,8 +20,8 @@ PAPER_DEPTHS_MM = {
 PAPER_MODELLING_S = {"rf-fd": 11.9, "rbf-fd": 126.7, "rbf-pv": 126.7}  # figure 10
 PAPER_RATES_HZ = {"rf-fd": 788.3, "rbf-fd": 990.3, "rbf-pv": 1982.6}  # table 3, means
 DEPTH_TOLERANCE = 0.05
-LEAST_BELOW_JND = 0.99
-ALIKE = 1.25  # greatest ratio of two errors that are "very similar"
+MIN_BELOW_JND = 0.99
+SIMILAR_RATIO = 1.25  # maximum ratio of two errors that are "very similar"
 _LOW_ORDER, _HALF = 0.4, 0.5
 
 
@@ -39,7 +39,7 @@ class Claim:
         return asdict(self)
 
 
-def judge(results: Sequence[ObjectResult], sampled: Resampled) -> list[Claim]:
+def check_claims(results: Sequence[ObjectResult], sampled: Resampled) -> list[Claim]:
     """All claims that these objects can support. Needs the paper's three kinds in each result."""
     results = by_softness(results)
     return [
@@ -64,7 +64,7 @@ def _depths(results: Sequence[ObjectResult]) -> list[Claim]:
     near = np.abs(np.divide(here, paper) - 1.0) < DEPTH_TOLERANCE
     return [
         Claim(
-            "greatest depths at 10 N (table 1; the simulation is scaled to them), within 5 %",
+            "maximum depths at 10 N (table 1; the simulation is scaled to them), within 5 %",
             ", ".join(f"{depth:g}" for depth in paper) + " mm",
             ", ".join(f"{depth:.1f}" for depth in here) + " mm",
             bool(near.all()),
@@ -80,9 +80,11 @@ def _errors(results: Sequence[ObjectResult]) -> list[Claim]:
         lower = max(ratios) < 1.0
         claims.append(Claim(f"{kind}: RMSE below rbf-pv for every object", "fig. 9", here, lower))
     ratios = [result.rmse_n("rf-fd") / result.rmse_n("rbf-fd") for result in results]
-    alike = all(1.0 / ALIKE <= ratio <= ALIKE for ratio in ratios)
+    similar = all(1.0 / SIMILAR_RATIO <= ratio <= SIMILAR_RATIO for ratio in ratios)
     here = f"rf-fd / rbf-fd {_each(results, ratios)}"
-    claims.append(Claim(f"rf-fd and rbf-fd: RMSE within {ALIKE:g} x", "fig. 9", here, alike))
+    claims.append(
+        Claim(f"rf-fd and rbf-fd: RMSE within {SIMILAR_RATIO:g} x", "fig. 9", here, similar)
+    )
     worst = [max(_p99(result, kind) for kind in PAPER_KINDS) for result in results]
     here = f"99 % of samples below {_each(results, worst)} N, worst of the three models"
     if len(results) > 1:
@@ -94,14 +96,14 @@ def _errors(results: Sequence[ObjectResult]) -> list[Claim]:
 
 
 def _percentage_errors(results: Sequence[ObjectResult]) -> Claim:
-    least = {kind: min(_below_jnd(result, kind) for result in results) for kind in PAPER_KINDS}
-    here = ", ".join(f"{kind} {100 * share:.1f} %" for kind, share in least.items())
+    minimum = {kind: min(_below_jnd(result, kind) for result in results) for kind in PAPER_KINDS}
+    here = ", ".join(f"{kind} {100 * share:.1f} %" for kind, share in minimum.items())
     return Claim(
         "percentage errors below the just noticeable difference above 2 N, all models and "
-        f"objects ({100 * LEAST_BELOW_JND:g} % of samples)",
+        f"objects ({100 * MIN_BELOW_JND:g} % of samples)",
         "fig. 8",
         f"share of samples below it, worst object: {here}",
-        min(least.values()) >= LEAST_BELOW_JND,
+        min(minimum.values()) >= MIN_BELOW_JND,
     )
 
 
@@ -144,7 +146,7 @@ def _importances(results: Sequence[ObjectResult]) -> list[Claim]:
     for result in results:
         fit = result.models["rf-fd"].fit
         orders = np.array(fit.model.features.orders)  # type: ignore[union-attr]
-        shares = np.array(fit.facts["importance"])
+        shares = np.array(fit.metadata["importance"])
         middle.append(float(orders @ shares))
         low.append(float(shares[orders <= _LOW_ORDER].sum()))
     claims = [
@@ -182,7 +184,7 @@ def _resampling(sampled: Resampled) -> Claim:
     return Claim(
         "rf-fd sampled every 1.27 ms gives the force of 1 ms (fig. 14), within 10 %",
         "very similar curves",
-        f"RMS difference {100 * change:.1f} % of the force, greatest "
+        f"RMS difference {100 * change:.1f} % of the force, maximum "
         f"{np.abs(sampled.difference_n).max():.2f} N",
         change < WEBER_FRACTION,
     )
@@ -208,7 +210,7 @@ def _sampling() -> list[Claim]:
             "and the differences grow as the order rises to 1",
             "fig. 20",
             f"{100 * float(fixed[-1].max()):.0f} % at order 1 with the taps of 1 ms; with taps "
-            f"of the step itself greatest at order {peak:g} and none at 1",
+            f"of the step itself maximum at order {peak:g} and none at 1",
             grows,
         ),
     ]

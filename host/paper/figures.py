@@ -146,7 +146,7 @@ def _importances(results: Sequence[ObjectResult], out: Path, data: str) -> list[
     for result, axes in zip(results, panels, strict=True):
         fit = result.models["rf-fd"].fit
         orders = [f"{order:g}" for order in fit.model.features.orders]  # type: ignore[union-attr]
-        axes.bar(orders, fit.facts["importance"], color=COLORS["rf-fd"])
+        axes.bar(orders, fit.metadata["importance"], color=COLORS["rf-fd"])
         axes.set_title(result.data.name, loc="left", fontsize=8)
         axes.tick_params(axis="x", labelrotation=90)
     panels[0].set_ylabel("importance")

@@ -72,7 +72,7 @@ class ObjectResult:
 
     @property
     def depth_m(self) -> float:
-        """Greatest depth of the training recordings."""
+        """Maximum depth of the training recordings."""
         return float(max(recording.position_m.max() for recording in self.data.training))
 
     def rmse_n(self, kind: str) -> float:
@@ -91,7 +91,7 @@ def simulated(name: str, variant: str, work: Work) -> Data:
         recordings.append(
             tuple(
                 Recording(f"{name}-{profile.name}", *device.press(profile.command_n), 1 / RATE_HZ,
-                          source=url, details={"command": dict(profile.facts)})
+                          source=url, details={"command": dict(profile.metadata)})
                 for profile in profiles
             )
         )  # fmt: skip
@@ -152,7 +152,7 @@ def plain_scene(name: str, mode: str = "off") -> Scene:
     )
 
 
-def model_facts(model: Modelled) -> dict[str, Any]:
+def model_metadata(model: Modelled) -> dict[str, Any]:
     """Keys of one model in `reproduce.json`."""
     found = model.validation.accuracy
     return {

@@ -76,9 +76,9 @@ def example_press(dt_s: float, duration_s: float = 1.0) -> Samples:
     return press_m
 
 
-def derivative(order: float, dt_s: float, made_for_s: float) -> Samples:
-    """D^order of the example press sampled every dt_s, with 171 taps made for `made_for_s`."""
-    taps = gl_taps(order, TAPS, made_for_s)[:, None]
+def derivative(order: float, dt_s: float, taps_dt_s: float) -> Samples:
+    """D^order of the example press sampled every dt_s, with 171 taps made for `taps_dt_s`."""
+    taps = gl_taps(order, TAPS, taps_dt_s)[:, None]
     return fir_derivatives(example_press(dt_s), taps)[:, 0]
 
 

@@ -47,8 +47,8 @@ def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
 def _collected(result: ObjectResult, out: Path, data: str) -> list[str]:
     training = result.data.training
     # The strongest press nearest to one second: a = 10 N, v = 1 Hz in the paper's protocol.
-    greatest_n = max(recording.force_n.max() for recording in training)
-    strong = [i for i, rec in enumerate(training) if rec.force_n.max() > 0.8 * greatest_n]
+    max_n = max(recording.force_n.max() for recording in training)
+    strong = [i for i, rec in enumerate(training) if rec.force_n.max() > 0.8 * max_n]
     number = min(strong, key=lambda i: abs(np.log(training[i].duration_s)))
     recording = training[number]
     time_s = np.arange(len(recording.force_n)) * recording.dt_s

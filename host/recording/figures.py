@@ -40,7 +40,7 @@ def loops(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     """Force against position: a colour a rate, a line style an amplitude."""
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     axes = figure.subplots()
-    rates = [_rate_hz(facts) for facts in report.recordings]
+    rates = [_rate_hz(metadata) for metadata in report.recordings]
     travels = [float(np.ptp(recording.position_m)) for recording in recordings]
     distinct = sorted({round(np.log2(travel) * 2) for travel in travels if travel > 0})
     styles = ("-", "--", ":", "-.")
@@ -81,15 +81,15 @@ def dynamics(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     """Stiffness and loss angle of the cyclic recordings; loss only with its uncertainty."""
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
-    cyclic = [facts["cycles"] for facts in report.recordings if facts["cycles"]]
-    frequency_hz = [facts["frequency_hz"] for facts in cyclic]
+    cyclic = [metadata["cycles"] for metadata in report.recordings if metadata["cycles"]]
+    frequency_hz = [metadata["frequency_hz"] for metadata in cyclic]
     upper.semilogx(frequency_hz, [f["stiffness_npm"] * 1e-3 for f in cyclic], "o", color=POSITION)
-    quoted = [facts for facts in cyclic if facts["loss"]]
+    quoted = [metadata for metadata in cyclic if metadata["loss"]]
     if quoted:
         lower.errorbar(
-            [facts["frequency_hz"] for facts in quoted],
-            [facts["loss"]["angle_rad"] for facts in quoted],
-            yerr=[facts["loss"]["angle_uncertainty_rad"] for facts in quoted],
+            [metadata["frequency_hz"] for metadata in quoted],
+            [metadata["loss"]["angle_rad"] for metadata in quoted],
+            yerr=[metadata["loss"]["angle_uncertainty_rad"] for metadata in quoted],
             fmt="o", color=FORCE, ecolor=DOUBT, elinewidth=0.8,
         )  # fmt: skip
     else:
@@ -104,9 +104,9 @@ def dynamics(recordings: Sequence[Recording], report: QualityReport) -> Figure:
 FIGURES = {"time": time_series, "loops": loops, "spectra": spectra, "dynamics": dynamics}
 
 
-def _rate_hz(facts: dict[str, Any]) -> float:
-    cycles = facts["cycles"]
-    return float(cycles["frequency_hz"] if cycles else 1.0 / facts["duration_s"])
+def _rate_hz(metadata: dict[str, Any]) -> float:
+    cycles = metadata["cycles"]
+    return float(cycles["frequency_hz"] if cycles else 1.0 / metadata["duration_s"])
 
 
 def _amplitudes(
@@ -115,7 +115,7 @@ def _amplitudes(
     window = np.hanning(len(samples))
     spectrum = np.abs(np.fft.rfft((samples - samples.mean()) * window)) * 2.0 / window.sum()
     frequency_hz = np.fft.rfftfreq(len(samples), dt_s)
-    # Peaks must survive the thinning: keep the greatest of each group.
+    # Peaks must survive the thinning: keep the maximum of each group.
     step = stride(len(spectrum), _MAX_POINTS)
     whole = (len(spectrum) - 1) // step * step
     grouped = spectrum[1 : whole + 1].reshape(-1, step)

@@ -12,13 +12,13 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.reference.tick import LATCHED
 from springpot.host.console.keys import reading_keys
-from springpot.host.devices.device import Wanted
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.url import parse_device
 from springpot.host.native.loop_library import COLUMN, NONE, Rows, loop_library
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.loop import LoopSettings, LoopState
-from springpot.host.session.runner import Progress, Running
-from springpot.host.session.step_functions import Engine
+from springpot.host.session.runner import Progress, SessionRunner
+from springpot.host.session.step_functions import StepFunctions
 
 _WATCHDOG_S = 0.02
 _HEADROOM = 1.2  # of the motor over the command, for the controller
@@ -31,7 +31,7 @@ _OPEN = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
 
 @dataclass(frozen=True)
 class Limits:
-    """Beyond them a press stops; max_force_n None: 1.3 x the greatest command."""
+    """Beyond them a press stops; max_force_n None: 1.3 x the maximum command."""
 
     max_force_n: float | None = None
     max_depth_m: float = 0.03
@@ -54,25 +54,25 @@ class PressedDevice:
 
         Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
         """
-        greatest_n = float(np.max(np.abs(command_n)))
+        max_n = float(np.max(np.abs(command_n)))
         rows = _Taken(len(command_n), on_samples)
         # A drive's torque is its own command: fed back, it would only chase itself.
         gains = _OPEN if parse_device(self._url).scheme == "odrive" else _GAINS
-        engine = press_engine(command_n, _HEADROOM * greatest_n, gains)
+        steps = press_step_functions(command_n, _HEADROOM * max_n, gains)
         settings = LoopSettings(
             period_s=1 / RATE_HZ,
             seconds=(len(command_n) + _MORE_TICKS) / RATE_HZ + 1.0,
-            max_force_n=self._limits.max_force_n or 1.3 * greatest_n,
+            max_force_n=self._limits.max_force_n or 1.3 * max_n,
             max_depth_m=self._limits.max_depth_m,
         )
-        wanted = Wanted(RATE_HZ, _WATCHDOG_S, _HEADROOM * greatest_n, presses=True)
-        running = Running(engine, self._url, wanted, settings, log=rows, reconnect_s=0.0)
+        requirements = DeviceRequirements(RATE_HZ, _WATCHDOG_S, _HEADROOM * max_n, presses=True)
+        runner = SessionRunner(steps, self._url, requirements, settings, log=rows, reconnect_s=0.0)
         try:
-            running.start()
-            self._watch(running, rows)
+            runner.start()
+            self._watch(runner, rows)
         finally:
-            running.close()
-        _, error = running.why()
+            runner.close()
+        _, error = runner.why()
         if error is not None and not rows.full:
             raise error
         if not rows.full:
@@ -80,9 +80,9 @@ class PressedDevice:
         time.sleep(_REST_S)
         return rows.position_m, rows.force_n
 
-    def _watch(self, running: Running, rows: "_Taken") -> None:
+    def _watch(self, runner: SessionRunner, rows: "_Taken") -> None:
         with reading_keys() as keys:
-            for progress in running.watch(0.05):
+            for progress in runner.watch(0.05):
                 self.on_progress(progress)
                 if set(keys.pressed()) & set("q \x1b"):
                     raise KeyboardInterrupt
@@ -94,7 +94,7 @@ class PressedDevice:
                 if progress.state.watchdog_trips and not rows.full:
                     raise trip_error(self._url, progress.state)
                 if rows.full:
-                    running.stop()
+                    runner.stop()
 
 
 def trip_error(url: str, state: LoopState) -> DeviceError:
@@ -139,7 +139,9 @@ class _Taken:
             self._on_samples(position_m, force_n)
 
 
-def press_engine(command_n: Samples, max_force_n: float, gains: Mapping[str, float]) -> Engine:
+def press_step_functions(
+    command_n: Samples, max_force_n: float, gains: Mapping[str, float]
+) -> StepFunctions:
     """A force controller that follows command_n, one value a tick."""
     library = loop_library("double")
     command_n = np.ascontiguousarray(command_n, dtype=np.float64)
@@ -154,7 +156,7 @@ def press_engine(command_n: Samples, max_force_n: float, gains: Mapping[str, flo
     }
     press = library.ffi.new("sp_press *", settings)
     c, address = library.c, library.address
-    return Engine(
+    return StepFunctions(
         library=library,
         step=address(c.sp_press_step),
         idle=address(c.sp_press_idle),

@@ -29,12 +29,12 @@ class Profile:
 
     name: unique within its protocol; names sort in the order of recording.
     command_n: shape (n,), N, one value each ms.
-    facts: how the command was made (amplitude_n, frequency_hz, ...); JSON values.
+    metadata: how the command was made (amplitude_n, frequency_hz, ...); JSON values.
     """
 
     name: str
     command_n: Command
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    metadata: Mapping[str, Any] = field(default_factory=dict)
 
 
 def inverted_cosine(t_s: Command, amplitude_n: float, frequency_hz: float) -> Command:
@@ -54,10 +54,10 @@ def training() -> list[Profile]:
         for frequency_hz in _FREQUENCIES_HZ:
             begin_s, end_s = end_s, end_s + 1 / frequency_hz
             n = round(end_s * RATE_HZ) - round(begin_s * RATE_HZ)
-            facts = {"amplitude_n": amplitude_n, "frequency_hz": frequency_hz, "cycles": 1}
+            metadata = {"amplitude_n": amplitude_n, "frequency_hz": frequency_hz, "cycles": 1}
             name = f"{len(profiles) + 1:02d}-{amplitude_n:g}n-{frequency_hz:.3g}hz"
             command_n = _cycles(amplitude_n, frequency_hz, 1, n)
-            profiles.append(Profile(name, command_n, {"kind": "cosine", **facts}))
+            profiles.append(Profile(name, command_n, {"kind": "cosine", **metadata}))
     return profiles
 
 
@@ -75,13 +75,13 @@ def validation(seed: int) -> list[Profile]:
             element_n = inverted_cosine(t_s, amplitude_n, frequency_hz)
             total_n += np.where(t_s < last_zero_s, element_n, 0.0)
         scale = PEAK_N / total_n.max()
-        facts = {
+        metadata = {
             "kind": "cosine sum",
             "amplitude_n": (scale * amplitudes_n).tolist(),
             "frequency_hz": frequencies_hz.tolist(),
             "protocol_seed": seed,
         }
-        profiles.append(Profile(f"{number:02d}-sum", scale * total_n, facts))
+        profiles.append(Profile(f"{number:02d}-sum", scale * total_n, metadata))
     return profiles
 
 
@@ -92,8 +92,8 @@ def extended(seed: int) -> list[Profile]:
     """
     profiles = training()
     following = len(profiles) + 1
-    facts = {"kind": "hold", "amplitude_n": _HOLD_N, "hold_s": _HOLD_S, "rise_s": _RISE_S}
-    hold = Profile(f"{following + 1:02d}-hold", _hold(_HOLD_N, _HOLD_S, _RISE_S), facts)
+    metadata = {"kind": "hold", "amplitude_n": _HOLD_N, "hold_s": _HOLD_S, "rise_s": _RISE_S}
+    hold = Profile(f"{following + 1:02d}-hold", _hold(_HOLD_N, _HOLD_S, _RISE_S), metadata)
     return [*profiles, _multisine(f"{following:02d}-multisine", seed), hold]
 
 
@@ -164,17 +164,17 @@ class _ProtocolFile(BaseModel):
 
 
 def _from_table(number: int, table: _ProfileTable) -> Profile:
-    facts: dict[str, Any] = {"amplitude_n": table.amplitude_n}
+    metadata: dict[str, Any] = {"amplitude_n": table.amplitude_n}
     if table.frequency_hz is None:
         assert table.hold_s is not None
-        facts |= {"kind": "hold", "hold_s": table.hold_s, "rise_s": table.rise_s}
+        metadata |= {"kind": "hold", "hold_s": table.hold_s, "rise_s": table.rise_s}
         command_n = _hold(table.amplitude_n, table.hold_s, table.rise_s)
-        return Profile(f"{number:03d}-{table.amplitude_n:g}n-hold", command_n, facts)
-    facts |= {"kind": "cosine", "frequency_hz": table.frequency_hz, "cycles": table.cycles}
+        return Profile(f"{number:03d}-{table.amplitude_n:g}n-hold", command_n, metadata)
+    metadata |= {"kind": "cosine", "frequency_hz": table.frequency_hz, "cycles": table.cycles}
     n = round(table.cycles / table.frequency_hz * RATE_HZ)
     command_n = _cycles(table.amplitude_n, table.frequency_hz, table.cycles, n)
     name = f"{number:03d}-{table.amplitude_n:g}n-{table.frequency_hz:.3g}hz"
-    return Profile(name, command_n, facts)
+    return Profile(name, command_n, metadata)
 
 
 def _cycles(amplitude_n: float, frequency_hz: float, cycles: int, n: int) -> Command:
@@ -196,10 +196,10 @@ def _multisine(name: str, seed: int) -> Profile:
     tones = np.cos(2 * np.pi * frequencies_hz[:, None] * t_s + phases[:, None]).sum(axis=0)
     fade = inverted_cosine(np.minimum(np.minimum(t_s, _MULTISINE_S - t_s), 1.0), 1.0, 0.5)
     raised = fade * (tones - tones.min())
-    facts = {
+    metadata = {
         "kind": "multisine",
         "amplitude_n": PEAK_N,
         "frequency_hz": frequencies_hz.tolist(),
         "protocol_seed": seed,
     }
-    return Profile(name, raised * (PEAK_N / raised.max()), facts)
+    return Profile(name, raised * (PEAK_N / raised.max()), metadata)

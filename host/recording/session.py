@@ -95,7 +95,7 @@ def record_session(
         raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
     qualities = []
     for name, file, profile in zip(names, files, profiles, strict=True):
-        details = {"protocol": protocol, "command": dict(profile.facts)}
+        details = {"protocol": protocol, "command": dict(profile.metadata)}
         with JournalWriter(file, name, 1 / RATE_HZ, source, details) as journal:
             position_m, force_n = device.press(profile.command_n, journal.append)
             journal.finish()

@@ -65,13 +65,13 @@ class BoardLoop:
     def pause(self, paused: bool) -> None:
         """Stop the board's motor, or start it again."""
         self._actions.append("STOP" if paused else "START")
-        self._tell(paused=int(paused))
+        self._update(paused=int(paused))
 
     def reset(self) -> None:
         """Reset the scene in the board."""
         self._actions.append("RESET")
 
-    def look(self) -> LoopState:
+    def get_status(self) -> LoopState:
         """Counters and flags."""
         return self._state
 
@@ -101,39 +101,39 @@ class BoardLoop:
         if self._thread is not None:
             self._thread.join()
 
-    def _tell(self, **changes: Any) -> None:
+    def _update(self, **changes: Any) -> None:
         self._state = LoopState(**{**self._state.__dict__, **changes})
 
     def _run(self) -> None:
         try:
             self._watch()
         finally:
-            self._tell(over=1)
+            self._update(over=1)
 
     def _watch(self) -> None:
         begin_s = time.monotonic()
         while not self._state.reason:
             now_s = time.monotonic() - begin_s
-            self._tell(elapsed_s=now_s)
+            self._update(elapsed_s=now_s)
             if self._next is not None:
                 self._counts["crc_errors"] += self._device.receiver.crc_errors
                 self._counts["sequence_gaps"] += self._device.receiver.gaps
                 self._device, self._next = self._next, None
                 self._actions, self._begun = ["RESET"], False
-                self._tell(connected=1)
+                self._update(connected=1)
             if self._state.connected:
                 try:
                     self._feed_until(now_s)
                     self._act(now_s)
                     self._listen(now_s)
                 except DeviceError:
-                    self._tell(connected=0, disconnects=self._state.disconnects + 1)
+                    self._update(connected=0, disconnects=self._state.disconnects + 1)
             if self._want_stop:
-                self._tell(reason=Stop.ASKED)
+                self._update(reason=Stop.ASKED)
             elif self._settings.seconds and now_s >= self._settings.seconds:
-                self._tell(reason=Stop.TIME)
+                self._update(reason=Stop.TIME)
             elif self._feed is not None and self._feed.over:
-                self._tell(reason=Stop.ENDED)
+                self._update(reason=Stop.ENDED)
             time.sleep(_POLL_S)
         with contextlib.suppress(DeviceError):
             self._listen(time.monotonic() - begin_s)
@@ -145,8 +145,9 @@ class BoardLoop:
         self._again_s = now_s + _AGAIN_S
         device = self._device
         self._asked.append(device.sender.sequence)
-        device.send("command", action=constant(self._actions[0]), rate_hz=device.wanted.rate_hz,
-                    watchdog_s=device.wanted.watchdog_s)  # fmt: skip
+        required = device.requirements
+        device.send("command", action=constant(self._actions[0]), rate_hz=required.rate_hz,
+                    watchdog_s=required.watchdog_s)  # fmt: skip
 
     def _acknowledged(self, command: int) -> None:
         if self._actions and command in self._asked:
@@ -173,27 +174,27 @@ class BoardLoop:
 
     def _row(self, frame: Frame, now_s: float) -> list[float]:
         """One call of the board as a row of the log."""
-        said, row = frame.values, [0.0] * len(COLUMNS)
-        idle = bool(said["call"] & constant("IDLE"))
-        was_reset = bool(said["call"] & constant("WAS_RESET"))
+        values, row = frame.values, [0.0] * len(COLUMNS)
+        idle = bool(values["call"] & constant("IDLE"))
+        was_reset = bool(values["call"] & constant("WAS_RESET"))
         values = {
             "time_s": now_s,
-            "position_m": said["position_m"],
-            "velocity_mps": said["velocity_mps"],
-            "dt_s": said["dt_s"],
-            "returned_n": said["force_n"],
-            "sent_n": said["force_n"],
+            "position_m": values["position_m"],
+            "velocity_mps": values["velocity_mps"],
+            "dt_s": values["dt_s"],
+            "returned_n": values["force_n"],
+            "sent_n": values["force_n"],
             "measured_n": np.nan,
-            "notes": said["notes"],
+            "notes": values["notes"],
             "call": IDLE * idle + RESET * was_reset,
             "age_s": np.nan if idle else 0.0,
         }
         for name, value in values.items():
             row[COLUMN[name]] = float(value)
         state = self._state
-        latched = int(bool(said["notes"] & LATCHED))
+        latched = int(bool(values["notes"] & LATCHED))
         self._counts["samples"] += not idle
-        self._tell(
+        self._update(
             ticks=state.ticks + 1,
             stale=state.stale + idle,
             newest_row=state.newest_row + 1,

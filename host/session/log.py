@@ -60,7 +60,7 @@ class SessionLog:
             raise DataError(f"{self.file}: the session ended before its first samples") from None
 
     @property
-    def room(self) -> bool:
+    def has_space(self) -> bool:
         """Whether everything until now could be written."""
         return not self._journal.full
 

@@ -8,7 +8,7 @@ from springpot.codegen.errors import DeviceError
 from springpot.codegen.reference.tick import LATCHED
 from springpot.host.devices.device import Device
 from springpot.host.native.loop_library import Rows, empty_rows
-from springpot.host.session.step_functions import Engine
+from springpot.host.session.step_functions import StepFunctions
 
 _RING_S = 16.0  # of rows that wait while Python does something else
 _PRIORITY = 80
@@ -27,7 +27,7 @@ class LoopSettings:
 
 @dataclass(frozen=True)
 class LoopState:
-    """What sp_loop_look tells; counts since the start, flags, link counters."""
+    """What sp_loop_get_status tells; counts since the start, flags, link counters."""
 
     ticks: int = 0
     late: int = 0
@@ -40,7 +40,7 @@ class LoopState:
     elapsed_s: float = 0.0
     latched: int = 0
     tripped: int = 0
-    kept_trip: int = 0
+    tripped_before_disconnect: int = 0
     connected: int = 1
     paused: int = 0
     reason: int = 0
@@ -84,7 +84,7 @@ class Loop(Protocol):
         """Reset the scene, and a device that tripped."""
         ...
 
-    def look(self) -> LoopState:
+    def get_status(self) -> LoopState:
         """Counters and flags."""
         ...
 
@@ -110,10 +110,10 @@ class CLoop:
 
     name = "C thread"
 
-    def __init__(self, engine: Engine, settings: LoopSettings) -> None:
-        self._engine, self._settings = engine, settings
-        self._library = engine.library
-        self._c, self._ffi = engine.library.c, engine.library.ffi
+    def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
+        self._steps, self._settings = steps, settings
+        self._library = steps.library
+        self._c, self._ffi = steps.library.c, steps.library.ffi
         self._loop = self._library.memory(self._c.sp_loop_size(), "sp_loop")
         capacity = 1 << max(10, int(_RING_S / settings.period_s - 1).bit_length())
         self._ring = empty_rows(capacity)
@@ -121,20 +121,20 @@ class CLoop:
         self._state = self._ffi.new("sp_loop_state *")
         self._links: list[Any] = []
         self._kept: list[Any] = []
-        self._running = False
+        self._runner = False
 
     def start(self, device: Device) -> None:
         """Start the thread. Raises DeviceError where the system gives none."""
-        engine, settings = self._engine, self._settings
+        steps, settings = self._steps, self._settings
         pointer = self._library.pointer
         config = self._ffi.new(
             "sp_loop_config *",
             {
-                "step": pointer(engine.step),
-                "idle": pointer(engine.idle),
-                "reset": pointer(engine.reset),
-                "state": pointer(engine.state),
-                "measured_n": self._ffi.cast("double *", engine.measured_n),
+                "step": pointer(steps.step),
+                "idle": pointer(steps.idle),
+                "reset": pointer(steps.reset),
+                "state": pointer(steps.state),
+                "measured_n": self._ffi.cast("double *", steps.measured_n),
                 "period_s": settings.period_s,
                 "seconds": settings.seconds,
                 "max_force_n": settings.max_force_n,
@@ -151,7 +151,7 @@ class CLoop:
             raise DeviceError(
                 f"no thread for the loop: {os.strerror(error)}: free memory or limits"
             )
-        self._running = True
+        self._runner = True
 
     def attach(self, device: Device) -> None:
         """Go on with a device that came back; the scene is reset once."""
@@ -159,7 +159,7 @@ class CLoop:
 
     def ask_stop(self) -> None:
         """End with zero force."""
-        if self._running:
+        if self._runner:
             self._c.sp_loop_ask_stop(self._loop)
 
     def pause(self, paused: bool) -> None:
@@ -170,11 +170,11 @@ class CLoop:
         """Reset the scene, and a device that tripped."""
         self._c.sp_loop_reset(self._loop)
 
-    def look(self) -> LoopState:
+    def get_status(self) -> LoopState:
         """Counters and flags."""
         if not self._links:
             return LoopState()
-        self._c.sp_loop_look(self._loop, self._state)
+        self._c.sp_loop_get_status(self._loop, self._state)
         return LoopState(
             **{name: getattr(self._state, name) for name in LoopState.__dataclass_fields__}
         )
@@ -197,16 +197,16 @@ class CLoop:
 
     def flight(self, seconds: float) -> Rows:
         """The last rows again, after the end."""
-        newest = self.look().newest_row
+        newest = self.get_status().newest_row
         count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
         places = [(newest - count + k) % len(self._ring) for k in range(count)]
         return self._ring[places]
 
     def join(self) -> None:
         """Wait for the end of the thread: at most a period and what the device takes."""
-        if self._running:
+        if self._runner:
             self._c.sp_loop_join(self._loop)
-            self._running = False
+            self._runner = False
 
     def _rows(self, table: Rows) -> Any:
         return self._ffi.from_buffer("sp_row[]", table)

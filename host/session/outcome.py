@@ -80,7 +80,7 @@ def steal_ms() -> float:
 
 
 def spread_us(seconds: Any) -> dict[str, float]:
-    """Percentiles and the greatest of seconds (n,), us."""
+    """Percentiles and the maximum of seconds (n,), us."""
     seconds = seconds if len(seconds) else np.zeros(1)
     p50, p99, p999 = np.percentile(seconds, [50, 99, 99.9])
     spread = {"p50": p50, "p99": p99, "p999": p999, "max": seconds.max()}

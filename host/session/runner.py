@@ -11,7 +11,7 @@ import numpy as np
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.console.output import say
-from springpot.host.devices.device import Device, Wanted
+from springpot.host.devices.device import Device, DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.native.loop_library import (
@@ -26,11 +26,11 @@ from springpot.host.session.board_loop import BoardLoop
 from springpot.host.session.log import flight_seconds
 from springpot.host.session.loop import CLoop, LinkCounts, Loop, LoopSettings, LoopState
 from springpot.host.session.outcome import granted, why_stopped
-from springpot.host.session.step_functions import Engine
-from springpot.host.session.supervisor import DeviceMinder
+from springpot.host.session.step_functions import StepFunctions
+from springpot.host.session.supervisor import DeviceSupervisor
 
 RECONNECT_S = 10.0
-_PUMP_S = 0.02
+_DRAIN_S = 0.02
 
 
 @dataclass(frozen=True)
@@ -53,25 +53,27 @@ class RowTaker(Protocol):
         ...
 
 
-class Running:
+class SessionRunner:
     """A loop on a device with its log: what rendering and recording have in common."""
 
     def __init__(
         self,
-        engine: Engine,
+        steps: StepFunctions,
         url: str,
-        wanted: Wanted,
+        requirements: DeviceRequirements,
         settings: LoopSettings,
         log: RowTaker | None = None,
         reconnect_s: float = RECONNECT_S,
-        tell: Callable[[str], None] = say,
+        report: Callable[[str], None] = say,
     ) -> None:
-        self._settings, self._log, self._tell = settings, log, tell
-        device = open_device(url, wanted)
-        self._loop = _loop_for(device, engine, settings)
-        self._minder = DeviceMinder(self._loop, device, url, wanted, reconnect_s, tell, self._fail)
+        self._settings, self._log, self._report = settings, log, report
+        device = open_device(url, requirements)
+        self._loop = _loop_for(device, steps, settings)
+        self._supervisor = DeviceSupervisor(
+            self._loop, device, url, requirements, reconnect_s, report, self._fail
+        )
         self.error: SpringpotError | None = None
-        self._pump: threading.Thread | None = None
+        self._drain_thread: threading.Thread | None = None
         self._latest = empty_rows(1)
         self._lateness: list[Any] = []
         self._ticks_s: list[Any] = []
@@ -79,12 +81,12 @@ class Running:
 
     def start(self) -> None:
         """Start the loop."""
-        if self._pump is not None:
+        if self._drain_thread is not None:
             raise UsageError("this session was started already: make a new one")
-        self._loop.start(self._minder.device)
-        self._minder.saw_sample()
-        self._pump = threading.Thread(target=self._run_pump, daemon=True)
-        self._pump.start()
+        self._loop.start(self._supervisor.device)
+        self._supervisor.saw_sample()
+        self._drain_thread = threading.Thread(target=self._drain, daemon=True)
+        self._drain_thread.start()
 
     def pause(self) -> None:
         """Zero force until `resume`; the device stays in use."""
@@ -102,11 +104,11 @@ class Running:
         """End with zero force, and wait for that."""
         if self._stopped:
             return
-        if self._pump is not None:
+        if self._drain_thread is not None:
             self._loop.ask_stop()
             self._loop.join()
-            self._pump.join()
-        self._minder.device.stop()
+            self._drain_thread.join()
+        self._supervisor.device.stop()
         self._stopped = True
 
     def close(self) -> None:
@@ -116,17 +118,17 @@ class Running:
                 with contextlib.suppress(KeyboardInterrupt):
                     self.stop()
         finally:
-            self._minder.device.close()
+            self._supervisor.device.close()
 
     @property
     def over(self) -> bool:
         """Whether the loop has ended by itself."""
-        return bool(self._pump is not None and not self._pump.is_alive())
+        return bool(self._drain_thread is not None and not self._drain_thread.is_alive())
 
     @property
     def state(self) -> LoopState:
         """Counters and flags of the loop."""
-        return self._loop.look()
+        return self._loop.get_status()
 
     @property
     def counts(self) -> LinkCounts:
@@ -174,10 +176,10 @@ class Running:
             return granted(self._loop.name, self.state.got)
         return self._loop.name
 
-    def _run_pump(self) -> None:
-        told = False
+    def _drain(self) -> None:
+        reported = False
         while True:
-            over = bool(self._loop.look().over)
+            over = bool(self._loop.get_status().over)
             try:
                 self._take(self._loop.drain())
             except SpringpotError as error:
@@ -186,12 +188,12 @@ class Running:
                 self._fail(DeviceError(f"the log cannot go on ({error}): stopped, force zero"))
             if over:
                 return
-            state = self._loop.look()
-            if state.ticks and not told:
-                told = True
-                self._tell_refused(state)
-            self._minder.mind(state)
-            time.sleep(_PUMP_S)
+            state = self._loop.get_status()
+            if state.ticks and not reported:
+                reported = True
+                self._report_refused(state)
+            self._supervisor.poll(state)
+            time.sleep(_DRAIN_S)
 
     def _take(self, rows: Rows) -> None:
         if not len(rows):
@@ -201,7 +203,7 @@ class Running:
         called = (rows[:, COLUMN["call"]].astype(int) & (IDLE | NONE)) == 0
         self._ticks_s.append(rows[called, COLUMN["tick_s"]].astype(np.float32))
         if np.isfinite(rows[:, COLUMN["age_s"]]).any():
-            self._minder.saw_sample()
+            self._supervisor.saw_sample()
         if self._log is not None and self.error is None:
             self._log.append(rows)
 
@@ -210,16 +212,16 @@ class Running:
             self.error = error
         self._loop.ask_stop()
 
-    def _tell_refused(self, state: LoopState) -> None:
+    def _report_refused(self, state: LoopState) -> None:
         if isinstance(self._loop, CLoop) and self._settings.real_time and not state.got & GOT_FIFO:
-            self._tell(
+            self._report(
                 "the system refused SCHED_FIFO, ticks may be late: `springpot doctor` says how to "
                 "allow it"
             )
 
 
-def _loop_for(device: Device, engine: Engine, settings: LoopSettings) -> Loop:
+def _loop_for(device: Device, steps: StepFunctions, settings: LoopSettings) -> Loop:
     """A board that renders keeps its own time."""
     if isinstance(device, SerialDevice) and device.renders:
         return BoardLoop(device, settings)
-    return CLoop(engine, settings)
+    return CLoop(steps, settings)

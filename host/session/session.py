@@ -12,15 +12,15 @@ from typing import Any, Self
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.scene import Device as DeviceKeys
 from springpot.host.console.output import say
-from springpot.host.devices.device import Wanted
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.outcome import spread_us, steal_ms
-from springpot.host.session.runner import RECONNECT_S, Running
-from springpot.host.session.step_functions import scene_engine
+from springpot.host.session.runner import RECONNECT_S, SessionRunner
+from springpot.host.session.step_functions import scene_step_functions
 from springpot.trainer.recordings.recording import Zero
 
 
@@ -42,31 +42,31 @@ class Session:
         max_force_n: float | None = None,
         max_depth_m: float | None = None,
         reconnect_s: float = RECONNECT_S,
-        tell: Callable[[str], None] = say,
+        report: Callable[[str], None] = say,
     ) -> None:
         plan, _ = read_emission(folder)
         self._scene = SceneLibrary(folder)
-        greatest_n = max(float(plan.output.greatest_n), -float(plan.output.least_n))
+        max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
         settings = LoopSettings(
             period_s=plan.dt_s,
             seconds=seconds,
-            max_force_n=greatest_n if max_force_n is None else max_force_n,
+            max_force_n=max_n if max_force_n is None else max_force_n,
             max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
         )
-        self._rate_hz, self._settings, self._tell = 1 / plan.dt_s, settings, tell
-        wanted = wanted_of(
+        self._rate_hz, self._settings, self._report = 1 / plan.dt_s, settings, report
+        requirements = requirements_of(
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
             watchdog_s=float(plan.output.watchdog_s),
-            greatest_n=min(greatest_n, settings.max_force_n),
+            max_n=min(max_n, settings.max_force_n),
             hash=self._scene.manifest["hash"],
         )
         self._zero: Zero = "none" if plan.contact else "first"
         self._file, self._url = log, url
         self._log: SessionLog | None = None
-        self._args = (scene_engine(self._scene), url, wanted, settings)
-        self._options: dict[str, Any] = {"reconnect_s": reconnect_s, "tell": tell}
-        self._run: Running | None = None
+        self._args = (scene_step_functions(self._scene), url, requirements, settings)
+        self._options: dict[str, Any] = {"reconnect_s": reconnect_s, "tell": report}
+        self._run: SessionRunner | None = None
         self._steal_ms = steal_ms()
         self.line = ""
         self.error: SpringpotError | None = None
@@ -80,7 +80,7 @@ class Session:
                 self._file, self._settings.period_s, self._url, details, zero=self._zero
             )
         try:
-            self._run = Running(*self._args, log=self._log, **self._options)
+            self._run = SessionRunner(*self._args, log=self._log, **self._options)
         except BaseException:
             if self._log is not None:
                 self._log.discard()
@@ -88,45 +88,45 @@ class Session:
         return self
 
     def __exit__(self, *error: Any) -> None:
-        run = self.running
+        run = self.runner
         try:
             run.close()
         finally:
             self.line, self.error = run.why()
             if error[0] is not None and run.error is None:
                 self.line = f"stopped by {error[0].__name__}"
-            self._tell(self.line)
+            self._report(self.line)
             self._close_log(run)
 
     @property
-    def running(self) -> Running:
+    def runner(self) -> SessionRunner:
         """The running half: pause, resume, reset, watch."""
         assert self._run is not None, "use the session in a with statement"
         return self._run
 
     def start(self) -> None:
         """Start the loop."""
-        self.running.start()
+        self.runner.start()
 
     def stop(self) -> None:
         """End with zero force."""
-        self.running.stop()
+        self.runner.stop()
 
     def pause(self) -> None:
         """Zero force until `resume`."""
-        self.running.pause()
+        self.runner.pause()
 
     def resume(self) -> None:
         """Go on, the force rising from zero."""
-        self.running.resume()
+        self.runner.resume()
 
     def reset(self) -> None:
         """Forget the past, unlatch."""
-        self.running.reset()
+        self.runner.reset()
 
     def result(self) -> dict[str, Any]:
         """Keys of `springpot run --json`, after the end."""
-        run = self.running
+        run = self.runner
         state, counts = run.state, run.counts
         planned = state.reason == Stop.TIME
         expected_s = self._settings.seconds if planned else state.elapsed_s
@@ -154,30 +154,30 @@ class Session:
             "hash": self._scene.manifest["hash"],
         }
 
-    def _close_log(self, run: Running) -> None:
+    def _close_log(self, run: SessionRunner) -> None:
         if self._log is None or self._file is None:
             return
         with self._log as log:
             try:
                 self.flight_file = write_flight(self._file, run.flight(), self.line)
             except OSError as error:
-                self._tell(f"{self._file.parent}: no flight recorder written ({error.strerror})")
+                self._report(f"{self._file.parent}: no flight recorder written ({error.strerror})")
             if not log.rows:
                 log.discard()
                 return
-            if log.room:
-                facts = {"stopped": self.line, "state": asdict(run.state),
+            if log.has_space:
+                metadata = {"stopped": self.line, "state": asdict(run.state),
                          "counts": asdict(run.counts), "scheduler": run.scheduler()}  # fmt: skip
-                log.finish({"end": facts})
+                log.finish({"end": metadata})
 
 
-def wanted_of(keys: DeviceKeys, **wanted: Any) -> Wanted:
+def requirements_of(keys: DeviceKeys, **requirements: Any) -> DeviceRequirements:
     """What the scene's [device] says, with what the scene itself wants."""
-    return Wanted(
+    return DeviceRequirements(
         surface_m=1e-3 * keys.surface_mm,
         m_per_turn=keys.m_per_turn,
         sign=keys.sign,
         zero_turns=keys.zero_turns,
         max_torque_nm=keys.max_torque_nm,
-        **wanted,
+        **requirements,
     )

@@ -11,7 +11,7 @@ from springpot.host.native.scene_library import SceneLibrary
 
 
 @dataclass(frozen=True)
-class Engine:
+class StepFunctions:
     """Addresses of the three functions and of the state that a loop calls; library: its C."""
 
     library: CLibrary
@@ -23,9 +23,9 @@ class Engine:
     kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
 
 
-def scene_engine(scene: SceneLibrary) -> Engine:
+def scene_step_functions(scene: SceneLibrary) -> StepFunctions:
     """A fresh state of a scene."""
     state = scene.new_state()
     step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
     library = loop_library("float" if scene.dtype is np.float32 else "double")
-    return Engine(library, step, idle, reset, state.address, kept=(scene, state))
+    return StepFunctions(library, step, idle, reset, state.address, kept=(scene, state))

@@ -5,18 +5,18 @@ import time
 from collections.abc import Callable
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.host.devices.device import Device, Wanted
+from springpot.host.devices.device import Device, DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.session.loop import Loop, LoopState
 
 _RETRY_S = 0.05
 
 
-class DeviceMinder:
+class DeviceSupervisor:
     """Tells of a device that tripped, brings back one that was unplugged, gives up a silent one.
 
     url, wanted: how `device` was opened. reconnect_s: how long one that is gone is waited for.
-    tell: takes lines for people; fail: the error that ends the session.
+    report: takes lines for people; fail: the error that ends the session.
     """
 
     def __init__(
@@ -24,15 +24,15 @@ class DeviceMinder:
         loop: Loop,
         device: Device,
         url: str,
-        wanted: Wanted,
+        requirements: DeviceRequirements,
         reconnect_s: float,
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
         fail: Callable[[SpringpotError], None],
     ) -> None:
         self.device = device
-        self.url, self._wanted, self._reconnect_s = url, wanted, reconnect_s
-        self._loop, self._tell, self._fail = loop, tell, fail
-        self._told_trips = 0
+        self.url, self._requirements, self._reconnect_s = url, requirements, reconnect_s
+        self._loop, self._report, self._fail = loop, report, fail
+        self._reported_trips = 0
         self._fresh_s = time.monotonic()
         self._returning: threading.Thread | None = None
 
@@ -40,23 +40,25 @@ class DeviceMinder:
         """The device is not silent."""
         self._fresh_s = time.monotonic()
 
-    def mind(self, state: LoopState) -> None:
+    def poll(self, state: LoopState) -> None:
         """Look after the device: gone, silent, tripped."""
         if not state.connected:
             if self._returning is None:
                 self._returning = threading.Thread(target=self._bring_back, daemon=True)
                 self._returning.start()
             return
-        if state.watchdog_trips > self._told_trips:
-            self._told_trips = state.watchdog_trips
+        if state.watchdog_trips > self._reported_trips:
+            self._reported_trips = state.watchdog_trips
             if state.tripped:
                 error = self._loop.counts().device_error
-                said = f" (its error 0x{error:x})" if error else ""
-                self._tell(
-                    f"the device switched its motor off{said}: force zero until reset (r), or stop"
+                code = f" (its error 0x{error:x})" if error else ""
+                self._report(
+                    f"the device switched its motor off{code}: force zero until reset (r), or stop"
                 )
             else:
-                self._tell("no sample for the watchdog's time: force zero until reset (r), or stop")
+                self._report(
+                    "no sample for the watchdog's time: force zero until reset (r), or stop"
+                )
         silent_s = time.monotonic() - self._fresh_s
         if silent_s > (self._reconnect_s or 1.0) and not state.paused and not state.tripped:
             self._fail(
@@ -71,22 +73,26 @@ class DeviceMinder:
             self._fail(DeviceError(f"{self.url}: gone, force zero, stopped: plug it in"))
             return
         begin_s = time.monotonic()
-        self._tell(f"{self.url}: gone, force zero; waiting {self._reconnect_s:g} s for it")
+        self._report(f"{self.url}: gone, force zero; waiting {self._reconnect_s:g} s for it")
         self.device.close()
         device = self._reopened(begin_s + self._reconnect_s)
         if device is not None:
             self.device = device
             state = self._go_on(device)
-            then = "it had tripped before: reset with r" if state.kept_trip else "force ramps in"
-            self._tell(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
+            then = (
+                "it had tripped before: reset with r"
+                if state.tripped_before_disconnect
+                else "force ramps in"
+            )
+            self._report(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
             self._returning = None
 
     def _reopened(self, until_s: float) -> Device | None:
         """Open the device again until the time for that is over; then the session ends."""
         last: SpringpotError = DeviceError("")
-        while time.monotonic() < until_s and not self._loop.look().over:
+        while time.monotonic() < until_s and not self._loop.get_status().over:
             try:
-                return open_device(self.url, self._wanted)
+                return open_device(self.url, self._requirements)
             except SpringpotError as error:
                 last = error
                 time.sleep(_RETRY_S)
@@ -100,9 +106,9 @@ class DeviceMinder:
 
     def _go_on(self, device: Device) -> LoopState:
         self._loop.attach(device)
-        while not self._loop.look().connected and not self._loop.look().over:
+        while not self._loop.get_status().connected and not self._loop.get_status().over:
             time.sleep(0.001)
-        state = self._loop.look()
-        self._told_trips = state.watchdog_trips
+        state = self._loop.get_status()
+        self._reported_trips = state.watchdog_trips
         self._fresh_s = time.monotonic()
         return state

@@ -11,31 +11,31 @@ from rich.text import Text
 
 from springpot.host.console.keys import reading_keys
 from springpot.host.console.output import progress_console
-from springpot.host.session.runner import Progress, Running
+from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
 
 
-def watch(running: Running) -> None:
+def watch(runner: SessionRunner) -> None:
     """Show progress and obey keys until the loop ends."""
     with reading_keys() as keys, Live(console=progress_console, transient=True) as live:
-        for progress in running.watch():
+        for progress in runner.watch():
             for key in keys.pressed():
-                obey(running, key)
+                obey(runner, key)
             live.update(Text(progress_line(progress)))
 
 
-def obey(running: Running, key: str) -> None:
+def obey(runner: SessionRunner, key: str) -> None:
     """Do what a key means: q, escape or space stop, p pauses and goes on, r resets."""
     if key in "q \x1b":
-        running.stop()
+        runner.stop()
     elif key == "p":
-        if running.state.paused:
-            running.resume()
+        if runner.state.paused:
+            runner.resume()
         else:
-            running.pause()
+            runner.pause()
     elif key == "r":
-        running.reset()
+        runner.reset()
 
 
 def progress_line(progress: Progress, keys: str = _KEYS) -> str:

@@ -19,7 +19,7 @@ SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
 
 @dataclass(frozen=True, eq=False)
-class Script:
+class Scenario:
     """What happens at each tick; arrays of shape (n,).
 
     dt_s: real time. intended_m: where the hand intends to be at the tick's end. push_n: its force
@@ -50,7 +50,7 @@ class Trace:
 
 
 @dataclass(frozen=True)
-class Grip:
+class Operator:
     """Who holds the device, how late forces act (0 or 1 samples), and the sensors' seed."""
 
     hand: HandName
@@ -65,41 +65,45 @@ class HandLoop:
         self._library = library
         self._port = _load("float" if library.dtype is np.float32 else "double")
 
-    def run(self, script: Script, grip: Grip, start_m: float = 0.0) -> Trace:
-        """Run the script with a hand that starts at rest at start_m; sensors are noisy."""
-        n = len(script.dt_s)
+    def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
+        """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
+        n = len(scenario.dt_s)
         trace = {name: np.empty(n) for name in ("position_m", "velocity_mps", "force_n")}
         notes = np.empty(n, dtype=np.int32)
         scene, held = self._scene()
         arrays = {name: np.ascontiguousarray(value, dtype=np.float64)
-                  for name, value in vars(script).items() if name != "dropped"}  # fmt: skip
-        dropped = np.ascontiguousarray(script.dropped, dtype=np.uint8)
+                  for name, value in vars(scenario).items() if name != "dropped"}  # fmt: skip
+        dropped = np.ascontiguousarray(scenario.dropped, dtype=np.uint8)
         array, new = self._port.array, self._port.ffi.new
         inputs = {name: array(value) for name, value in arrays.items()}
         inputs["dropped"] = array(dropped)
         outputs = {name: array(value) for name, value in trace.items()}
         outputs["notes"] = array(notes)
-        tool = self._tool(grip, start_m)
+        tool = self._tool(operator, start_m)
         not_finite = self._port.c.sp_closed_loop_run(
             scene,
             tool,
             n,
-            new("sp_closed_loop_script *", inputs),
+            new("sp_closed_loop_scenario *", inputs),
             new("sp_closed_loop_trace *", outputs),
         )
         _check(not_finite)
         del held
-        late = grip.delay_samples
+        late = operator.delay_samples
         felt_n = np.concatenate([np.zeros(late), trace["force_n"][: n - late]])
         return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
 
-    def press(self, grip: Grip, ticks: int, dt_s: float, reach_m: float) -> dict[str, float]:
+    def press(
+        self, operator: Operator, ticks: int, dt_s: float, reach_m: float
+    ) -> dict[str, float]:
         """Random presses; returns the members of sp_closed_loop_presses."""
         scene, held = self._scene()
-        tool = self._tool(grip, -0.001)
+        tool = self._tool(operator, -0.001)
         found = self._port.ffi.new("sp_closed_loop_presses *")
         _check(
-            self._port.c.sp_closed_loop_press(scene, tool, ticks, dt_s, reach_m, grip.seed, found)
+            self._port.c.sp_closed_loop_press(
+                scene, tool, ticks, dt_s, reach_m, operator.seed, found
+            )
         )
         del held
         names = [name for name, _ in self._port.ffi.typeof("sp_closed_loop_presses").fields]
@@ -122,10 +126,11 @@ class HandLoop:
         pointers = {name: self._port.pointer(address) for name, address in addresses.items()}
         return self._port.ffi.new("sp_closed_loop_scene *", pointers), state
 
-    def _tool(self, grip: Grip, start_m: float) -> Any:
+    def _tool(self, operator: Operator, start_m: float) -> Any:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
         _check(self._port.c.sim_tool_init(
-            tool, HANDS.index(grip.hand), SUBSTEPS, grip.delay_samples, 1, grip.seed, start_m
+            tool, HANDS.index(operator.hand), SUBSTEPS, operator.delay_samples, 1, operator.seed,
+            start_m,
         ))  # fmt: skip
         return tool
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, Hand
 from springpot.codegen.plan.plan import Plan
-from springpot.host.simulation.hand_loop import Script
+from springpot.host.simulation.hand_loop import Scenario
 
 FREE_M = 0.002  # start in free air, this far from the surface
 HOLDS = (0.2, 0.5, 0.8)  # of the trained depth
 HOLD_S, RISE_S, SETTLE_S = 1.5, 0.4, 0.5
 PUSH_OF_CLAMP = 11.5 / 12.0
 GLITCH_M = 0.005
-FASTER = 4.0  # than the greatest trained speed
+FASTER = 4.0  # than the maximum trained speed
 JITTER, DROPPED = 0.3, 0.1
 
 Motion = Callable[[Samples], Samples]
@@ -26,10 +26,10 @@ Force = Callable[[Samples], Samples]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One case: its script, and the ticks at which the tool should be still (else all)."""
+    """One case: its scenario, and the ticks at which the tool should be still (else all)."""
 
     name: str
-    script: Script
+    scenario: Scenario
     still: tuple[slice, ...] = ()
 
 
@@ -41,17 +41,17 @@ class Stage:
     base_m: float
     span_m: float
     dt_s: float
-    greatest_mps: float
-    greatest_n: float
+    max_mps: float
+    max_n: float
 
     @staticmethod
     def of(plan: Plan) -> "Stage":
         """The stage of a plan."""
-        base_m = 0.0 if plan.contact else float(plan.range.least_m)
-        span_m = float(plan.range.greatest_m) - base_m
+        base_m = 0.0 if plan.contact else float(plan.range.min_m)
+        span_m = float(plan.range.max_m) - base_m
         free_m = -min(FREE_M, 0.2 * span_m) if plan.contact else base_m + 0.05 * span_m
-        return Stage(free_m, base_m, span_m, plan.dt_s, plan.model.trained.greatest_mps,
-                     float(plan.output.greatest_n))  # fmt: skip
+        return Stage(free_m, base_m, span_m, plan.dt_s, plan.model.trained.max_mps,
+                     float(plan.output.max_n))  # fmt: skip
 
     def at(self, share: float) -> float:
         """Depth at a share of the trained one, m."""
@@ -93,7 +93,7 @@ def tapping(stage: Stage, frequency_hz: float, share: float) -> Motion:
 def striking(stage: Stage) -> Motion:
     """Strokes to 80 % at four times the trained speed, each held and left again."""
     height_m = stage.at(0.8) - stage.free_m
-    stroke_s = 1.875 * height_m / (FASTER * stage.greatest_mps)
+    stroke_s = 1.875 * height_m / (FASTER * stage.max_mps)
     stroke_s = max(stroke_s, 4.0 * stage.dt_s)
 
     def motion(t: Samples) -> Samples:
@@ -113,7 +113,7 @@ def smooth(share: NDArray[Any]) -> Samples:
 
 def pressing(
     stage: Stage, motion: Motion, force: Force, hand: Hand, seconds: float, jitter: float = 0.0
-) -> Script:
+) -> Scenario:
     """A hand that knows the object: its intention carries the tool along `motion`.
 
     intention = x + (f + B v + M a)/k, with the force f of the model alone on that motion.
@@ -127,7 +127,7 @@ def pressing(
     mass_kg = hand.mass_kg + DEVICE_MASS_KG
     damping_nspm = hand.damping_nspm + DEVICE_DAMPING_NSPM
     needed_n = force(x) + damping_nspm * v + mass_kg * a
-    return Script(
+    return Scenario(
         dt_s=dt_s,
         intended_m=x + needed_n / hand.stiffness_npm,
         push_n=np.full(n, np.nan),
@@ -136,14 +136,14 @@ def pressing(
     )
 
 
-def pushing(stage: Stage) -> Script:
+def pushing(stage: Stage) -> Scenario:
     """A push that rises in half a second and stays for two, in place of the hand's spring."""
     n = round(2.5 / stage.dt_s)
     t = np.arange(1, n + 1) * stage.dt_s
-    return Script(
+    return Scenario(
         dt_s=np.full(n, stage.dt_s),
         intended_m=np.zeros(n),
-        push_n=PUSH_OF_CLAMP * stage.greatest_n * smooth(t / 0.5),
+        push_n=PUSH_OF_CLAMP * stage.max_n * smooth(t / 0.5),
         error_m=np.zeros(n),
         dropped=np.zeros(n, dtype=np.uint8),
     )
@@ -152,15 +152,15 @@ def pushing(stage: Stage) -> Script:
 def hold_case(name: str, stage: Stage, force: Force, hand: Hand) -> Case:
     """Holds at three depths."""
     motion, seconds = holding(stage, HOLDS, HOLD_S)
-    script = pressing(stage, motion, force, hand, seconds)
-    return Case(name, script, still_ticks(stage, len(HOLDS), HOLD_S))
+    scenario = pressing(stage, motion, force, hand, seconds)
+    return Case(name, scenario, still_ticks(stage, len(HOLDS), HOLD_S))
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
     """All cases but `stiff`, which is `hold` of another scene. force: the model alone's."""
     stage = Stage.of(plan)
 
-    def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Script:
+    def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Scenario:
         return pressing(stage, motion, force, hand, seconds, jitter)
 
     tap = tapping(stage, 4.0, 0.6)

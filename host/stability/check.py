@@ -7,16 +7,16 @@ from typing import Any
 
 from springpot.codegen.coupling.auto import choose
 from springpot.codegen.coupling.gains import (
-    greatest_printed_damping_nspm,
     is_unit_error,
-    printed_step_is_stable,
-    refuse_unit_error,
+    max_published_damping_nspm,
+    published_step_is_stable,
+    require_plausible_damping,
 )
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HANDS, Hand, Loop
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import alone, built
+from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import Outcome, Rendered, run_closed_loop, stiff_plan
 from springpot.host.stability.small_signal import Map, small_signal_map
@@ -82,37 +82,35 @@ def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> Loop:
 
 
 def limits(plan: Plan) -> dict[str, Any]:
-    """What would be allowed: stiffness of the object by hand and delay, and the printed step's."""
+    """What would be allowed: the object's stiffness by hand and delay; damping of Algorithm 1."""
     coupling = plan.coupling.coupling
     return {
         "object_stiffness_npm": plan.stiffness_npm,
-        "greatest_stiffness_npm": {
-            f"{hand.name}, {more} more samples": scene_loop(
-                plan, hand, more
-            ).greatest_stiffness_npm()
+        "max_stiffness_npm": {
+            f"{hand.name}, {more} more samples": scene_loop(plan, hand, more).max_stiffness_npm()
             for hand in HANDS
             for more in (0, 1)
         },
-        "printed_step_is_stable": printed_step_is_stable(coupling, plan.dt_s),
-        "printed_greatest_damping_nspm": greatest_printed_damping_nspm(coupling, plan.dt_s),
+        "published_step_is_stable": published_step_is_stable(coupling, plan.dt_s),
+        "published_max_damping_nspm": max_published_damping_nspm(coupling, plan.dt_s),
         "design_hand": DESIGN_HAND.name,
     }
 
 
 def spectral_radius(plan: Plan) -> float:
-    """Of the linear loop with the design hand, the object at its greatest tangent stiffness."""
+    """Of the linear loop with the design hand, the object at its maximum tangent stiffness."""
     return float(scene_loop(plan, DESIGN_HAND).spectral_radius(plan.stiffness_npm)[0])
 
 
-def refuse_unstable(plan: Plan) -> None:
+def require_stable(plan: Plan) -> None:
     """Raise UnsafeError for a radius of 1 or more or a unit error, with what would do."""
     radius = spectral_radius(plan)
     if plan.couple is not None:
-        refuse_unit_error(plan.coupling.coupling)
+        require_plausible_damping(plan.coupling.coupling)
     if radius < 1.0:
         return
     delay = plan.scene.device.delay_samples
-    limit_npm = scene_loop(plan, DESIGN_HAND).greatest_stiffness_npm()
+    limit_npm = scene_loop(plan, DESIGN_HAND).max_stiffness_npm()
     choice = choose(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
     raise UnsafeError(
         f"{plan.scene.name}: the loop is unstable (spectral radius {radius:.4g} with the "
@@ -160,7 +158,7 @@ def _rendered(plan: Plan, stack: ExitStack) -> Rendered:
 
 
 def _model_library(plan: Plan, library: SceneLibrary, stack: ExitStack) -> SceneLibrary:
-    model = alone(plan)
+    model = uncoupled(plan)
     return library if model is plan else stack.enter_context(built(model))
 
 
@@ -175,18 +173,18 @@ def _verdict(result: Stability) -> Iterator[str]:
         yield "Unstable: do not hold the device with this scene."
     else:
         yield f"The linear loop is stable (radius {checked.spectral_radius:.4f})."
-    wild = [item for item in result.outcomes if not item.bounded]
-    if wild:
-        yield f"Not bounded: {_named(wild)}."
+    unbounded = [item for item in result.outcomes if not item.bounded]
+    if unbounded:
+        yield f"Not bounded: {_named(unbounded)}."
     holds = [item for item in result.outcomes if item.case in ("hold", "long-hold", "stiff")]
     loud = [item for item in holds if item.hf_speed_mps > QUIET_MPS]
     if loud:
         yield f"Vibrates above 1 mm/s on: {_named(loud)}."
-    unlike = [item for item in result.outcomes
+    unfaithful = [item for item in result.outcomes
               if item.case != "stiff" and item.fidelity_percent > FAITHFUL_PERCENT]  # fmt: skip
-    if unlike:
-        yield f"Feels unlike the model (above 10 % of peak) on: {_named(unlike)}."
-    if not (wild or loud or unlike):
+    if unfaithful:
+        yield f"Fidelity error above 10 % of peak on: {_named(unfaithful)}."
+    if not (unbounded or loud or unfaithful):
         worst = max(item.fidelity_percent for item in result.outcomes if item.case != "stiff")
         yield (
             "All cases are bounded and quiet with all hands; what is felt differs from the model "

@@ -9,7 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HANDS, Hand
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.simulation.hand_loop import Grip, HandLoop, Trace
+from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.scenarios import Case, Stage, cases, hold_case
 
 HIGH_PASS_HZ = 15.0
@@ -20,7 +20,7 @@ DELAYS = (0, 1)
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """One case with one hand. alone_n: the model alone under the same motion, (n,), N."""
+    """One case with one hand. model_only_n: the model alone under the same motion, (n,), N."""
 
     hand: str
     delay_samples: int
@@ -32,7 +32,7 @@ class Outcome:
     fidelity_percent: float
     energy_out_j: float
     trace: Trace
-    alone_n: Samples
+    model_only_n: Samples
     dt_s: Samples
 
     def as_dict(self) -> dict[str, object]:
@@ -86,16 +86,16 @@ def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:
 
 def _outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> Outcome:
     plan, stage = rendered.plan, Stage.of(rendered.plan)
-    grip = Grip(hand.name, delay_samples)
-    trace = rendered.loop.run(case.script, grip, stage.free_m)
-    alone_n = rendered.force(trace.position_m)
-    least_n, greatest_n = float(plan.output.least_n), float(plan.output.greatest_n)
-    allowed = (trace.force_n >= least_n) & (trace.force_n <= greatest_n)
+    operator = Operator(hand.name, delay_samples)
+    trace = rendered.loop.run(case.scenario, operator, stage.free_m)
+    model_only_n = rendered.force(trace.position_m)
+    min_n, max_n = float(plan.output.min_n), float(plan.output.max_n)
+    allowed = (trace.force_n >= min_n) & (trace.force_n <= max_n)
     deepest_m = float(trace.position_m.max())
-    give_m = greatest_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
+    give_m = max_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
     inside = deepest_m <= stage.base_m + DEEPEST * stage.span_m + give_m
     still = case.still or (slice(0, len(trace.velocity_mps)),)
-    error_n = np.sqrt(np.mean((trace.felt_n - alone_n) ** 2))
+    error_n = np.sqrt(np.mean((trace.felt_n - model_only_n) ** 2))
     return Outcome(
         hand=hand.name,
         delay_samples=delay_samples,
@@ -104,9 +104,9 @@ def _outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> 
         max_depth_m=deepest_m,
         max_force_n=float(trace.force_n.max()),
         hf_speed_mps=max(high_passed_rms(trace.velocity_mps[part], plan.dt_s) for part in still),
-        fidelity_percent=float(100.0 * error_n / max(np.abs(alone_n).max(), 1e-9)),
+        fidelity_percent=float(100.0 * error_n / max(np.abs(model_only_n).max(), 1e-9)),
         energy_out_j=-float(np.sum(trace.felt_n[:-1] * np.diff(trace.position_m))),
         trace=trace,
-        alone_n=alone_n,
-        dt_s=case.script.dt_s,
+        model_only_n=model_only_n,
+        dt_s=case.scenario.dt_s,
     )

@@ -44,7 +44,9 @@ def case_figure(outcomes: Sequence[Outcome]) -> str:
         time_s = np.cumsum(shown.dt_s)
         step = stride(len(time_s), _POINTS)
         depth.plot(time_s[::step], 1e3 * shown.trace.position_m[::step], color=MEASURED, lw=0.9)
-        force.plot(time_s[::step], shown.alone_n[::step], color=MEASURED, lw=1.2, label="model")
+        force.plot(
+            time_s[::step], shown.model_only_n[::step], color=MEASURED, lw=1.2, label="model"
+        )
         force.plot(time_s[::step], shown.trace.felt_n[::step], color=PREDICTED, lw=0.8, ls="--",
                    label="felt")  # fmt: skip
         names = [f"{item.hand}\n{item.delay_samples}" for item in outcomes]

@@ -17,7 +17,7 @@ def write_stability_report(found: Stability, path: Path) -> None:
         cases.append({"name": name, "rows": outcomes, "picture": figures.case_figure(outcomes)})
     context = {
         "title": checked.plan.scene.name,
-        "facts": found.as_dict(),
+        "metadata": found.as_dict(),
         "maps": [
             figures.map_figure(checked.model_map, "the model alone"),
             figures.map_figure(checked.scene_map, "the whole scene"),

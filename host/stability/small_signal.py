@@ -48,8 +48,8 @@ class Map:
 def small_signal_map(plan: Plan, library: SceneLibrary, delay_samples: int) -> Map:
     """Map of a built scene in open loop; its force is taken delay_samples late."""
     trained, dt_s = plan.range, plan.dt_s
-    base_m = 0.0 if plan.contact else float(trained.least_m)
-    span_m = float(trained.greatest_m) - base_m
+    base_m = 0.0 if plan.contact else float(trained.min_m)
+    span_m = float(trained.max_m) - base_m
     frequencies = _FREQUENCIES_HZ * min(1.0, 1e-3 / dt_s)
     shares = np.array(INSIDE + OUTSIDE)
     found = np.empty((len(shares), len(frequencies)))

@@ -24,16 +24,16 @@ def write_report(folder: Path) -> Path:
     context = {
         "title": plan.scene.name,
         "manifest": manifest,
-        "result": stored.facts["result"],
-        "machine": stored.facts["machine"],
-        "recordings": stored.facts["recordings"],
+        "result": stored.metadata["result"],
+        "machine": stored.metadata["machine"],
+        "recordings": stored.metadata["recordings"],
         "provenance": dict(model.provenance),
         "prediction": figures.prediction(typical),
         "hysteresis": figures.hysteresis(typical),
         "percentage_error": figures.percentage_error(stored.series),
         "importance": figures.importance(orders, shares) if orders and shares else "",
         "ticks": figures.tick_histogram(
-            stored.tick_ns, stored.facts["result"]["tick_ns"]["hot_median"]
+            stored.tick_ns, stored.metadata["result"]["tick_ns"]["hot_median"]
         ),
         "commands": _commands(folder, stored, manifest),
     }

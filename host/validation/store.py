@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
-from springpot.host.native.machine import machine_facts
+from springpot.host.native.machine import machine_metadata
 from springpot.host.validation.validation import Validation
 from springpot.trainer.recordings.recording import Recording
 
 _FOLDER = "validation"
-_FACTS = "result.json"
+_METADATA = "result.json"
 _SERIES = "series.npz"
 
 
@@ -32,9 +32,9 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """What the report reads: facts (result, machine, recordings), samples, paced tick times."""
+    """What the report reads: metadata (result, machine, recordings), samples, paced tick times."""
 
-    facts: dict[str, Any]
+    metadata: dict[str, Any]
     series: tuple[Series, ...]
     tick_ns: NDArray[np.float64]
 
@@ -48,9 +48,9 @@ def store_validation(
     """Write folder/validation, replacing an earlier one."""
     target = folder / _FOLDER
     target.mkdir(exist_ok=True)
-    facts = {
+    metadata = {
         "result": result,
-        "machine": machine_facts(),
+        "machine": machine_metadata(),
         "recordings": [
             {"name": rec.name, "dt_s": rec.dt_s, "source": rec.source, "hash": rec.content_hash}
             for rec in recordings
@@ -62,14 +62,14 @@ def store_validation(
         arrays[f"measured_n_{i}"] = rec.force_n
         arrays[f"predicted_n_{i}"] = predicted_n
     np.savez_compressed(target / _SERIES, allow_pickle=False, **arrays)
-    (target / _FACTS).write_text(json.dumps(facts, indent=2) + "\n")
+    (target / _METADATA).write_text(json.dumps(metadata, indent=2) + "\n")
 
 
 def read_validation(folder: Path) -> Stored:
     """Read folder/validation. Raises DataError where there is none."""
     target = folder / _FOLDER
     try:
-        facts = json.loads((target / _FACTS).read_text())
+        metadata = json.loads((target / _METADATA).read_text())
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             series = tuple(
                 Series(
@@ -79,9 +79,9 @@ def read_validation(folder: Path) -> Stored:
                     measured_n=stored[f"measured_n_{i}"],
                     predicted_n=stored[f"predicted_n_{i}"],
                 )
-                for i, rec in enumerate(facts["recordings"])
+                for i, rec in enumerate(metadata["recordings"])
             )
-            return Stored(facts=facts, series=series, tick_ns=stored["tick_ns"])
+            return Stored(metadata=metadata, series=series, tick_ns=stored["tick_ns"])
     except (OSError, ValueError, KeyError):
         raise DataError(
             f"{folder}: no validation to report: run `springpot validate {folder} --recording ...`"

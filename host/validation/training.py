@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.model.model import Model
 from springpot.host.metrics import Accuracy, accuracy
-from springpot.trainer.models.compatibility import refuse_other_frame
+from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
         "orders": list(model.orders),
         "window_s": model.memory_s,
         "engine": model.engine,
-        **fit.facts,
+        **fit.metadata,
     }
 
 
@@ -73,7 +73,7 @@ def validated(model: Model, recordings: list[Recording], smooth_s: float) -> Acc
     from springpot.trainer.recordings.smoothing import smoothed
 
     for recording in recordings:
-        refuse_other_frame(recording, model)
+        require_compatible(recording, model)
     prepared = [smoothed(recording, smooth_s) for recording in recordings]
     return accuracy(
         [recording.force_n for recording in prepared],

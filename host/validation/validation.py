@@ -28,7 +28,7 @@ from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.models.compatibility import refuse_other_frame
+from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
 
@@ -65,7 +65,7 @@ def validate(
     """
     plan, model = read_emission(folder)
     for recording in recordings:
-        refuse_other_frame(recording, model, plan.dt_s)
+        require_compatible(recording, model, plan.dt_s)
     library = SceneLibrary(folder)
     opened = (
         nullcontext() if device is None else board_replay(device, plan, library.manifest["hash"])
@@ -90,8 +90,8 @@ def _validated(
         position = recording.position_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
         force, notes = replay.run(position, velocity)
-        guess_m = proxy_positions(plan, library, position, velocity)
-        reference = run_reference(plan, position, velocity, guess_m)
+        predicted_m = proxy_positions(plan, library, position, velocity)
+        reference = run_reference(plan, position, velocity, predicted_m)
         mismatches += int(np.sum(_differs(force, reference.force_n) | (notes != reference.notes)))
         again = repeat_session(replay, recording, library.manifest["hash"])
         if again is not None:

@@ -1,5 +1,5 @@
 /* Written by tests/bench/calibrate_sim.py: do not edit. For each object and variant (A, B), what
- * gives Table 1's greatest depth over the training protocol, and a loss per cycle at 1 Hz and 10 N
+ * gives Table 1's maximum depth over the training protocol, and a loss per cycle at 1 Hz and 10 N
  * of 0.36, 0.22, 0.15, 0.09, 0.07.
  */
 #ifndef SIM_CONSTANTS_H

@@ -54,7 +54,7 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t del
     if (tool == NULL) {
         return SIM_NULL;
     }
-    if (hand >= HANDS || substeps < 1 || substeps > SIM_MOST_SUBSTEPS || delay_samples > 1 ||
+    if (hand >= HANDS || substeps < 1 || substeps > SIM_MAX_SUBSTEPS || delay_samples > 1 ||
         noisy > 1 || !isfinite(position_m)) {
         return SIM_RANGE;
     }

@@ -35,8 +35,8 @@ static double branch_shape(int branch, double depth_m)
         return 0.0;
     }
     /* The floor keeps a tool that is driven to the table at a finite force. */
-    double room = fmax(1.0 - depth_m / thickness_m, 0.02);
-    return pow(depth_m / reference_m, exponent[branch]) / room;
+    double space = fmax(1.0 - depth_m / thickness_m, 0.02);
+    return pow(depth_m / reference_m, exponent[branch]) / space;
 }
 
 void sim_material_init(sim_material *material, const sim_material_config *config)

@@ -8,7 +8,7 @@ enum { SIM_BRANCHES = 2, SIM_MODES = 11 };
 typedef struct {
     double branch_n;   /* N, slow force of each branch at 10 mm, before stiffening */
     double relaxation; /* 1, force that relaxes, relative to the slow force */
-    double friction_n; /* N, greatest friction */
+    double friction_n; /* N, maximum friction */
     double eyring_n;   /* N, force that speeds relaxation up by 1.18; 0: none does */
     double step_s;     /* s, of one sim_material_step */
 } sim_material_config;

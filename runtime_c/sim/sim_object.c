@@ -35,7 +35,7 @@ int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double
     if (state == NULL) {
         return SIM_NULL;
     }
-    if (object >= OBJECTS || variant >= VARIANTS || substeps < 1 || substeps > SIM_MOST_SUBSTEPS ||
+    if (object >= OBJECTS || variant >= VARIANTS || substeps < 1 || substeps > SIM_MAX_SUBSTEPS ||
         !(stiffer > 0.0 && isfinite(stiffer)) || !(dt_s > 0.0 && isfinite(dt_s))) {
         return SIM_RANGE;
     }

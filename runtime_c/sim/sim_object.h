@@ -5,7 +5,7 @@
 #include "sim.h"
 #include "sim_material.h"
 
-enum { SIM_MOST_SUBSTEPS = 4096 };
+enum { SIM_MAX_SUBSTEPS = 4096 };
 
 struct sim_object {
     sim_material material;

@@ -1,8 +1,8 @@
-/* Ranks: how many of a feature's sorted thresholds are below it, so that trees compare 16 bits.
+/* Bins: how many of a feature's sorted thresholds are below it, so that trees compare 16 bits.
  *
- * A feature moves little in a tick: its rank is looked for near the last one, and among all
+ * A feature moves little in a tick: its bin is looked for near the last one, and among all
  * thresholds only where it has left that neighbourhood. Either search halves what is left without a
- * branch that depends on data; its longest way is a constant of the scene. The rank is the same
+ * branch that depends on data; its longest way is a constant of the scene. The bin is the same
  * whichever way it was found. */
 #ifndef SP_BINS_H
 #define SP_BINS_H
@@ -11,36 +11,36 @@
 
 #include "sp_real.h"
 
-enum { SP_RANKS_NEAR = 31 /* thresholds on either side that are searched first */ };
+enum { SP_BINS_NEAR = 31 /* thresholds on either side that are searched first */ };
 
-/* Thresholds below `feature` among those from `rank` on, `left` of them, plus rank. */
-static inline uint32_t sp_ranks_search(const float *thresholds, uint32_t rank, uint32_t left,
-                                       float feature)
+/* Thresholds below `feature` among those from `bin` on, `left` of them, plus bin. */
+static inline uint32_t sp_bins_search(const float *thresholds, uint32_t bin_index, uint32_t left,
+                                      float feature)
 {
     while (left > 0) {
         const uint32_t half = left - left / 2;
-        const uint32_t below = (uint32_t)(thresholds[rank + half - 1] < feature);
-        rank += half & (0u - below);
+        const uint32_t below = (uint32_t)(thresholds[bin_index + half - 1] < feature);
+        bin_index += half & (0u - below);
         left -= half;
     }
-    return rank;
+    return bin_index;
 }
 
 /* thresholds: one feature after the other; feature i has those from starts[i] to starts[i + 1].
- * last: [n_features], the ranks of the last tick, and those of this one afterwards. */
+ * last: [n_features], the bins of the last tick, and those of this one afterwards. */
 static inline void sp_bins(const float *thresholds, const uint32_t *starts, uint32_t n_features,
-                            const sp_real *features, uint32_t *last)
+                           const sp_real *features, uint32_t *last)
 {
     for (uint32_t i = 0; i < n_features; i++) {
         const float feature = (float)features[i];
         const float *own = thresholds + starts[i];
         const uint32_t n = starts[i + 1] - starts[i];
-        const uint32_t begin = last[i] > SP_RANKS_NEAR ? last[i] - SP_RANKS_NEAR : 0;
-        const uint32_t end = n - last[i] > SP_RANKS_NEAR ? last[i] + SP_RANKS_NEAR : n;
+        const uint32_t begin = last[i] > SP_BINS_NEAR ? last[i] - SP_BINS_NEAR : 0;
+        const uint32_t end = n - last[i] > SP_BINS_NEAR ? last[i] + SP_BINS_NEAR : n;
         const int near =
             (begin == 0 || own[begin - 1] < feature) && (end == n || !(own[end] < feature));
-        last[i] = near ? sp_ranks_search(own, begin, end - begin, feature)
-                       : sp_ranks_search(own, 0, n, feature);
+        last[i] = near ? sp_bins_search(own, begin, end - begin, feature)
+                       : sp_bins_search(own, 0, n, feature);
     }
 }
 

@@ -1,6 +1,6 @@
 /* Curves: weighted sums of a monotone basis of the depth, as the polynomials that they are.
  *
- * u is 0 at the least trained position and 1 at the greatest. The range is cut into pieces, in each
+ * u is 0 at the lowest trained position and 1 at the maximum. The range is cut into pieces, in each
  * of which every curve is a polynomial in the way from the piece's start: ramps that saturate one
  * after the other give eight straight pieces, powers of u one cubic. So a sum over the basis costs
  * one polynomial, whatever the basis has. */

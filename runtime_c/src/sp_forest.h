@@ -1,13 +1,13 @@
 /* Forest: the sum of the leaves that a feature vector reaches, one in each tree.
  *
- * Features come as ranks (whole numbers), so that a threshold is 16 bits and a node 4 bytes.
- * A node sends a rank above its own to the right. The first SP_FOREST_LEVELS levels of all trees
+ * Features come as bins (whole numbers), so that a threshold is 16 bits and a node 4 bytes.
+ * A node sends a bin above its own to the right. The first SP_FOREST_LEVELS levels of all trees
  * are complete and lie side by side, heap position by heap position; a leaf above them sends
  * everything to the left. Below, `step` holds the way to the left child in nodes, and the feature's
  * slot in its low bits; the right child is next to the left one, and three levels lie together. A
- * leaf's step is 0 and its rank is its value in quanta: slot 0 has rank 0, so that walking on stays
- * there. Many trees are therefore walked at once, without a branch that depends on data, and wait
- * for memory together. Sums are integers: the same in any order, and on any processor. */
+ * leaf's step is 0 and its bin is its value in steps: slot 0 has bin 0, so that traversing on stays
+ * there. Many trees are therefore traversed at once, without a branch that depends on data, and
+ * wait for memory together. Sums are integers: the same in any order, and on any processor. */
 #ifndef SP_FOREST_H
 #define SP_FOREST_H
 
@@ -18,55 +18,55 @@ enum {
     SP_FOREST_SLOTS = 1 << SP_FOREST_SLOT_BITS,
     SP_FOREST_LEVELS = 4,
     SP_FOREST_ENTRIES = 1 << SP_FOREST_LEVELS, /* of a tree, below its first levels */
-    SP_FOREST_UNCHECKED = 3                    /* levels walked before looking for inner nodes */
+    SP_FOREST_UNCHECKED = 3                    /* levels traversed before looking for inner nodes */
 };
 
-/* Trees walked at once: as many as hide the wait for memory; one where there is no cache. */
+/* Trees traversed at once: as many as hide the wait for memory; one where there is no cache. */
 #if defined(__x86_64__) || defined(__aarch64__) || defined(_M_X64)
-enum { SP_FOREST_WALKS = 20, SP_FOREST_REST = 10 };
+enum { SP_FOREST_TRAVERSALS = 20, SP_FOREST_REST = 10 };
 #else
-enum { SP_FOREST_WALKS = 1, SP_FOREST_REST = 1 };
+enum { SP_FOREST_TRAVERSALS = 1, SP_FOREST_REST = 1 };
 #endif
 
 typedef struct {
     uint16_t step;
-    uint16_t rank;
+    uint16_t bin_index;
 } sp_forest_node;
 
 typedef struct {
-    const sp_forest_node *top;   /* [SP_FOREST_ENTRIES - 1][n_lanes] */
+    const sp_forest_node *top;   /* [SP_FOREST_ENTRIES - 1][n_padded] */
     const sp_forest_node *nodes; /* tree after tree, each with its SP_FOREST_ENTRIES first */
-    const uint32_t *roots;       /* [n_lanes]: first entry of each tree */
+    const uint32_t *roots;       /* [n_padded]: first entry of each tree */
     uint32_t n_trees;
-    uint32_t n_lanes; /* trees and padding: every way of walking finds whole groups */
+    uint32_t n_padded; /* trees and padding: every way of traversal finds whole groups */
 } sp_forest;
 
-static inline uint32_t sp_forest_right(const sp_forest_node *node, const uint32_t *ranks)
+static inline uint32_t sp_forest_right(const sp_forest_node *node, const uint32_t *bins)
 {
-    /* 1 where the feature's rank is greater, without a flag: both are far below 2^31. */
-    return (node->rank - ranks[node->step & (SP_FOREST_SLOTS - 1)]) >> 31;
+    /* 1 where the feature's bin is greater, without a flag: both are far below 2^31. */
+    return (node->bin_index - bins[node->step & (SP_FOREST_SLOTS - 1)]) >> 31;
 }
 
-/* Sum over the `walks` trees from `tree` on; walks is a constant where this is inlined. */
-static inline uint32_t sp_forest_walk(const sp_forest *forest, uint32_t tree, uint32_t walks,
-                                      const uint32_t *ranks)
+/* Sum over the `trees` trees from `tree` on; trees is a constant where this is inlined. */
+static inline uint32_t sp_forest_traverse(const sp_forest *forest, uint32_t tree, uint32_t trees,
+                                          const uint32_t *bins)
 {
-    uint32_t heap[SP_FOREST_WALKS];
+    uint32_t heap[SP_FOREST_TRAVERSALS];
 #pragma GCC unroll 20
-    for (uint32_t i = 0; i < walks; i++) {
+    for (uint32_t i = 0; i < trees; i++) {
         heap[i] = 1;
     }
 #pragma GCC unroll 1
     for (uint32_t level = 0; level < SP_FOREST_LEVELS; level++) {
 #pragma GCC unroll 20
-        for (uint32_t i = 0; i < walks; i++) {
-            const sp_forest_node *node = forest->top + (heap[i] - 1) * forest->n_lanes + tree + i;
-            heap[i] = 2 * heap[i] + sp_forest_right(node, ranks);
+        for (uint32_t i = 0; i < trees; i++) {
+            const sp_forest_node *node = forest->top + (heap[i] - 1) * forest->n_padded + tree + i;
+            heap[i] = 2 * heap[i] + sp_forest_right(node, bins);
         }
     }
-    const sp_forest_node *at[SP_FOREST_WALKS];
+    const sp_forest_node *at[SP_FOREST_TRAVERSALS];
 #pragma GCC unroll 20
-    for (uint32_t i = 0; i < walks; i++) {
+    for (uint32_t i = 0; i < trees; i++) {
         at[i] = forest->nodes + forest->roots[tree + i] + (heap[i] - SP_FOREST_ENTRIES);
     }
     uint32_t steps;
@@ -75,8 +75,8 @@ static inline uint32_t sp_forest_walk(const sp_forest *forest, uint32_t tree, ui
 #pragma GCC unroll 3
         for (uint32_t level = 0; level < SP_FOREST_UNCHECKED; level++) {
 #pragma GCC unroll 20
-            for (uint32_t i = 0; i < walks; i++) {
-                const uint32_t right = sp_forest_right(at[i], ranks);
+            for (uint32_t i = 0; i < trees; i++) {
+                const uint32_t right = sp_forest_right(at[i], bins);
                 const uint32_t step = at[i]->step;
                 steps |= level + 1 == SP_FOREST_UNCHECKED ? step : 0;
                 at[i] += (step >> SP_FOREST_SLOT_BITS) + right;
@@ -85,22 +85,22 @@ static inline uint32_t sp_forest_walk(const sp_forest *forest, uint32_t tree, ui
     } while (steps);
     uint32_t sum = 0;
 #pragma GCC unroll 20
-    for (uint32_t i = 0; i < walks; i++) {
-        sum += at[i]->rank;
+    for (uint32_t i = 0; i < trees; i++) {
+        sum += at[i]->bin_index;
     }
     return sum;
 }
 
-/* ranks: [SP_FOREST_SLOTS], each below 2^16, the first one 0. Returns quanta. */
-static inline uint32_t sp_forest_sum(const sp_forest *forest, const uint32_t *ranks)
+/* bins: [SP_FOREST_SLOTS], each below 2^16, the first one 0. Returns steps. */
+static inline uint32_t sp_forest_sum(const sp_forest *forest, const uint32_t *bins)
 {
     uint32_t sum = 0;
     uint32_t tree = 0;
-    for (; tree + SP_FOREST_WALKS <= forest->n_trees; tree += SP_FOREST_WALKS) {
-        sum += sp_forest_walk(forest, tree, SP_FOREST_WALKS, ranks);
+    for (; tree + SP_FOREST_TRAVERSALS <= forest->n_trees; tree += SP_FOREST_TRAVERSALS) {
+        sum += sp_forest_traverse(forest, tree, SP_FOREST_TRAVERSALS, bins);
     }
     for (; tree < forest->n_trees; tree += SP_FOREST_REST) {
-        sum += sp_forest_walk(forest, tree, SP_FOREST_REST, ranks);
+        sum += sp_forest_traverse(forest, tree, SP_FOREST_REST, bins);
     }
     return sum;
 }

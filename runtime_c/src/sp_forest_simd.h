@@ -26,12 +26,12 @@ static inline uint32_t sp_forest_simd(void)
     return SP_SIMD >= SP_SIMD_AVX2 && __builtin_cpu_supports("avx2") ? SP_SIMD_AVX2 : SP_SIMD_NONE;
 }
 
-static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *ranks,
+static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *bins,
                                          uint32_t simd)
 {
-    return simd == SP_SIMD_AVX512 ? sp_forest_avx512(forest, ranks)
-           : simd == SP_SIMD_AVX2 ? sp_forest_avx2(forest, ranks)
-                                  : sp_forest_sum(forest, ranks);
+    return simd == SP_SIMD_AVX512 ? sp_forest_avx512(forest, bins)
+           : simd == SP_SIMD_AVX2 ? sp_forest_avx2(forest, bins)
+                                  : sp_forest_sum(forest, bins);
 }
 
 #else
@@ -41,11 +41,11 @@ static inline uint32_t sp_forest_simd(void)
     return SP_SIMD_NONE;
 }
 
-static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *ranks,
+static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *bins,
                                          uint32_t simd)
 {
     (void)simd;
-    return sp_forest_sum(forest, ranks);
+    return sp_forest_sum(forest, bins);
 }
 
 #endif

@@ -1,9 +1,9 @@
 /* The forest of sp_forest.h on AVX2 and AVX-512: a lane a tree.
  *
  * The first levels need no look-up: whole rows of them are loaded and blended. Below, one gather
- * fetches the nodes of all lanes. As many groups of lanes are walked at once as there are registers
- * for: what a tick waits for is memory, and it waits for all of them together. A node is read
- * as 32 bits: the step low, the rank high. */
+ * fetches the nodes of all lanes. As many groups of lanes are traversed at once as there are
+ * registers for: what a tick waits for is memory, and it waits for all of them together. A node is
+ * read as 32 bits: the step low, the bin high. */
 #ifndef SP_FOREST_X86_H
 #define SP_FOREST_X86_H
 
@@ -11,35 +11,35 @@
 
 #include "sp_forest.h"
 
-enum { SP_FOREST_GROUPS = 7 }; /* walked at once; in a last round some may be idle */
+enum { SP_FOREST_GROUPS = 7 }; /* traversed at once; in a last round some may be idle */
 
 #define SP_TARGET_AVX512 __attribute__((target("avx512f,avx512bw,avx512vl")))
 #define SP_TARGET_AVX2 __attribute__((target("avx2")))
 
-/* Lanes whose feature's rank is above the node's. Ranks are in the upper half of their 32 bits; the
- * step below a node's never reaches the next rank, so that it need not be cut off. */
-SP_TARGET_AVX512 static inline __mmask16 sp_forest_right512(__m512i node, __m512i ranks)
+/* Lanes whose feature's bin is above the node's. Bins are in the upper half of their 32 bits; the
+ * step below a node's never reaches the next bin, so that it need not be cut off. */
+SP_TARGET_AVX512 static inline __mmask16 sp_forest_right512(__m512i node, __m512i bins)
 {
-    return _mm512_cmpgt_epu32_mask(_mm512_permutexvar_epi32(node, ranks), node);
+    return _mm512_cmpgt_epu32_mask(_mm512_permutexvar_epi32(node, bins), node);
 }
 
 SP_TARGET_AVX512 static inline __m512i sp_forest_enter512(const sp_forest *forest, uint32_t tree,
-                                                          __m512i ranks)
+                                                          __m512i bins)
 {
-    const uint32_t row = forest->n_lanes;
+    const uint32_t row = forest->n_padded;
     const sp_forest_node *top = forest->top + tree;
-#define SP_ROW(heap) _mm512_loadu_si512(top + ((heap) - 1) * row)
+#define SP_ROW(heap) _mm512_loadu_si512(top + ((heap)-1) * row)
 #define SP_EITHER(left, right, k) _mm512_mask_mov_epi32(left, k, right)
-    const __mmask16 a = sp_forest_right512(SP_ROW(1), ranks);
-    const __mmask16 b = sp_forest_right512(SP_EITHER(SP_ROW(2), SP_ROW(3), a), ranks);
+    const __mmask16 a = sp_forest_right512(SP_ROW(1), bins);
+    const __mmask16 b = sp_forest_right512(SP_EITHER(SP_ROW(2), SP_ROW(3), a), bins);
     const __m512i third =
         SP_EITHER(SP_EITHER(SP_ROW(4), SP_ROW(6), a), SP_EITHER(SP_ROW(5), SP_ROW(7), a), b);
-    const __mmask16 c = sp_forest_right512(third, ranks);
+    const __mmask16 c = sp_forest_right512(third, bins);
     const __m512i left =
         SP_EITHER(SP_EITHER(SP_ROW(8), SP_ROW(12), a), SP_EITHER(SP_ROW(10), SP_ROW(14), a), b);
     const __m512i right =
         SP_EITHER(SP_EITHER(SP_ROW(9), SP_ROW(13), a), SP_EITHER(SP_ROW(11), SP_ROW(15), a), b);
-    const __mmask16 d = sp_forest_right512(SP_EITHER(left, right, c), ranks);
+    const __mmask16 d = sp_forest_right512(SP_EITHER(left, right, c), bins);
 #undef SP_ROW
 #undef SP_EITHER
     __m512i at = _mm512_loadu_si512(forest->roots + tree);
@@ -50,9 +50,9 @@ SP_TARGET_AVX512 static inline __m512i sp_forest_enter512(const sp_forest *fores
 }
 
 SP_TARGET_AVX512 static inline uint32_t sp_forest_avx512(const sp_forest *forest,
-                                                         const uint32_t *ranks)
+                                                         const uint32_t *bins)
 {
-    const __m512i feature = _mm512_slli_epi32(_mm512_loadu_si512(ranks), 16);
+    const __m512i feature = _mm512_slli_epi32(_mm512_loadu_si512(bins), 16);
     const __m512i one = _mm512_set1_epi32(1);
     __m512i sum = _mm512_setzero_si512();
     for (uint32_t first = 0; first < forest->n_trees; first += 16 * SP_FOREST_GROUPS) {
@@ -94,11 +94,11 @@ typedef struct {
     __m256i high;
 } sp_forest_ranks256;
 
-/* All bits of the lanes whose feature's rank is above the node's. */
-SP_TARGET_AVX2 static inline __m256i sp_forest_right256(__m256i node, sp_forest_ranks256 ranks)
+/* All bits of the lanes whose feature's bin is above the node's. */
+SP_TARGET_AVX2 static inline __m256i sp_forest_right256(__m256i node, sp_forest_ranks256 bins)
 {
-    const __m256 low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(ranks.low, node));
-    const __m256 high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(ranks.high, node));
+    const __m256 low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(bins.low, node));
+    const __m256 high = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(bins.high, node));
     const __m256 which = _mm256_castsi256_ps(_mm256_slli_epi32(node, 28));
     const __m256i feature = _mm256_castps_si256(_mm256_blendv_ps(low, high, which));
     return _mm256_cmpgt_epi32(feature, _mm256_srli_epi32(node, 16));
@@ -110,22 +110,22 @@ SP_TARGET_AVX2 static inline __m256i sp_forest_load256(const void *from)
 }
 
 SP_TARGET_AVX2 static inline __m256i sp_forest_enter256(const sp_forest *forest, uint32_t tree,
-                                                        sp_forest_ranks256 ranks)
+                                                        sp_forest_ranks256 bins)
 {
-    const uint32_t row = forest->n_lanes;
+    const uint32_t row = forest->n_padded;
     const sp_forest_node *top = forest->top + tree;
-#define SP_ROW(heap) sp_forest_load256(top + ((heap) - 1) * row)
+#define SP_ROW(heap) sp_forest_load256(top + ((heap)-1) * row)
 #define SP_EITHER(left, right, k) _mm256_blendv_epi8(left, right, k)
-    const __m256i a = sp_forest_right256(SP_ROW(1), ranks);
-    const __m256i b = sp_forest_right256(SP_EITHER(SP_ROW(2), SP_ROW(3), a), ranks);
+    const __m256i a = sp_forest_right256(SP_ROW(1), bins);
+    const __m256i b = sp_forest_right256(SP_EITHER(SP_ROW(2), SP_ROW(3), a), bins);
     const __m256i third =
         SP_EITHER(SP_EITHER(SP_ROW(4), SP_ROW(6), a), SP_EITHER(SP_ROW(5), SP_ROW(7), a), b);
-    const __m256i c = sp_forest_right256(third, ranks);
+    const __m256i c = sp_forest_right256(third, bins);
     const __m256i left =
         SP_EITHER(SP_EITHER(SP_ROW(8), SP_ROW(12), a), SP_EITHER(SP_ROW(10), SP_ROW(14), a), b);
     const __m256i right =
         SP_EITHER(SP_EITHER(SP_ROW(9), SP_ROW(13), a), SP_EITHER(SP_ROW(11), SP_ROW(15), a), b);
-    const __m256i d = sp_forest_right256(SP_EITHER(left, right, c), ranks);
+    const __m256i d = sp_forest_right256(SP_EITHER(left, right, c), bins);
 #undef SP_ROW
 #undef SP_EITHER
     /* A mask is -1: entry = 8 a + 4 b + 2 c + d, taken away with its sign. */
@@ -135,9 +135,9 @@ SP_TARGET_AVX2 static inline __m256i sp_forest_enter256(const sp_forest *forest,
     return _mm256_sub_epi32(sp_forest_load256(forest->roots + tree), entry);
 }
 
-SP_TARGET_AVX2 static inline uint32_t sp_forest_avx2(const sp_forest *forest, const uint32_t *ranks)
+SP_TARGET_AVX2 static inline uint32_t sp_forest_avx2(const sp_forest *forest, const uint32_t *bins)
 {
-    const sp_forest_ranks256 feature = {sp_forest_load256(ranks), sp_forest_load256(ranks + 8)};
+    const sp_forest_ranks256 feature = {sp_forest_load256(bins), sp_forest_load256(bins + 8)};
     __m256i sum = _mm256_setzero_si256();
     for (uint32_t first = 0; first < forest->n_trees; first += 8 * SP_FOREST_GROUPS) {
         __m256i at[SP_FOREST_GROUPS];

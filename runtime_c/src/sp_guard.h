@@ -13,9 +13,9 @@
 #include "sp_number.h"
 
 typedef struct {
-    sp_real jump_m;        /* greatest believable step in one tick */
-    sp_real least_m;       /* believable positions: from here */
-    sp_real greatest_m;    /* to here */
+    sp_real jump_m;        /* maximum believable step in one tick */
+    sp_real min_m;         /* believable positions: from here */
+    sp_real max_m;         /* to here */
     uint32_t resync_ticks; /* agreeing samples after which a new position is true */
 } sp_guard_config;
 
@@ -28,7 +28,7 @@ typedef struct {
 
 static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
 {
-    return x >= config->least_m && x <= config->greatest_m; /* a NaN is neither */
+    return x >= config->min_m && x <= config->max_m; /* a NaN is neither */
 }
 
 static inline int sp_guard_near(const sp_guard_config *config, sp_real x, sp_real y)

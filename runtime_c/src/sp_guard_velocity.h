@@ -6,10 +6,9 @@
 #include "sp_notes.h"
 #include "sp_number.h"
 
-static inline sp_real sp_guard_velocity(sp_real greatest_mps, sp_real *good_mps, sp_real v,
-                                        int *notes)
+static inline sp_real sp_guard_velocity(sp_real max_mps, sp_real *good_mps, sp_real v, int *notes)
 {
-    if (!(sp_abs(v) <= greatest_mps)) { /* a NaN is not */
+    if (!(sp_abs(v) <= max_mps)) { /* a NaN is not */
         *notes |= SP_NOTE_HELD;
         return *good_mps;
     }

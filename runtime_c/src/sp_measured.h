@@ -18,9 +18,9 @@ enum { SP_MEASURED_HALVINGS = 16 /* to a quarter, from time steps of 16 000 time
 static inline sp_real sp_measured_phi(sp_real u)
 {
     const sp_real quarter = (sp_real)0.25;
-    const sp_real greatest = quarter * (sp_real)(1u << SP_MEASURED_HALVINGS);
+    const sp_real upper = quarter * (sp_real)(1u << SP_MEASURED_HALVINGS);
     uint32_t halvings = 0;
-    u = u < greatest ? u : greatest;
+    u = u < upper ? u : upper;
     while (u > quarter) {
         u *= (sp_real)0.5;
         halvings++;

@@ -9,9 +9,9 @@
 #include "sp_number.h"
 
 typedef struct {
-    sp_real least_n;
-    sp_real greatest_n;
-    sp_real slew_n;     /* greatest growth of the force in one tick: a fault's, not a touch's */
+    sp_real min_n;
+    sp_real max_n;
+    sp_real slew_n;     /* maximum growth of the force in one tick: a fault's, not a touch's */
     sp_real rise;       /* share of the force gained in one tick of the ramp */
     sp_real fall_nps;   /* speed of the watchdog's way to zero */
     sp_real watchdog_s; /* longest time without a good sample */
@@ -91,11 +91,11 @@ static inline sp_real sp_output_force(const sp_output_config *config, sp_output_
         *notes |= SP_NOTE_RAMPED;
     }
     force_n = sp_output_slew(config->slew_n, state->force_n, force_n, notes);
-    if (!(force_n >= config->least_n && force_n <= config->greatest_n)) {
+    if (!(force_n >= config->min_n && force_n <= config->max_n)) {
         /* A NaN compares with nothing: it becomes 0. */
-        force_n = force_n > config->greatest_n ? config->greatest_n
-                  : force_n < config->least_n  ? config->least_n
-                                               : (sp_real)0;
+        force_n = force_n > config->max_n   ? config->max_n
+                  : force_n < config->min_n ? config->min_n
+                                            : (sp_real)0;
         *notes |= SP_NOTE_CLAMPED;
     }
     state->force_n = force_n;

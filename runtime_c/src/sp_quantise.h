@@ -7,9 +7,9 @@
 #include "sp_real.h"
 
 /* Within 0 .. 65535; to the nearest step. */
-static inline uint32_t sp_quantise(sp_real feature, float least, float per_step)
+static inline uint32_t sp_quantise(sp_real feature, float lower, float per_step)
 {
-    const float steps = ((float)feature - least) * per_step + 0.5f;
+    const float steps = ((float)feature - lower) * per_step + 0.5f;
     const float below = steps < 65535.0f ? steps : 65535.0f;
     return (uint32_t)(below > 0.0f ? below : 0.0f);
 }

@@ -6,19 +6,19 @@
 #include "sp_real.h"
 
 typedef struct {
-    sp_real least_m;
-    sp_real greatest_m;
+    sp_real min_m;
+    sp_real max_m;
 } sp_range_config;
 
 static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, int *notes)
 {
-    if (x > config->greatest_m) {
+    if (x > config->max_m) {
         *notes |= SP_NOTE_OUTSIDE;
-        return config->greatest_m;
+        return config->max_m;
     }
-    if (x < config->least_m) {
+    if (x < config->min_m) {
         *notes |= SP_NOTE_OUTSIDE;
-        return config->least_m;
+        return config->min_m;
     }
     return x;
 }
@@ -28,8 +28,8 @@ static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, in
 static inline sp_real sp_range_fade(const sp_range_config *config, sp_real per_fade, sp_real x,
                                     sp_real force_n)
 {
-    const sp_real above = x - config->greatest_m;
-    const sp_real below = config->least_m - x;
+    const sp_real above = x - config->max_m;
+    const sp_real below = config->min_m - x;
     const sp_real beyond = above > below ? above : below;
     if (!(beyond > (sp_real)0)) {
         return force_n;

@@ -12,15 +12,15 @@
 #include "sp_number.h"
 
 enum {
-    SP_RBF_LANES = 8 /* centers are padded to a multiple of this, with weight 0 */
+    SP_RBF_WIDTH = 8 /* centers are padded to a multiple of this, with weight 0 */
 };
 
 /* Into the trained range, then to mean 0 and scale 1. */
-static inline sp_real sp_rbf_standard(sp_real x, sp_real least, sp_real greatest, sp_real mean,
+static inline sp_real sp_rbf_standard(sp_real x, sp_real lower, sp_real upper, sp_real mean,
                                       sp_real per_scale)
 {
-    const sp_real below = x < greatest ? x : greatest;
-    const sp_real inside = below > least ? below : least;
+    const sp_real below = x < upper ? x : upper;
+    const sp_real inside = below > lower ? below : lower;
     return (inside - mean) * per_scale;
 }
 
@@ -28,10 +28,10 @@ static inline sp_real sp_rbf_standard(sp_real x, sp_real least, sp_real greatest
 static inline sp_real sp_rbf_force(const sp_real *z, const sp_real *centers, const sp_real *weights,
                                    uint32_t n_centers, const sp_real *tail)
 {
-    sp_real sum[SP_RBF_LANES] = {0};
-    for (uint32_t block = 0; block < n_centers; block += SP_RBF_LANES) {
+    sp_real sum[SP_RBF_WIDTH] = {0};
+    for (uint32_t block = 0; block < n_centers; block += SP_RBF_WIDTH) {
 #pragma GCC unroll 8
-        for (uint32_t i = 0; i < SP_RBF_LANES; i++) {
+        for (uint32_t i = 0; i < SP_RBF_WIDTH; i++) {
             const sp_real d0 = z[0] - centers[block + i];
             const sp_real d1 = z[1] - centers[n_centers + block + i];
             const sp_real square = d0 * d0 + d1 * d1;

@@ -16,19 +16,19 @@ static inline sp_real sp_velocity_foaw(const sp_real *window, const sp_real *per
                                        uint32_t length, sp_real band_m)
 {
     sp_real slope = (window[0] - window[1]) * per_step[0];
-    sp_real least = (window[0] - window[1] - band_m) * per_step[0];
-    sp_real greatest = (window[0] - window[1] + band_m) * per_step[0];
+    sp_real lower = (window[0] - window[1] - band_m) * per_step[0];
+    sp_real upper = (window[0] - window[1] + band_m) * per_step[0];
     for (uint32_t j = 1; j < length; j++) {
         const sp_real rise = window[0] - window[j + 1];
         const sp_real candidate = rise * per_step[j];
-        if (!(candidate >= least && candidate <= greatest)) {
+        if (!(candidate >= lower && candidate <= upper)) {
             break;
         }
         slope = candidate;
         const sp_real low = (rise - band_m) * per_step[j];
         const sp_real high = (rise + band_m) * per_step[j];
-        least = low > least ? low : least;
-        greatest = high < greatest ? high : greatest;
+        lower = low > lower ? low : lower;
+        upper = high < upper ? high : upper;
     }
     return slope;
 }

@@ -10,22 +10,22 @@
 #include "sp_real.h"
 
 enum {
-    SP_LANES = 4 /* lanes are padded to a multiple of this */
+    SP_VECTOR_WIDTH = 4 /* lanes are padded to a multiple of this */
 };
 
-/* weights: [n_inputs][n_lanes]; in: [n_inputs]; out: [n_lanes]. */
+/* weights: [n_inputs][vector_width]; in: [n_inputs]; out: [vector_width]. */
 static inline void sp_weighted_sum(const sp_real *weights, const sp_real *in, uint32_t n_inputs,
-                            uint32_t n_lanes, sp_real *out)
+                                   uint32_t vector_width, sp_real *out)
 {
-    for (uint32_t block = 0; block < n_lanes; block += SP_LANES) {
-        sp_real sum[SP_LANES] = {0};
+    for (uint32_t block = 0; block < vector_width; block += SP_VECTOR_WIDTH) {
+        sp_real sum[SP_VECTOR_WIDTH] = {0};
         for (uint32_t k = 0; k < n_inputs; k++) {
 #pragma GCC unroll 4
-            for (uint32_t i = 0; i < SP_LANES; i++) {
-                sum[i] += weights[k * n_lanes + block + i] * in[k];
+            for (uint32_t i = 0; i < SP_VECTOR_WIDTH; i++) {
+                sum[i] += weights[k * vector_width + block + i] * in[k];
             }
         }
-        for (uint32_t i = 0; i < SP_LANES; i++) {
+        for (uint32_t i = 0; i < SP_VECTOR_WIDTH; i++) {
             out[block + i] = sum[i];
         }
     }

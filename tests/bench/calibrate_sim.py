@@ -18,7 +18,7 @@ from springpot.host.recording import protocols
 from springpot.host.simulation import bench as simulated_bench
 from springpot.runtime_c import paths
 
-TARGETS = {  # object: (greatest depth over the training protocol, m; loss per cycle at 1 Hz, 10 N)
+TARGETS = {  # object: (maximum depth over the training protocol, m; loss per cycle at 1 Hz, 10 N)
     "ecoflex-00-10": (0.0177, 0.36),
     "ecoflex-00-30": (0.0145, 0.22),
     "ecoflex-00-50": (0.0104, 0.15),
@@ -28,7 +28,7 @@ TARGETS = {  # object: (greatest depth over the training protocol, m; loss per c
 
 HEADER = """\
 /* Written by tests/bench/calibrate_sim.py: do not edit. For each object and variant (A, B), what
- * gives Table 1's greatest depth over the training protocol, and a loss per cycle at 1 Hz and 10 N
+ * gives Table 1's maximum depth over the training protocol, and a loss per cycle at 1 Hz and 10 N
  * of 0.36, 0.22, 0.15, 0.09, 0.07.
  */
 #ifndef SIM_CONSTANTS_H
@@ -49,7 +49,7 @@ static const sim_calibration sim_calibrations[5][2] = {
 
 
 def loss_per_cycle(position_m: np.ndarray, force_n: np.ndarray) -> float:
-    """Energy dissipated in one press / energy put in up to its greatest depth."""
+    """Energy dissipated in one press / energy put in up to its maximum depth."""
     deepest = int(np.argmax(position_m))
     put_in = np.trapezoid(force_n[: deepest + 1], position_m[: deepest + 1])
     given_back = -np.trapezoid(force_n[deepest:], position_m[deepest:])
@@ -57,13 +57,13 @@ def loss_per_cycle(position_m: np.ndarray, force_n: np.ndarray) -> float:
 
 
 def figures(url: str) -> tuple[float, float]:
-    """Greatest recorded depth over the training protocol, m, and loss per cycle at 1 Hz, 10 N."""
+    """Maximum recorded depth over the training protocol, m, and loss per cycle at 1 Hz, 10 N."""
     bench = simulated_bench.SimulatedBench(simulated_bench.parse_url(url))
     depth_m, loss = 0.0, np.nan
     for profile in protocols.training():
         position_m, force_n = bench.press(profile.command_n)
         depth_m = max(depth_m, float(position_m.max()))
-        if (profile.facts["amplitude_n"], profile.facts["frequency_hz"]) == (10.0, 1.0):
+        if (profile.metadata["amplitude_n"], profile.metadata["frequency_hz"]) == (10.0, 1.0):
             loss = loss_per_cycle(position_m, force_n)
     return depth_m, loss
 

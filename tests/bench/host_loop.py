@@ -83,7 +83,7 @@ def run(kind: Kind, folder: Path, log: Path) -> dict[str, Any]:
     with peer(kind.peer, *options) as device:
         worker = threading.Thread(target=work, daemon=True)
         worker.start()
-        session = Session(folder, device.url, log, seconds=kind.seconds, tell=say)
+        session = Session(folder, device.url, log, seconds=kind.seconds, report=say)
         with session:
             session.start()
             while not session.running.over:

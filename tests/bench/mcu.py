@@ -2,7 +2,7 @@
 
     python tests/bench/mcu.py MODEL.spm ... --recording REC ... [--board mps2-an386] [--ticks 10000]
 
-A model in the scene's defaults for the board's target; counts are the greatest over the ticks of
+A model in the scene's defaults for the board's target; counts are the maximum over the ticks of
 the recordings (restarts apart) beside the bound from the tables.
 """
 

@@ -22,7 +22,7 @@ from springpot.host.benchmark.figures import front_figure
 from springpot.host.benchmark.labels import kilobytes, label
 from springpot.host.benchmark.report import paper_rows, plain
 
-Facts = dict[str, Any]
+Metadata = dict[str, Any]
 ROOT = Path(__file__).parents[2]
 STORED = ROOT / "docs" / "results.json"
 BEGIN, END = "<!-- results: written by tests/bench/results.py -->", "<!-- results end -->"
@@ -35,7 +35,7 @@ _POINT = ("key", "model", "options", "rmse_n", "rmse_percent_of_peak", "mean_rec
           "pareto")  # fmt: skip
 
 
-def condensed(result: Facts) -> Facts:
+def condensed(result: Metadata) -> Metadata:
     """What the pages need of one benchmark."""
     training, validation = (result["recordings"][name] for name in ("training", "validation"))
     kept = {name: result[name] for name in _KEPT}
@@ -55,7 +55,7 @@ def source(text: str) -> str:
     return Path(text.split(",", maxsplit=1)[0].split(" ", maxsplit=1)[0]).name
 
 
-def pages(results: list[Facts]) -> dict[Path, str]:
+def pages(results: list[Metadata]) -> dict[Path, str]:
     """Every file that is written, with its content."""
     written = {
         ROOT / "docs" / f"pareto-{i + 1}.svg": front_figure(result) + "\n"
@@ -66,7 +66,7 @@ def pages(results: list[Facts]) -> dict[Path, str]:
     return written
 
 
-def results_page(results: list[Facts]) -> str:
+def results_page(results: list[Metadata]) -> str:
     """docs/results.md."""
     parts = [
         "# Error against run time, measured\n",
@@ -78,7 +78,7 @@ def results_page(results: list[Facts]) -> str:
     return "\n".join(parts)
 
 
-def section(result: Facts, picture: str) -> list[str]:
+def section(result: Metadata, picture: str) -> list[str]:
     """One data set."""
     front = sorted((p for p in result["points"] if p["pareto"]), key=lambda p: p["tick_ns_hot"])
     parts = [
@@ -107,20 +107,20 @@ NOT_COMPARABLE = (
 )
 
 
-def elapsed(result: Facts) -> str:
+def elapsed(result: Metadata) -> str:
     """Time on the clock, of a benchmark that was not resumed."""
     whole = result["computed"] == len(result["points"])
     return f" in {result['wall_s']:.0f} s on the clock" if whole else ""
 
 
-def pick_row(result: Facts, found: Facts) -> str:
+def pick_row(result: Metadata, found: Metadata) -> str:
     """A row of the picks."""
     chosen = next((p for p in result["points"] if p["key"] == found["point"]), None)
     name = label(chosen) if chosen else "none"
     return f"| {found['budget']['title']} | {name} | {found['why']} |"
 
 
-def table(points: list[Facts], target: str) -> str:
+def table(points: list[Metadata], target: str) -> str:
     """Points, one a row."""
     head = (
         f"| model | RMSE, N | % of peak | tick, µs | flash, {target} | RAM, bytes | fit, s | "
@@ -149,7 +149,7 @@ def paper_table(rows: list[dict[str, str]]) -> str:
     return "\n".join([head, *lines])
 
 
-def readme(result: Facts) -> str:
+def readme(result: Metadata) -> str:
     """The README with its results between the two marks."""
     text = (ROOT / "README.md").read_text()
     before, rest = text.split(BEGIN)
@@ -157,7 +157,7 @@ def readme(result: Facts) -> str:
     return f"{before}{BEGIN}\n{readme_results(result)}\n{END}{after}"
 
 
-def readme_results(result: Facts) -> str:
+def readme_results(result: Metadata) -> str:
     """The picks, and the paper's three models."""
     picked = dict.fromkeys(found["point"] for found in result["picks"].values())
     points = [p for key in picked for p in result["points"] if p["key"] == key]

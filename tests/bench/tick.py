@@ -48,7 +48,7 @@ def rows_of(folder: Path, recordings: Any, judges: Any) -> tuple[list[Row], Any,
     assert isinstance(exact.features, FirBank)
     data = training_set(recordings, options.smooth_s)
     chosen = data.rows(None, options.seed)
-    scale = depth_scale(data.trained.greatest_m)
+    scale = depth_scale(data.trained.max_m)
     values = scale * data.features(exact.features, chosen)
     ensemble = random_forest(options.trees, options.leaf, options.seed)
     ensemble.fit(values.astype(np.float32), data.force_n(chosen))

@@ -115,7 +115,7 @@ def main(names: list[str]) -> None:
         rows_of = training_set(data.training, options.smooth_s)
         rows = rows_of.rows(options.fraction, options.seed)
         x, y = rows_of.features(plain.features, rows), rows_of.force_n(rows)
-        scale = depth_scale(plain.trained.greatest_m)
+        scale = depth_scale(plain.trained.max_m)
         first_n = np.nan
         for option, fit in OPTIONS.items():
             forest = fit(x, y, scale)

@@ -57,7 +57,7 @@ static uint32_t next(uint32_t *sequence, uint8_t *bytes)
 
 static void damaged(end *to, uint32_t *sequence)
 {
-    uint8_t bytes[2 * SP_WIRE_MOST_BYTES + 300], other[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[2 * SP_WIRE_MAX_BYTES + 300], other[SP_WIRE_MAX_BYTES];
     uint32_t count = next(sequence, bytes), more;
     switch (draw(6)) {
     case 0: /* flipped bits */
@@ -96,7 +96,7 @@ int main(int argc, char **argv)
     unsigned long not_back = 0;
     static end to;
     uint32_t sequence = 0;
-    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[SP_WIRE_MAX_BYTES];
     noise = argc > 2 ? strtoull(argv[2], NULL, 10) : 1;
     if (sp_wire_crc32c((const uint8_t *)"123456789", 9) != 0xe3069283u) {
         printf("CRC-32C is wrong\n");

@@ -7,7 +7,7 @@ static void bytes_come_out_in_order_across_the_end(void)
 {
     static sp_bytes ring;
     uint8_t next = 0;
-    for (uint32_t i = 0; i < 10 * SP_BYTES_ROOM; i++) {
+    for (uint32_t i = 0; i < 10 * SP_BYTES_CAPACITY; i++) {
         uint8_t byte = 1;
         sp_bytes_put(&ring, (uint8_t)i);
         sp_bytes_put(&ring, (uint8_t)(i + 7));
@@ -23,12 +23,12 @@ static void bytes_come_out_in_order_across_the_end(void)
 static void what_finds_no_room_is_counted_and_lost(void)
 {
     static sp_bytes ring = {.put = 0xffffff00u, .taken = 0xffffff00u}; /* counters wrap */
-    for (uint32_t i = 0; i < SP_BYTES_ROOM + 5; i++) {
+    for (uint32_t i = 0; i < SP_BYTES_CAPACITY + 5; i++) {
         sp_bytes_put(&ring, (uint8_t)(i % 251));
     }
     CHECK(ring.overflow == 5);
-    CHECK(sp_bytes_waiting(&ring) == SP_BYTES_ROOM);
-    for (uint32_t i = 0; i < SP_BYTES_ROOM; i++) {
+    CHECK(sp_bytes_waiting(&ring) == SP_BYTES_CAPACITY);
+    for (uint32_t i = 0; i < SP_BYTES_CAPACITY; i++) {
         uint8_t byte = 0;
         CHECK(sp_bytes_take(&ring, &byte) && byte == (uint8_t)(i % 251));
     }

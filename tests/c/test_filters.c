@@ -8,7 +8,7 @@
 #include "sp_weighted_sum.h"
 #include "sp_window.h"
 
-enum { LENGTH = 7, LANES = 8 };
+enum { LENGTH = 7, VECTOR_WIDTH = 8 };
 
 static void window_is_contiguous_and_newest_first(void)
 {
@@ -26,20 +26,20 @@ static void window_is_contiguous_and_newest_first(void)
 
 static void bank_is_the_plain_sum_in_the_same_order(void)
 {
-    sp_real taps[LENGTH * LANES];
+    sp_real taps[LENGTH * VECTOR_WIDTH];
     sp_real window[LENGTH];
-    sp_real derivative[LANES];
-    for (int i = 0; i < LENGTH * LANES; i++) {
+    sp_real derivative[VECTOR_WIDTH];
+    for (int i = 0; i < LENGTH * VECTOR_WIDTH; i++) {
         taps[i] = (sp_real)((i * 37) % 19) / (sp_real)7 - (sp_real)1;
     }
     for (int k = 0; k < LENGTH; k++) {
         window[k] = (sp_real)1 / (sp_real)(k + 3);
     }
-    sp_weighted_sum(taps, window, LENGTH, LANES, derivative);
-    for (int lane = 0; lane < LANES; lane++) {
+    sp_weighted_sum(taps, window, LENGTH, VECTOR_WIDTH, derivative);
+    for (int lane = 0; lane < VECTOR_WIDTH; lane++) {
         volatile sp_real sum = 0;
         for (int k = 0; k < LENGTH; k++) {
-            const volatile sp_real product = taps[k * LANES + lane] * window[k];
+            const volatile sp_real product = taps[k * VECTOR_WIDTH + lane] * window[k];
             sum = sum + product;
         }
         CHECK(derivative[lane] == sum);

@@ -5,10 +5,8 @@
 #include "sp_guard_velocity.h"
 #include "sp_range.h"
 
-static const sp_guard_config config = {.jump_m = (sp_real)0.001,
-                                       .least_m = (sp_real)-10,
-                                       .greatest_m = (sp_real)0.1,
-                                       .resync_ticks = 3};
+static const sp_guard_config config = {
+    .jump_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
 
 static void first_believable_sample_is_taken(void)
 {
@@ -81,7 +79,7 @@ static void a_bad_device_velocity_is_replaced_by_the_last_good_one(void)
 
 static void depth_is_clipped_to_the_trained_range(void)
 {
-    const sp_range_config range = {.least_m = (sp_real)0, .greatest_m = (sp_real)0.01};
+    const sp_range_config range = {.min_m = (sp_real)0, .max_m = (sp_real)0.01};
     int notes = 0;
     CHECK(sp_range_clip(&range, (sp_real)0.01, &notes) == (sp_real)0.01 && notes == 0);
     CHECK(sp_range_clip(&range, (sp_real)0.011, &notes) == (sp_real)0.01);

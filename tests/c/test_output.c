@@ -3,8 +3,8 @@
 #include "check.h"
 #include "sp_output.h"
 
-static const sp_output_config config = {.least_n = (sp_real)0,
-                                        .greatest_n = (sp_real)12,
+static const sp_output_config config = {.min_n = (sp_real)0,
+                                        .max_n = (sp_real)12,
                                         .slew_n = (sp_real)100,
                                         .rise = (sp_real)0.25,
                                         .fall_nps = (sp_real)1500,

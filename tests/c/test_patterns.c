@@ -8,12 +8,10 @@
 #include "sp_guard_velocity.h"
 #include "sp_output.h"
 
-static const sp_guard_config guard = {.jump_m = (sp_real)0.001,
-                                      .least_m = (sp_real)-10,
-                                      .greatest_m = (sp_real)0.1,
-                                      .resync_ticks = 3};
-static const sp_output_config output = {.least_n = (sp_real)0,
-                                        .greatest_n = (sp_real)12,
+static const sp_guard_config guard = {
+    .jump_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
+static const sp_output_config output = {.min_n = (sp_real)0,
+                                        .max_n = (sp_real)12,
                                         .slew_n = (sp_real)3,
                                         .rise = (sp_real)0.25,
                                         .fall_nps = (sp_real)1500,
@@ -47,7 +45,7 @@ static int gets_past(uint32_t bits)
     const sp_real v = sp_guard_velocity((sp_real)2, &good_mps, x, &notes);
     const sp_real slow_n = sp_output_force(&output, &rest, x, &notes);
     const sp_real fast_n = sp_output_force(&output, &pressed, x, &notes);
-    return !(first_m >= guard.least_m && first_m <= guard.greatest_m) ||
+    return !(first_m >= guard.min_m && first_m <= guard.max_m) ||
            !(sp_abs(next_m - (sp_real)0.005) <= guard.jump_m) || !(sp_abs(v) <= (sp_real)2) ||
            !(slow_n >= (sp_real)0 && slow_n <= (sp_real)3) ||
            !(fast_n >= (sp_real)0 && fast_n <= (sp_real)12) ||

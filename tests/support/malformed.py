@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 from scipy.io import savemat
 
-from springpot.trainer.recordings.journal_blocks import FACTS, LAST_FACTS, SAMPLES, encode
+from springpot.trainer.recordings.journal_blocks import LAST_METADATA, METADATA, SAMPLES, encode
 
 Rng = np.random.Generator
 ROWS = 60
@@ -223,23 +223,23 @@ def blf(rng: Rng) -> Case:
 
 
 def journal(rng: Rng) -> Case:
-    """A journal without its facts, or with a flipped byte in its first block."""
-    facts = (
+    """A journal without its metadata, or with a flipped byte in its first block."""
+    metadata = (
         b'{"schema": 1, "name": "a", "dt_s": 0.001, "source": "", "details": {}, "block_s": 0.2}'
     )
-    blocks = [encode(7, 0, LAST_FACTS, facts)]
+    blocks = [encode(7, 0, LAST_METADATA, metadata)]
     blocks += [encode(7, k, SAMPLES, rng.bytes(16 * 200)) for k in range(1, 4)]
-    match str(rng.choice(["flipped", "only facts", "half", "no end"])):
+    match str(rng.choice(["flipped", "only metadata", "half", "no end"])):
         case "flipped":
             first = bytearray(blocks[0])
             first[int(rng.integers(8, len(first)))] ^= int(rng.integers(1, 256))
             blocks[0] = bytes(first)
-        case "only facts":
+        case "only metadata":
             blocks = blocks[:1]
         case "half":
             blocks = [blocks[0][: int(rng.integers(8, 4096))]]
         case "no end":
-            blocks[0] = encode(7, 0, FACTS, facts)
+            blocks[0] = encode(7, 0, METADATA, metadata)
     return Case("journal", "a.journal", b"".join(blocks))
 
 

@@ -20,9 +20,7 @@ def smallest_model() -> Model:
         name="smallest",
         dt_s=1e-3,
         contact="surface",
-        trained=TrainedRange(
-            least_m=0.0, greatest_m=0.01, greatest_mps=0.1, least_n=0.0, greatest_n=10.0
-        ),
+        trained=TrainedRange(min_m=0.0, max_m=0.01, max_mps=0.1, min_n=0.0, max_n=10.0),
         features=FirBank(orders=(0.5,), taps=np.array([[32.0], [-16.0], [-4.0], [-2.0]])),
         regressor=Forest(
             feature=np.array([0, -1, 0, -1, -1], dtype=np.int32),

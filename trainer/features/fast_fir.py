@@ -14,7 +14,7 @@ _SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
 def fast_fir_bank(bank: FirBank) -> FastFirBank:
     """Fit the sums of taps C_k of all orders with shared poles, by least squares.
 
-    The poles are log-spaced; their ends are those of a few that give the least error.
+    The poles are log-spaced; their ends are those of a few that give the lowest error.
     """
     length = len(bank.taps)
     candidates = [
@@ -47,7 +47,7 @@ def equivalent_taps(fast: FastFirBank) -> Samples:
 
 
 def imitation_error(bank: FirBank, fast: FastFirBank) -> float:
-    """Greatest error of an order's response, relative RMS over slow to fast sines.
+    """Maximum error of an order's response, relative RMS over slow to fast sines.
 
     Frequencies are log-spaced from one period in ten windows to a tenth of the sample rate.
     """

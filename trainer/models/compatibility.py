@@ -5,7 +5,7 @@ from springpot.codegen.model.model import Model
 from springpot.trainer.recordings.recording import Recording
 
 
-def refuse_other_frame(recording: Recording, model: Model, tick_s: float | None = None) -> None:
+def require_compatible(recording: Recording, model: Model, tick_s: float | None = None) -> None:
     """Raise DataError for another sampling rate, or another meaning of position 0.
 
     tick_s: of the scene, which may have a rate of its own; without one, the model's.

@@ -51,14 +51,14 @@ class FitOptions:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A fitted model and what it took: seconds for features, fit and search; further facts."""
+    """A fitted model and what it took: seconds for features, fit and search; further metadata."""
 
     model: Model
     rows: int
     feature_s: float
     fit_s: float
     search_s: float = 0.0
-    facts: Mapping[str, Any] = field(default_factory=dict)
+    metadata: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
@@ -71,7 +71,7 @@ def assemble(
     parts: tuple[Features | None, Regressor | None],
     passive: Hammerstein,
     adds: bool,
-    facts: Mapping[str, Any],
+    metadata: Mapping[str, Any],
 ) -> Model:
     """Put a model together with its provenance. `passive` is added, or kept as the fallback."""
     return Model(
@@ -92,6 +92,6 @@ def assemble(
             "recordings": {rec.name: rec.content_hash for rec in data.recordings},
             "scikit-learn": version("scikit-learn"),
             "springpot": version("springpot"),
-            **facts,
+            **metadata,
         },
     )

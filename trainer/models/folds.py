@@ -38,19 +38,19 @@ def recording_folds(data: TrainingSet, rows: Rows, seed: int) -> Folds:
 def condition_numbers(data: TrainingSet, seed: int) -> tuple[Rows, tuple[int, ...]]:
     """Recordings clustered on range and speed: each one's cluster, shape (n,), and those to test.
 
-    The cluster with the greatest force is never held out: that measures extrapolation only. None
+    The cluster with the maximum force is never held out: that measures extrapolation only. None
     is where there are fewer than three recordings.
     """
     n = len(data.recordings)
     if n < 3:
         return np.zeros(n, dtype=np.intp), ()
-    facts = np.array(
+    metadata = np.array(
         [
             (np.ptp(depth), np.percentile(np.abs(np.diff(depth)), 95) / data.dt_s)
             for depth in data.depths_m
         ]
     )
-    logs = np.log(np.maximum(facts, 1e-12))
+    logs = np.log(np.maximum(metadata, 1e-12))
     spread = np.maximum(logs.std(axis=0), 1e-9)
     points = np.round(logs / spread, 3)
     clusters = min(_CONDITIONS, len(np.unique(points, axis=0)))  # repeats may be one point

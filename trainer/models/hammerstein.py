@@ -30,7 +30,7 @@ BASES: tuple[Basis, ...] = ("powers", "ramps")
 HYBRID_TREES = 50
 HYBRID_LEAF = 20
 N_LAGS = 8
-MOST_LAG = 8192  # samples: a ring of 32 kB in float32
+MAX_LAG = 8192  # samples: a ring of 32 kB in float32
 
 
 def term_columns(terms: Terms, data: TrainingSet, rows: np.ndarray) -> Samples:
@@ -49,7 +49,7 @@ def choices(data: TrainingSet) -> tuple[Choice, ...]:
 
 
 def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
-    """Fit every choice; keep the one of least cross-validated error.
+    """Fit every choice; keep the one of lowest cross-validated error.
 
     Returns the model, the rows used, and its cross-validated RMSE, N.
     """
@@ -86,14 +86,20 @@ def fit_hammerstein(
     """Kind `hammerstein`: 15 to 100 numbers, passive in the large."""
     fitted, fit_s = _timed_passive(data, options)
     passive, rows, error = fitted
-    facts = {"n_parameters": parameter_count(passive), "cv_rmse_n": error, "basis": passive.basis}
-    model = assemble("hammerstein", name, data, options, rows, (None, None), passive, True, facts)
-    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, facts=facts)
+    metadata = {
+        "n_parameters": parameter_count(passive),
+        "cv_rmse_n": error,
+        "basis": passive.basis,
+    }
+    model = assemble(
+        "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
+    )
+    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
 
 
 def lag_features(data: TrainingSet) -> Lags:
     """The depth, and its change over eight log-spaced lags."""
-    longest = max(2, min(round(data.longest_s / data.dt_s / 4), MOST_LAG))
+    longest = max(2, min(round(data.longest_s / data.dt_s / 4), MAX_LAG))
     lags = np.unique(np.round(np.geomspace(1, longest, N_LAGS)).astype(int))
     return Lags(samples=(0, *lags.tolist()), difference=True)
 
@@ -119,19 +125,19 @@ def fit_hybrid(
     values = data.features(features, rows)
     feature_s = time.perf_counter() - feature_begin
     residual_n = data.force_n(rows) - passive_force(passive, data, rows)
-    span_m = data.trained.greatest_m - data.trained.least_m
+    span_m = data.trained.max_m - data.trained.min_m
     forest, importance = fit_forest(
         values, residual_n, depth_scale(span_m), HYBRID_TREES, HYBRID_LEAF, options.seed
     )
-    facts = {
+    metadata = {
         "n_nodes": len(forest.feature),
         "n_parameters": parameter_count(passive),
         "importance": importance.tolist(),
     }
     parts = (features, forest)
-    model = assemble("hybrid", name, data, options, len(rows), parts, passive, True, facts)
+    model = assemble("hybrid", name, data, options, len(rows), parts, passive, True, metadata)
     fit_s = passive_s + time.perf_counter() - begin - feature_s
-    return Fit(model, len(rows), feature_s, fit_s, facts=facts)
+    return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)
 
 
 def passive_force(passive: Hammerstein, data: TrainingSet, rows: np.ndarray) -> Samples:

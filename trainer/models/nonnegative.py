@@ -8,7 +8,7 @@ from scipy.optimize import nnls
 
 from springpot.codegen.arrays import Samples
 
-_TRIED = 5  # terms of least contribution tried for removal at each step
+_TRIED = 5  # terms of lowest contribution tried for removal at each step
 _RIDGE = 1e-10  # of the mean diagonal: keeps the factor of nearly equal columns real
 
 
@@ -30,7 +30,7 @@ class Normal:
         )
 
     def solve(self, active: NDArray[np.bool_] | None = None) -> Samples:
-        """Weights >= 0 of least error; 0 for terms that are not active."""
+        """Weights >= 0 of lowest error; 0 for terms that are not active."""
         chosen = np.ones(len(self.vector), dtype=bool) if active is None else active
         size = np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
         scaled = self.matrix / np.outer(size, size)

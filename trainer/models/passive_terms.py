@@ -49,11 +49,11 @@ def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = POLE
     and four radii.
     """
     trained = data.trained
-    span_m = trained.greatest_m - trained.least_m
+    span_m = trained.max_m - trained.min_m
     tau_s = np.geomspace(2.0 * data.dt_s, max(data.longest_s, 4.0 * data.dt_s), poles)
     return Terms(
         basis=kind,
-        origin_m=trained.least_m,
+        origin_m=trained.min_m,
         span_m=span_m,
         tau_s=tuple(tau_s.tolist()),
         radius_m=tuple(share * span_m for share in RADIUS_SHARES),

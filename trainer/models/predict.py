@@ -47,8 +47,8 @@ def regressor_force(regressor: Regressor, values: Samples) -> Samples:
 @regressor_force.register
 def _forest_force(forest: Forest, values: Samples) -> Samples:
     features = values.astype(np.float32)
-    if forest.rounding is not None:
-        features = rounded(forest.rounding, features)
+    if forest.quantisation is not None:
+        features = rounded(forest.quantisation, features)
     table = forest_table(forest, np.float64)
     kept = used_features(forest)
     force_n: Samples = forest_force(table, table_sums(table, features[:, kept]))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.regressors import Rbf
 
-MOST_CONDITION = 1e10
+MAX_CONDITION = 1e10
 _RIDGE = 1e-10
 _GREEDY_CANDIDATES = 500
 
@@ -20,12 +20,12 @@ class Standard:
 
     mean: Samples
     scale: Samples
-    least: Samples
-    greatest: Samples
+    feature_min: Samples
+    feature_max: Samples
 
     def __call__(self, features: Samples) -> Samples:
         """Clip to the extremes, then to mean 0 and scale 1."""
-        inside = np.clip(features, self.least, self.greatest)
+        inside = np.clip(features, self.feature_min, self.feature_max)
         return (inside - self.mean) / self.scale
 
 
@@ -35,8 +35,8 @@ def standard(features: Samples) -> Standard:
     return Standard(
         mean=features.mean(axis=0),
         scale=np.where(scale > 0.0, scale, 1.0),
-        least=features.min(axis=0),
-        greatest=features.max(axis=0),
+        feature_min=features.min(axis=0),
+        feature_max=features.max(axis=0),
     )
 
 
@@ -88,7 +88,7 @@ def solve(system: Samples, force_n: Samples) -> tuple[Samples, float]:
     size = np.sqrt(np.square(system).sum(axis=0))
     left, singular, right = np.linalg.svd(system / size, full_matrices=False)
     condition = float(singular[0] / max(singular[-1], 1e-300))
-    damping = 0.0 if condition < MOST_CONDITION else _RIDGE * singular[0] ** 2
+    damping = 0.0 if condition < MAX_CONDITION else _RIDGE * singular[0] ** 2
     inverse = singular / (np.square(singular) + damping)
     weights: Samples = (right.T @ (inverse * (left.T @ force_n))) / size
     return weights, condition
@@ -107,8 +107,8 @@ def fit_rbf(
     rbf = Rbf(
         mean=scaling.mean,
         scale=scaling.scale,
-        least=scaling.least,
-        greatest=scaling.greatest,
+        feature_min=scaling.feature_min,
+        feature_max=scaling.feature_max,
         centers=centers,
         weights_n=weights[:n],
         tail_n=weights[n:],
@@ -118,7 +118,7 @@ def fit_rbf(
 
 def rbf_force(rbf: Rbf, features: Samples) -> Samples:
     """Force at rows of features, N, in float64."""
-    scaling = Standard(rbf.mean, rbf.scale, rbf.least, rbf.greatest)
+    scaling = Standard(rbf.mean, rbf.scale, rbf.feature_min, rbf.feature_max)
     system = kernel(scaling(features), rbf.centers)
     force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])
     return force_n

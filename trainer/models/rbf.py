@@ -58,14 +58,14 @@ def fit_rbf_fd(
     rbf, condition = fit_rbf(values[:, chosen], force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    facts = {
+    metadata = {
         "n_centers": len(rbf.centers),
         "condition": condition,
         "pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()},
     }
     parts = (bank.take(np.array(chosen)), rbf)
-    model = assemble("rbf-fd", name, data, options, len(rows), parts, passive, False, facts)
-    return Fit(model, len(rows), feature_s, fit_s, search_s, facts)
+    model = assemble("rbf-fd", name, data, options, len(rows), parts, passive, False, metadata)
+    return Fit(model, len(rows), feature_s, fit_s, search_s, metadata)
 
 
 def fit_rbf_pv(
@@ -83,10 +83,10 @@ def fit_rbf_pv(
     rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    facts = {"n_centers": len(rbf.centers), "condition": condition}
+    metadata = {"n_centers": len(rbf.centers), "condition": condition}
     parts = (features, rbf)
-    model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, facts)
-    return Fit(model, len(rows), feature_s, fit_s, facts=facts)
+    model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, metadata)
+    return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)
 
 
 def foaw_features(dt_s: float) -> PositionVelocity:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.quantisation import rounded, rounding_over
+from springpot.codegen.forest.quantisation import quantisation_over, rounded
 from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
 from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features.exponentials import recursive_bank
@@ -21,9 +21,9 @@ from springpot.trainer.recordings.recording import Recording
 PAPER_ORDERS = tuple(round(0.05 * i, 2) for i in range(1, 11))
 PAPER_TAPS = 171
 HISTORY_LAGS = 10
-MOST_TAPS = 1024  # longer windows are cheaper as exponentials
-LEAST_WINDOW = 10  # samples
-MOST_WINDOW_S = 1e5
+MAX_TAPS = 1024  # longer windows are cheaper as exponentials
+MIN_WINDOW = 10  # samples
+MAX_WINDOW_S = 1e5
 RECURSIVE_S = 1000.0
 
 
@@ -41,11 +41,11 @@ def fractional_features(
     if engine == "recursive" and window_s is None:
         return recursive_bank(orders, dt_s, RECURSIVE_S)
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
-    if engine == "recursive" or (engine is None and length > MOST_TAPS):
+    if engine == "recursive" or (engine is None and length > MAX_TAPS):
         return recursive_bank(orders, dt_s, length * dt_s)
-    if length > MOST_TAPS:
+    if length > MAX_TAPS:
         raise UsageError(
-            f"--window-s {window_s:g} is {length} taps, at most {MOST_TAPS} are worth their time: "
+            f"--window-s {window_s:g} is {length} taps, at most {MAX_TAPS} are worth their time: "
             "use --engine recursive"
         )
     taps = np.stack([gl_taps(order, length, dt_s) for order in orders], axis=1)
@@ -55,10 +55,10 @@ def fractional_features(
 
 def window_samples(window_s: float, dt_s: float) -> int:
     """Samples of a window. Raises UsageError where it holds fewer than ten, or is a day long."""
-    if not LEAST_WINDOW * dt_s <= window_s <= MOST_WINDOW_S:
+    if not MIN_WINDOW * dt_s <= window_s <= MAX_WINDOW_S:
         raise UsageError(
-            f"--window-s {window_s:g}: at {1 / dt_s:g} Hz give {LEAST_WINDOW * dt_s:g} to "
-            f"{MOST_WINDOW_S:g} s"
+            f"--window-s {window_s:g}: at {1 / dt_s:g} Hz give {MIN_WINDOW * dt_s:g} to "
+            f"{MAX_WINDOW_S:g} s"
         )
     return round(window_s / dt_s)
 
@@ -104,10 +104,10 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features:
     values = data.features(features, rows)
     force_n = data.force_n(rows)
     feature_s = time.perf_counter() - begin
-    scale, rounding = depth_scale(data.trained.greatest_m - min(data.trained.least_m, 0.0)), None
+    scale, quantisation = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0)), None
     if options.round_features:
-        rounding = rounding_over(values)
-        scale, values = 1.0, rounded(rounding, values).astype(np.float64)
+        quantisation = quantisation_over(values)
+        scale, values = 1.0, rounded(quantisation, values).astype(np.float64)
     begin = time.perf_counter()
     forest: Forest
     importance: list[float] = []
@@ -120,10 +120,10 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features:
             values, force_n, scale, options.trees, options.leaf, options.seed
         )
         importance = shares.tolist()
-    forest = dataclasses.replace(forest, rounding=rounding)
+    forest = dataclasses.replace(forest, quantisation=quantisation)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    facts = {"n_nodes": len(forest.feature), "importance": importance}
+    metadata = {"n_nodes": len(forest.feature), "importance": importance}
     parts = (features, forest)
-    model = assemble(kind, name, data, options, len(rows), parts, passive, False, facts)
-    return Fit(model, len(rows), feature_s, fit_s, facts=facts)
+    model = assemble(kind, name, data, options, len(rows), parts, passive, False, metadata)
+    return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 PAPER_FRACTION = 0.2
 ALL_BELOW = 20_000
-MOST_ROWS = 50_000
+MAX_ROWS = 50_000
 
 
 def choose_rows(
@@ -17,5 +17,5 @@ def choose_rows(
     """
     if fraction is None:
         fraction = PAPER_FRACTION if rows_total >= ALL_BELOW else 1.0
-    wanted = min(max(1, round(fraction * rows_total)), MOST_ROWS)
+    wanted = min(max(1, round(fraction * rows_total)), MAX_ROWS)
     return np.sort(rng.choice(rows_total, size=wanted, replace=False))

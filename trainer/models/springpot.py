@@ -41,31 +41,31 @@ def fit_springpot(
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
     depth_m = np.concatenate(
         [d[local] for d, local in zip(data.depths_m, data.split(rows), strict=True)]
-    ) - data.trained.least_m  # fmt: skip
+    ) - data.trained.min_m  # fmt: skip
     force_n = data.force_n(rows)
     solid = _fit(data, rows, depth_m, force_n, np.ones(len(rows), dtype=bool), _ORDERS)
     group = np.arange(len(rows)) * _GROUPS // len(rows)
     near = (max(solid.order - 0.1, 0.01), min(solid.order + 0.1, 0.99))
     others = [_fit(data, rows, depth_m, force_n, group != i, near) for i in range(_GROUPS)]
-    facts = {"n_parameters": 3, "material": _material(solid, others)}
-    passive = to_hammerstein(_served(data, rows, depth_m, force_n, solid.order), data)
+    metadata = {"n_parameters": 3, "material": _material(solid, others)}
+    passive = to_hammerstein(_discretised(data, rows, depth_m, force_n, solid.order), data)
     model = assemble(
-        "springpot", name, data, options, len(rows), (None, None), passive, True, facts
+        "springpot", name, data, options, len(rows), (None, None), passive, True, metadata
     )
-    return Fit(model, len(rows), 0.0, time.perf_counter() - begin, facts=facts)
+    return Fit(model, len(rows), 0.0, time.perf_counter() - begin, metadata=metadata)
 
 
 def to_hammerstein(solid: Solid, data: TrainingSet) -> Hammerstein:
     """The same law as a spring and Maxwell branches: passive, and served by the same C."""
     bank = recursive_bank((solid.order,), data.dt_s, data.longest_s)
-    span_m = data.trained.greatest_m - data.trained.least_m
+    span_m = data.trained.max_m - data.trained.min_m
     weights = solid.coefficient * bank.weights[:, 0] * span_m
     kept = weights > 0.0
     branch = np.zeros((int(kept.sum()), 3))
     branch[:, 0] = weights[kept]
     return Hammerstein(
         basis="powers",
-        origin_m=data.trained.least_m,
+        origin_m=data.trained.min_m,
         span_m=span_m,
         elastic_n=np.array([solid.stiffness_npm * span_m, 0.0, 0.0]),
         tau_s=bank.tau_s[kept],
@@ -105,10 +105,10 @@ def _fit(
     return Solid(float(weights[0]), float(weights[1]), float(best.x))
 
 
-def _served(
+def _discretised(
     data: TrainingSet, rows: NDArray[np.intp], depth_m: Samples, force_n: Samples, order: float
 ) -> Solid:
-    """The numbers of least error with the poles that the C has for this order."""
+    """The numbers of lowest error with the poles that the C has for this order."""
     bank = recursive_bank((order,), data.dt_s, data.longest_s)
     system = np.stack([depth_m, data.features(bank, rows)[:, 0]], axis=1)
     weights, _ = nnls(system, force_n)

@@ -14,12 +14,12 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.rows import MOST_ROWS, choose_rows
+from springpot.trainer.models.rows import MAX_ROWS, choose_rows
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
 
 _STEP_TOLERANCE = 1e-3
-MOST_SMOOTHED = 0.25  # of the shortest recording
+MAX_SMOOTHED = 0.25  # of the shortest recording
 Result = TypeVar("Result")
 
 
@@ -66,7 +66,7 @@ class TrainingSet:
 
     def many_rows(self) -> NDArray[np.intp]:
         """All rows, or 50 000 evenly spaced ones: for fits that cost little a row."""
-        count = min(self.rows_total, MOST_ROWS)
+        count = min(self.rows_total, MAX_ROWS)
         return np.linspace(0, self.rows_total - 1, count).astype(np.intp)
 
     def force_n(self, rows: NDArray[np.intp]) -> Samples:
@@ -99,7 +99,7 @@ def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSe
     dt_s = common_time_step(recordings)
     contact = contact_of(recordings)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
-    if smooth_s > MOST_SMOOTHED * shortest.duration_s:
+    if smooth_s > MAX_SMOOTHED * shortest.duration_s:
         raise UsageError(
             f"--smooth-s {smooth_s:g}: {shortest.name} lasts {shortest.duration_s:g} s: smooth "
             "over a quarter of that at most"
@@ -150,11 +150,11 @@ def depth_m(recording: Recording, contact: Contact) -> Samples:
 def trained_range(recordings: Sequence[Recording], contact: Contact) -> TrainedRange:
     """Extremes over all recordings. Raises DataError where nothing moved."""
     depths = [depth_m(recording, contact) for recording in recordings]
-    least_m = min(float(depth.min()) for depth in depths)
-    greatest_m = max(float(depth.max()) for depth in depths)
-    if greatest_m <= (0.0 if contact == "surface" else least_m):
+    min_m = min(float(depth.min()) for depth in depths)
+    max_m = max(float(depth.max()) for depth in depths)
+    if max_m <= (0.0 if contact == "surface" else min_m):
         raise DataError(
-            f"{recordings[0].name}: positions never go deeper than {greatest_m:g} m: position must "
+            f"{recordings[0].name}: positions never go deeper than {max_m:g} m: position must "
             "grow into the object; check the sign and the unit on import"
         )
     if contact == "surface" and max(float(rec.force_n.max()) for rec in recordings) <= 0.0:
@@ -167,9 +167,9 @@ def trained_range(recordings: Sequence[Recording], contact: Contact) -> TrainedR
         for depth, recording in zip(depths, recordings, strict=True)
     ]
     return TrainedRange(
-        least_m=least_m,
-        greatest_m=greatest_m,
-        greatest_mps=max(speeds),
-        least_n=min(float(recording.force_n.min()) for recording in recordings),
-        greatest_n=max(float(recording.force_n.max()) for recording in recordings),
+        min_m=min_m,
+        max_m=max_m,
+        max_mps=max(speeds),
+        min_n=min(float(recording.force_n.min()) for recording in recordings),
+        max_n=max(float(recording.force_n.max()) for recording in recordings),
     )

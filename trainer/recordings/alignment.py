@@ -13,8 +13,8 @@ import numpy as np
 
 from springpot.trainer.recordings.quality.cycles import Cycles
 
-_LEAST_POINTS = 5
-_LEAST_SPAN = 4.0
+_MIN_POINTS = 5
+_MIN_SPAN = 4.0
 _STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228)
 # Of the loss angle against the logarithm of frequency, rad, that is allowed for: it covers 16 of 16
 # cases (four simulated silicones, each with force shifted by -1, 0, 1 and 3 ms); the worst was off
@@ -36,7 +36,7 @@ class Skew:
 def estimate_skew(cycles: Sequence[Cycles]) -> Skew | None:
     """Estimate from cyclic recordings of several frequencies; None where they cannot tell."""
     frequencies = np.array([c.frequency_hz for c in cycles])
-    if len(cycles) < _LEAST_POINTS or frequencies.max() < _LEAST_SPAN * frequencies.min():
+    if len(cycles) < _MIN_POINTS or frequencies.max() < _MIN_SPAN * frequencies.min():
         return None
     logs = np.log(frequencies / np.median(frequencies))
     columns = [

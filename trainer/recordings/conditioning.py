@@ -14,7 +14,7 @@ from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.recording import Recording
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
-_LEAST_WINDOW = 7
+_MIN_WINDOW = 7
 
 
 @dataclass(frozen=True)
@@ -36,27 +36,27 @@ class Conditioning:
     contact_force: float | Literal["auto"] | None = None
 
 
-def condition(recording: Recording, wanted: Conditioning) -> tuple[Recording, list[str]]:
+def condition(recording: Recording, options: Conditioning) -> tuple[Recording, list[str]]:
     """Return the recording with everything done, and a line about each step.
 
     Raises UsageError for a contact point beside --zero, DataError where one cannot be found.
     """
-    told: list[str] = []
+    messages: list[str] = []
     recording = replace(
         recording,
-        position_delay_s=recording.position_delay_s + wanted.position_delay_s,
-        force_delay_s=recording.force_delay_s + wanted.force_delay_s,
+        position_delay_s=recording.position_delay_s + options.position_delay_s,
+        force_delay_s=recording.force_delay_s + options.force_delay_s,
     )
-    if wanted.align:
-        recording = _aligned(recording, told)
-    if wanted.mass_kg:
-        recording = _without_inertia(recording, wanted.mass_kg, told)
-    if wanted.tare is not None or wanted.contact_force is not None:
-        recording = _from_contact(recording, wanted, told)
-    return recording, told
+    if options.align:
+        recording = _aligned(recording, messages)
+    if options.mass_kg:
+        recording = _without_inertia(recording, options.mass_kg, messages)
+    if options.tare is not None or options.contact_force is not None:
+        recording = _from_contact(recording, options, messages)
+    return recording, messages
 
 
-def _aligned(recording: Recording, told: list[str]) -> Recording:
+def _aligned(recording: Recording, messages: list[str]) -> Recording:
     """Shift the force by the difference of the delays; the ends that have no partner go."""
     from scipy.interpolate import CubicSpline
 
@@ -68,7 +68,7 @@ def _aligned(recording: Recording, told: list[str]) -> Recording:
     if inside.sum() < 2:
         raise DataError(f"{recording.name}: is shorter than the delay of {skew_s:g} s: correct it")
     force_n: Samples = CubicSpline(time_s, recording.force_n)(time_s[inside] + skew_s)
-    told.append(
+    messages.append(
         f"{recording.name}: force shifted by {skew_s * 1e3:g} ms against position, "
         f"{(~inside).sum()} samples at the end cut"
     )
@@ -82,18 +82,18 @@ def _aligned(recording: Recording, told: list[str]) -> Recording:
     )
 
 
-def _without_inertia(recording: Recording, mass_kg: float, told: list[str]) -> Recording:
+def _without_inertia(recording: Recording, mass_kg: float, messages: list[str]) -> Recording:
     """Take m a off: the cell must push the mass beyond it, too, when it accelerates inwards."""
     from scipy.signal import savgol_filter
 
-    window = max(_LEAST_WINDOW, round(_SMOOTH_S / recording.dt_s) | 1)
+    window = max(_MIN_WINDOW, round(_SMOOTH_S / recording.dt_s) | 1)
     if window > len(recording.position_m):
         raise DataError(f"{recording.name}: too short for an acceleration: leave out --mass-kg")
     acceleration_mps2: Samples = savgol_filter(
         recording.position_m, window, 3, deriv=2, delta=recording.dt_s
     )
     inertia_n = mass_kg * acceleration_mps2
-    told.append(
+    messages.append(
         f"{recording.name}: inertia of {mass_kg:g} kg removed, up to "
         f"{np.abs(inertia_n).max():.3g} N (acceleration over {window * recording.dt_s:.3g} s)"
     )
@@ -104,27 +104,27 @@ def _without_inertia(recording: Recording, mass_kg: float, told: list[str]) -> R
     )
 
 
-def _from_contact(recording: Recording, wanted: Conditioning, told: list[str]) -> Recording:
+def _from_contact(recording: Recording, options: Conditioning, messages: list[str]) -> Recording:
     if recording.zero != "none":
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
-    stated_n = None if wanted.tare in (None, "auto") else float(wanted.tare or 0.0)
-    threshold_n = wanted.contact_force if isinstance(wanted.contact_force, float) else None
-    if wanted.contact_force is None and stated_n is not None:
-        told.append(f"{recording.name}: tare of {stated_n:g} N taken off")
+    stated_n = None if options.tare in (None, "auto") else float(options.tare or 0.0)
+    threshold_n = options.contact_force if isinstance(options.contact_force, float) else None
+    if options.contact_force is None and stated_n is not None:
+        messages.append(f"{recording.name}: tare of {stated_n:g} N taken off")
         details: dict[str, Any] = {**recording.details, "tare_n": stated_n}
         return replace(recording, force_n=recording.force_n - stated_n, details=details)
     found = find_contact(recording, stated_n, threshold_n)
     details = {**recording.details, "tare_n": found.tare_n}
     position_m = recording.position_m
-    told.append(f"{recording.name}: tare of {found.tare_n:.4g} N taken off")
-    if wanted.contact_force is not None:
+    messages.append(f"{recording.name}: tare of {found.tare_n:.4g} N taken off")
+    if options.contact_force is not None:
         position_m = position_m - found.position_m
         details |= {
             "contact_position_m": found.position_m,
             "contact_uncertainty_m": found.uncertainty_m,
             "contact_force_n": found.threshold_n,
         }
-        told[-1] += (
+        messages[-1] += (
             f", surface at {found.position_m * 1e3:.4g} +- {found.uncertainty_m * 1e3:.2g} mm, "
             f"where force passes {found.threshold_n:.3g} N"
         )

@@ -8,10 +8,10 @@ from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording import Recording
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
-_LEAST_FREE_SHARE = 0.02
+_MIN_FREE_SHARE = 0.02
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _NOISES = 5.0
-_LEAST_SHARE_OF_PEAK = 0.002
+_MIN_SHARE_OF_PEAK = 0.002
 _HIGHER = 3.0  # times the threshold: the slope behind the surface is taken up to there
 
 
@@ -45,7 +45,7 @@ def find_contact(
     peak_n = float(force_n.max()) - base_n
     wanted_n = threshold_n
     if threshold_n is None:
-        threshold_n = max(_NOISES * noise_n, _LEAST_SHARE_OF_PEAK * peak_n)
+        threshold_n = max(_NOISES * noise_n, _MIN_SHARE_OF_PEAK * peak_n)
     touching = force_n > base_n + threshold_n
     if not touching.any():
         raise DataError(
@@ -57,7 +57,7 @@ def find_contact(
     if (
         not len(found_m)
         or pressed > _LEVEL * peak_n / travel_m
-        or np.median(found_m) - low_m < _LEAST_FREE_SHARE * travel_m
+        or np.median(found_m) - low_m < _MIN_FREE_SHARE * travel_m
     ):
         raise DataError(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "

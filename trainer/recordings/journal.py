@@ -21,19 +21,19 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import sync_folder
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.trainer.recordings.journal_blocks import (
-    FACTS,
-    LAST_FACTS,
+    LAST_METADATA,
+    METADATA,
     PAYLOAD_BYTES,
     SAMPLES,
     encode,
-    most_rows,
+    max_rows,
 )
 from springpot.trainer.recordings.journal_reader import journal_of, read_journal
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Zero
 from springpot.trainer.recordings.recording_file import store_recording
 
-_MOST_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
+_MAX_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
 _SYNC_S = 0.5  # of wall clock between two syncs: what a power cut may take
 
 
@@ -68,12 +68,12 @@ class JournalWriter:
         self._number = secrets.randbits(64)
         self._blocks = 0
         self._width = 2 + len(channels)
-        self._rows = max(1, min(most_rows(self._width), int(_MOST_S / dt_s)))
+        self._rows = max(1, min(max_rows(self._width), int(_MAX_S / dt_s)))
         self._pending = np.empty((0, self._width))
         self._synced_s = monotonic()
         self.full = False
         self._closed = False
-        facts = {
+        metadata = {
             "schema": 1,
             "name": name,
             "dt_s": dt_s,
@@ -83,7 +83,7 @@ class JournalWriter:
             "channels": list(channels),
             "block_s": self._rows * dt_s,
         }
-        self._write_facts(json.dumps(facts).encode())
+        self._write_metadata(json.dumps(metadata).encode())
         sync_folder(file.parent)
 
     def append(
@@ -112,8 +112,8 @@ class JournalWriter:
         self._flush()
         try:
             recording = read_journal(self.journal).recording
-            told = {**recording.details, **(details or {})}
-            store_recording(self.file, replace(recording, details=told), overwrite=False)
+            metadata = {**recording.details, **(details or {})}
+            store_recording(self.file, replace(recording, details=metadata), overwrite=False)
         except FileExistsError:
             raise UsageError(
                 f"{self.file}: another program wrote it meanwhile; this recording is kept in "
@@ -163,11 +163,11 @@ class JournalWriter:
         fcntl.flock(descriptor, fcntl.LOCK_EX)  # readers see by it that somebody still records
         return descriptor
 
-    def _write_facts(self, text: bytes) -> None:
+    def _write_metadata(self, text: bytes) -> None:
         parts = [text[k : k + PAYLOAD_BYTES] for k in range(0, len(text), PAYLOAD_BYTES)]
         for part in parts[:-1]:
-            self._write(FACTS, part)
-        self._write(LAST_FACTS, parts[-1])
+            self._write(METADATA, part)
+        self._write(LAST_METADATA, parts[-1])
 
     def _write_samples(self, count: int) -> None:
         self._write(SAMPLES, self._pending[:count].astype("<f8").tobytes())

@@ -1,8 +1,8 @@
 """The blocks of a journal: fixed size, each with a checksum, so that damage stays where it is.
 
 A block is 4096 bytes: a header, the payload, zeros, and the CRC-32 of all before it. The first
-blocks hold the recording's facts as JSON, the others samples: rows of position (m), force (N) and
-whatever channels the facts name beside them.
+blocks hold the recording's metadata as JSON, the others samples: rows of position (m), force (N)
+and whatever channels the metadata names beside them.
 """
 
 import struct
@@ -22,12 +22,12 @@ PAYLOAD_BYTES: Final = BLOCK_BYTES - _HEADER.size - _CHECKSUM.size
 _NUMBER_BYTES = 8
 PAIRS: Final = PAYLOAD_BYTES // (2 * _NUMBER_BYTES)
 
-FACTS, LAST_FACTS, SAMPLES = 0, 1, 2
+METADATA, LAST_METADATA, SAMPLES = 0, 1, 2
 
 Rows = NDArray[np.float64]
 
 
-def most_rows(width: int) -> int:
+def max_rows(width: int) -> int:
     """Rows of `width` numbers that fit into a block."""
     return PAYLOAD_BYTES // (width * _NUMBER_BYTES)
 
@@ -68,5 +68,5 @@ def decode(content: bytes) -> Block | None:
 
 
 def is_journal(start: bytes) -> bool:
-    """Tell whether a file that begins with these bytes is a journal."""
+    """Return whether a file that begins with these bytes is a journal."""
     return start.startswith(_MARK)

@@ -14,7 +14,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.journal_blocks import (
     BLOCK_BYTES,
-    LAST_FACTS,
+    LAST_METADATA,
     SAMPLES,
     Block,
     decode,
@@ -22,7 +22,7 @@ from springpot.trainer.recordings.journal_blocks import (
 from springpot.trainer.recordings.recording import SUFFIX, Recording
 
 JOURNAL_SUFFIX = ".journal"
-MOST_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
+MAX_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
 
 
 @dataclass(frozen=True)
@@ -35,13 +35,13 @@ class Recovered:
 
 @dataclass(frozen=True)
 class _Journal:
-    facts: Mapping[str, Any]
+    metadata: Mapping[str, Any]
     blocks: list[Block | None]  # of samples, None where damaged
 
     @property
     def channels(self) -> list[str]:
         """Names of the channels beside position and force."""
-        return list(self.facts.get("channels", ()))
+        return list(self.metadata.get("channels", ()))
 
     def rows(self, blocks: list[Block | None]) -> list[Samples]:
         """Samples of the whole blocks among these, each (n, 2 + channels)."""
@@ -54,7 +54,7 @@ def journal_of(file: Path) -> Path:
 
 
 def is_being_recorded(journal: Path) -> bool:
-    """Tell whether a living process still writes this journal."""
+    """Return whether a living process still writes this journal."""
     descriptor = os.open(journal, os.O_RDONLY | os.O_CLOEXEC)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -77,8 +77,8 @@ def read_journal(path: Path) -> Recovered:
     whole = len(blocks)
     while whole and blocks[whole - 1] is None:
         whole -= 1
-    lost_s = (len(blocks) - whole) * float(journal.facts["block_s"])
-    if (damaged and damaged[0] < whole) or lost_s > MOST_LOST_S + 1e-9:
+    lost_s = (len(blocks) - whole) * float(journal.metadata["block_s"])
+    if (damaged and damaged[0] < whole) or lost_s > MAX_LOST_S + 1e-9:
         begin_s = _seconds(journal, damaged[0])
         raise DataError(
             f"{path}: {len(damaged)} of {len(blocks)} blocks of samples are damaged, the first "
@@ -109,11 +109,11 @@ def read_parts(path: Path) -> tuple[list[Recording], str]:
         _recording(path, journal, part, f"-part{k}" if len(parts) > 1 else "")
         for k, part in enumerate(parts, 1)
     ]
-    told = f"journal of a recording that was interrupted, {len(journal.blocks)} blocks"
+    found = f"journal of a recording that was interrupted, {len(journal.blocks)} blocks"
     if holes:
-        told += f", {len(holes)} damaged and left out (from {', '.join(holes[:5])}"
-        told += f"{', ...' if len(holes) > 5 else ''}), cut there into {len(parts)} parts"
-    return recordings, told
+        found += f", {len(holes)} damaged and left out (from {', '.join(holes[:5])}"
+        found += f"{', ...' if len(holes) > 5 else ''}), cut there into {len(parts)} parts"
+    return recordings, found
 
 
 def _read(path: Path) -> _Journal:
@@ -127,30 +127,30 @@ def _read(path: Path) -> _Journal:
         block if block and first and (block.journal, block.index) == (first.journal, k) else None
         for k, block in enumerate(raw)
     ]
-    facts = _facts(path, blocks)
-    begin = next(k for k, block in enumerate(blocks) if block and block.kind == LAST_FACTS) + 1
+    metadata = _metadata(path, blocks)
+    begin = next(k for k, block in enumerate(blocks) if block and block.kind == LAST_METADATA) + 1
     samples = [b if b and b.kind == SAMPLES else None for b in blocks[begin:]]
-    row_bytes = 8 * (2 + len(facts.get("channels", ())))
+    row_bytes = 8 * (2 + len(metadata.get("channels", ())))
     samples = [b if b and len(b.payload) % row_bytes == 0 else None for b in samples]
-    journal = _Journal(facts, samples)
+    journal = _Journal(metadata, samples)
     if sum(map(len, journal.rows(samples))) < 2:
         raise DataError(f"{path}: a recording that was interrupted before its first samples: "
                         "remove it")  # fmt: skip
     return journal
 
 
-def _facts(path: Path, blocks: list[Block | None]) -> Mapping[str, Any]:
+def _metadata(path: Path, blocks: list[Block | None]) -> Mapping[str, Any]:
     text = b""
     for block in blocks:
         if block is None or block.kind == SAMPLES:
             break
         text += block.payload
-        if block.kind == LAST_FACTS:
-            facts = json.loads(text)
-            if facts["schema"] > 1:
+        if block.kind == LAST_METADATA:
+            metadata = json.loads(text)
+            if metadata["schema"] > 1:
                 break
-            assert isinstance(facts, dict)
-            return facts
+            assert isinstance(metadata, dict)
+            return metadata
     raise DataError(
         f"{path}: a recording that was interrupted at its very start, or whose first block is "
         "damaged: without its rate and name nothing can be read, remove it"
@@ -159,20 +159,20 @@ def _facts(path: Path, blocks: list[Block | None]) -> Mapping[str, Any]:
 
 def _seconds(journal: _Journal, block: int) -> float:
     """Time at which a block begins: exact unless blocks before it were cut short."""
-    return block * float(journal.facts["block_s"])
+    return block * float(journal.metadata["block_s"])
 
 
 def _recording(path: Path, journal: _Journal, blocks: list[Block | None], suffix: str) -> Recording:
     rows = np.concatenate(journal.rows(blocks))
-    facts = journal.facts
+    metadata = journal.metadata
     return Recording(
-        name=str(facts["name"]) + suffix,
+        name=str(metadata["name"]) + suffix,
         position_m=np.ascontiguousarray(rows[:, 0], dtype=np.float64),
         force_n=np.ascontiguousarray(rows[:, 1], dtype=np.float64),
-        dt_s=float(facts["dt_s"]),
-        zero=facts.get("zero", "none"),
-        source=str(facts["source"]),
-        details=facts["details"],
+        dt_s=float(metadata["dt_s"]),
+        zero=metadata.get("zero", "none"),
+        source=str(metadata["source"]),
+        details=metadata["details"],
         channels={
             name: np.ascontiguousarray(rows[:, 2 + k], dtype=np.float64)
             for k, name in enumerate(journal.channels)

@@ -28,7 +28,7 @@ class Recording:
     zero: what the importer subtracted from both channels; "none": position 0 is the surface.
     position_delay_s, force_delay_s: how much later than the truth each channel was sampled.
     source: where the samples came from, for people (file and block, or device).
-    details: further facts of the source, for people and reports; JSON values.
+    details: further metadata of the source, for people and reports; JSON values.
     channels: more samples beside the two, each (n,); of a session what each tick was given and
     returned. A fit does not see them.
 

@@ -1,4 +1,4 @@
-"""Recordings as HDF5 files: one file a recording, a 1-D data set a channel, facts as attributes."""
+"""Recordings as HDF5 files: one file each, a 1-D data set a channel, attributes as metadata."""
 
 import hashlib
 import io
@@ -25,8 +25,8 @@ from springpot.trainer.recordings.recording import SIGN_RULE, SUFFIX, Recording
 SCHEMA = 1
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
 # flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
-_SEAL = b"springpot sha256"
-_SEAL_BYTES = len(_SEAL) + hashlib.sha256().digest_size
+_CHECKSUM = b"springpot sha256"
+_CHECKSUM_BYTES = len(_CHECKSUM) + hashlib.sha256().digest_size
 _CHANNEL_UNITS = {"position_m": "m", "force_n": "N"}
 _MORE = "channels"  # group of the channels beside these two
 _CHUNK_SAMPLES = 1 << 17
@@ -43,10 +43,10 @@ def store_recording(path: Path, recording: Recording, *, overwrite: bool) -> Non
     overwrite: False raises FileExistsError where `path` exists, even if it came meanwhile.
     """
     content = _hdf5(recording)
-    seal = _SEAL + hashlib.sha256(content).digest()
+    checksum = _CHECKSUM + hashlib.sha256(content).digest()
     with written_aside(path, overwrite=overwrite, durable=True) as aside, aside.open("wb") as file:
         file.write(content)
-        file.write(seal)
+        file.write(checksum)
 
 
 def _hdf5(recording: Recording) -> bytes:
@@ -99,17 +99,17 @@ def _recovered(journal: Path) -> Recording:
     if is_being_recorded(journal):
         raise DataError(f"{journal}: still being recorded: wait until that ends")
     found = read_journal(journal)
-    told = (
+    message = (
         f"recovered {found.recording.duration_s:.3f} s from the journal of a recording that was "
         f"interrupted{found.lost}"
     )
-    notice(f"{journal}: {told}")
-    return replace(found.recording, details={**found.recording.details, "recovered": told})
+    notice(f"{journal}: {found}")
+    return replace(found.recording, details={**found.recording.details, "recovered": message})
 
 
 def _read_hdf5(path: Path) -> Recording:
     try:
-        _check_seal(path)
+        _verify_checksum(path)
         with h5py.File(path, "r") as file:
             schema = int(file.attrs["schema"])
             if schema > SCHEMA:
@@ -147,21 +147,21 @@ def _read_hdf5(path: Path) -> Recording:
         ) from None
 
 
-def is_sealed(path: Path) -> bool:
-    """Tell whether a file is a recording that springpot wrote and nobody edited since."""
+def has_checksum(path: Path) -> bool:
+    """Return whether a file is a recording that springpot wrote and nobody edited since."""
     with path.open("rb") as file:
-        file.seek(max(0, path.stat().st_size - _SEAL_BYTES))
-        return file.read().startswith(_SEAL)
+        file.seek(max(0, path.stat().st_size - _CHECKSUM_BYTES))
+        return file.read().startswith(_CHECKSUM)
 
 
-def _check_seal(path: Path) -> None:
-    """Compare the bytes with the seal behind them; a file that others edited has none."""
-    content, seal = path.stat().st_size - _SEAL_BYTES, b""
+def _verify_checksum(path: Path) -> None:
+    """Compare the bytes with the checksum behind them; a file that others edited has none."""
+    content, checksum = path.stat().st_size - _CHECKSUM_BYTES, b""
     with path.open("rb") as file:
         if content > 0:
             file.seek(content)
-            seal = file.read()
-        if not seal.startswith(_SEAL):
+            checksum = file.read()
+        if not checksum.startswith(_CHECKSUM):
             return
         digest = hashlib.sha256()
         file.seek(0)
@@ -169,7 +169,7 @@ def _check_seal(path: Path) -> None:
             chunk = file.read(min(content, 1 << 20))
             digest.update(chunk)
             content -= len(chunk)
-    if seal != _SEAL + digest.digest():
+    if checksum != _CHECKSUM + digest.digest():
         raise DataError(f"{path}: damaged, its bytes differ from those written: import it again")
 
 

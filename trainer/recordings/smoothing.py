@@ -8,13 +8,13 @@ from scipy.ndimage import uniform_filter1d
 
 from springpot.trainer.recordings.recording import Recording
 
-_LEAST_SAMPLES = 3
+_MIN_SAMPLES = 3
 
 
 def smoothing_samples(smooth_s: float, dt_s: float) -> int:
     """Odd number of samples nearest to `smooth_s`; 1 (no smoothing) where that is under three."""
     samples = 2 * round((smooth_s / dt_s - 1) / 2) + 1
-    return samples if samples >= _LEAST_SAMPLES else 1
+    return samples if samples >= _MIN_SAMPLES else 1
 
 
 def smoothed(recording: Recording, smooth_s: float) -> Recording:

@@ -1,4 +1,4 @@
-"""Kind `auto`: the fit of least cross-validated error; the validation data is never seen."""
+"""Kind `auto`: the fit of lowest cross-validated error; the validation data is never seen."""
 
 import time
 from collections.abc import Sequence
@@ -15,8 +15,8 @@ from springpot.trainer.selection.cross_validation import (
     recording_splits,
 )
 
-ERROR_TOLERANCE = 1.005  # of the least error: the cheaper of two within it is taken
-FORCE_TOLERANCE = 5e-4  # of the greatest force: what no sensor and no hand tells apart
+ERROR_TOLERANCE = 1.005  # of the lowest error: the cheaper of two within it is taken
+FORCE_TOLERANCE = 5e-4  # of the maximum force: what no sensor and no hand tells apart
 _ROWS = 6_000  # of each fit under cross-validation
 
 
@@ -44,7 +44,7 @@ class Score:
 def fit_auto(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Fit the best candidate on all training recordings; the table of scores is in its facts."""
+    """Fit the best candidate on all training recordings; the table of scores is in its metadata."""
     begin = time.perf_counter()
     families = [recording_splits(data.recordings, 0.0, options.seed, N_FOLDS)]
     if by_condition := condition_splits(data, options.seed):
@@ -59,18 +59,18 @@ def fit_auto(
         scores.append(
             Score(candidate.name, candidate.cost, means[0], means[-1], geometric_mean(means))
         )
-    best = choose(scores, max(abs(data.trained.greatest_n), abs(data.trained.least_n)))
+    best = choose(scores, max(abs(data.trained.max_n), abs(data.trained.min_n)))
     search_s = time.perf_counter() - begin
     chosen = next(candidate for candidate in known if candidate.name == best.name)
     fit = fit_kind(chosen.kind, name, data, chosen.options)
-    facts = {**fit.facts, "chosen": best.name, "scores": [vars(score) for score in scores]}
-    return replace(fit, search_s=search_s, facts=facts)
+    metadata = {**fit.metadata, "chosen": best.name, "scores": [vars(score) for score in scores]}
+    return replace(fit, search_s=search_s, metadata=metadata)
 
 
 def choose(scores: list[Score], peak_n: float) -> Score:
-    """The cheapest of those within half a per cent of the least error, or of a felt nothing."""
-    least = min(score.mean_n for score in scores)
-    most = max(ERROR_TOLERANCE * least, least + FORCE_TOLERANCE * peak_n)
+    """The cheapest of those within half a per cent of the lowest error, or of a felt nothing."""
+    minimum = min(score.mean_n for score in scores)
+    most = max(ERROR_TOLERANCE * minimum, minimum + FORCE_TOLERANCE * peak_n)
     near = [score for score in scores if score.mean_n <= most]
     return min(near, key=lambda score: (score.cost, score.mean_n))
 

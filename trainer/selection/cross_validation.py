@@ -98,7 +98,7 @@ def blocks(recordings: Sequence[Recording]) -> list[Recording]:
 def holdout(recordings: Sequence[Recording], seed: int) -> tuple[list[Recording], list[Recording]]:
     """Split into training and validation: a fifth of the recordings, or the end of a single one.
 
-    The recording with the greatest force stays: without it, validation measures extrapolation.
+    The recording with the maximum force stays: without it, validation measures extrapolation.
     """
     if len(recordings) == 1:
         cut = 1.0 - 1.0 / _HOLDOUT

@@ -13,7 +13,7 @@ from springpot.codegen.model.features import Features, FirBank
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Regressor
 from springpot.trainer.features.fast_fir import fast_fir_bank
-from springpot.trainer.models.rf_fd import MOST_TAPS
+from springpot.trainer.models.rf_fd import MAX_TAPS
 
 _TREES = (1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05)  # shares of the trees
 _LEAVES = (1, 2, 4, 8, 16, 32)  # leaves made one
@@ -36,8 +36,8 @@ def pruned_models(model: Model) -> Iterator[Pruned]:
     for what, leaves, regressor in smaller_regressors(model.regressor, model.features.n_features):
         parts = (*free, *what)
         if parts:
-            facts = {**model.provenance, "left_out": list(parts)}
-            smaller = replace(model, features=features, regressor=regressor, provenance=facts)
+            metadata = {**model.provenance, "left_out": list(parts)}
+            smaller = replace(model, features=features, regressor=regressor, provenance=metadata)
             yield Pruned(parts, leaves, smaller)
 
 
@@ -49,7 +49,7 @@ def cheaper_features(features: Features) -> tuple[Features, tuple[str, ...]]:
 
 @cheaper_features.register
 def _cheaper_window(bank: FirBank) -> tuple[Features, tuple[str, ...]]:
-    if len(bank.taps) > MOST_TAPS:
+    if len(bank.taps) > MAX_TAPS:
         return bank, ()
     return fast_fir_bank(bank), ("the window by exponentials",)
 
@@ -66,7 +66,7 @@ def smaller_regressors(
 def _smaller_forests(
     forest: Forest, n_features: int
 ) -> Iterator[tuple[tuple[str, ...], int, Regressor]]:
-    free = () if forest.rounding is not None else ("thresholds in 16-bit steps",)
+    free = () if forest.quantisation is not None else ("thresholds in 16-bit steps",)
     forest = quantised(forest, n_features)
     n_trees = len(forest.roots)
     for leaves in _LEAVES:

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.quantisation import rounded, rounding_over
+from springpot.codegen.forest.quantisation import quantisation_over, rounded
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.folds import recording_folds
 from springpot.trainer.models.forests import random_forest
 from springpot.trainer.models.rf_fd import (
-    MOST_TAPS,
+    MAX_TAPS,
     PAPER_ORDERS,
     PAPER_TAPS,
     fit_rf_fd,
@@ -57,7 +57,7 @@ class Search:
     tried: tuple[Size, ...]
     options: FitOptions
 
-    def facts(self) -> dict[str, Any]:
+    def metadata(self) -> dict[str, Any]:
         """What was asked for and what came out, for the command line."""
         return {"asked": asdict(self.asked), "reduced": asdict(self.chosen)}
 
@@ -70,7 +70,7 @@ def fit_reduced(
     search = reduced_options(data, options, options.within or 0.0, validation)
     search_s = time.perf_counter() - begin
     fit = fit_rf_fd(name, data, search.options)
-    return replace(fit, search_s=search_s, facts={**fit.facts, **search.facts()})
+    return replace(fit, search_s=search_s, metadata={**fit.metadata, **search.metadata()})
 
 
 def reduced_options(
@@ -83,7 +83,7 @@ def reduced_options(
     if options.select == "paper" and not validation:
         raise UsageError("--select paper needs validation recordings: give --validate REC")
     engine = options.engine
-    if engine is None and _length(data, options) <= MOST_TAPS:
+    if engine is None and _length(data, options) <= MAX_TAPS:
         engine = "fir-fast"
     options = replace(options, engine=engine, round_features=True)
     evaluation = validation if options.select == "paper" else ()
@@ -135,8 +135,8 @@ def _trials(
     rows = rows[:: -(-len(rows) // _ROWS)]
     bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
     values, force_n = data.features(bank, rows), data.force_n(rows)
-    rounding = rounding_over(values)
-    steps = rounded(rounding, values)
+    quantisation = quantisation_over(values)
+    steps = rounded(quantisation, values)
     if evaluation:
         tested = [
             feature_values(
@@ -145,7 +145,7 @@ def _trials(
             for item in evaluation
         ]
         tested_n = np.concatenate([item.force_n for item in evaluation])
-        return [_Trial(steps, force_n, rounded(rounding, np.concatenate(tested)), tested_n)]
+        return [_Trial(steps, force_n, rounded(quantisation, np.concatenate(tested)), tested_n)]
     folds = recording_folds(data, rows, options.seed)
     held = [folds.number == fold for fold in folds.tested[:_FOLDS]]
     return [_Trial(steps[~out], force_n[~out], steps[out], force_n[out]) for out in held]
@@ -185,7 +185,7 @@ def _by_importance(
     rows = data.rows(options.fraction, options.seed)
     bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
     values = data.features(bank, rows)
-    steps = rounded(rounding_over(values), values)
+    steps = rounded(quantisation_over(values), values)
     forest = random_forest(options.trees, options.leaf, options.seed).fit(steps, data.force_n(rows))
     ranking = np.argsort(-forest.feature_importances_)
     return [orders[i] for i in ranking]

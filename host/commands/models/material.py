@@ -44,7 +44,7 @@ def material(
 def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, Any]:
     """Keys of `material --json`; moduli (Pa) where a scale (1/m) is known, else stiffness."""
     by, unit = (1.0, "n_per_m") if scale is None else (scale, "pa")
-    dynamic, served = (what.dynamic_npm(_FREQUENCIES_HZ) for what in (law, prony))
+    dynamic, discretised = (what.dynamic_npm(_FREQUENCIES_HZ) for what in (law, prony))
     named = law.dynamic_npm(np.array(_NAMED_HZ))
     result: dict[str, Any] = {
         "stiffness_npm": law.stiffness_npm,
@@ -65,7 +65,7 @@ def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, An
             "instant": by * prony.instant_npm,
             "tau_s": prony.tau_s.tolist(),
             "share": (prony.branch_npm / prony.instant_npm).tolist(),
-            "greatest_error": float(np.max(np.abs(served / dynamic - 1.0))),
+            "max_error": float(np.max(np.abs(discretised / dynamic - 1.0))),
         },
     }
     if scale is not None:
@@ -93,9 +93,9 @@ def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> li
     shares = prony.branch_npm / prony.instant_npm
     header = ["shear_share", "bulk_share", "tau_s"]
     _table(out / "prony.csv", header, [shares, np.zeros_like(shares), prony.tau_s])
-    served = by * prony.dynamic_npm(_FREQUENCIES_HZ)
+    discretised = by * prony.dynamic_npm(_FREQUENCIES_HZ)
     (out / "moduli.svg").write_text(
-        moduli_figure(_FREQUENCIES_HZ, dynamic, served, (time_s, relaxing), unit)
+        moduli_figure(_FREQUENCIES_HZ, dynamic, discretised, (time_s, relaxing), unit)
     )
     return ["moduli.csv", "relaxation.csv", "prony.csv", "moduli.svg"]
 
@@ -115,7 +115,7 @@ def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[st
     rows["loss factor"] = ", ".join(losses)
     prony = result["prony"]
     rows["Prony series"] = (
-        f"{len(prony['tau_s'])} branches, within {100 * prony['greatest_error']:.2g} % of the law "
+        f"{len(prony['tau_s'])} branches, within {100 * prony['max_error']:.2g} % of the law "
         f"from {_FREQUENCIES_HZ[0]:g} to {_FREQUENCIES_HZ[-1]:g} Hz"
     )
     if out is not None:

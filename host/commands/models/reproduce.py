@@ -11,8 +11,8 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.host.console.output import json_option, print_result, say
-from springpot.host.native.machine import machine_facts
-from springpot.host.paper.claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, Claim, judge
+from springpot.host.native.machine import machine_metadata
+from springpot.host.paper.claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, Claim, check_claims
 from springpot.host.paper.reproduce import (
     Data,
     ObjectResult,
@@ -20,7 +20,7 @@ from springpot.host.paper.reproduce import (
     begin_object,
     by_softness,
     in_a_line,
-    model_facts,
+    model_metadata,
     simulated,
     validators,
 )
@@ -115,17 +115,17 @@ def run_reproduce(out: Path, data: Iterable[Data], origin: str, work: Work) -> d
     sampled = resampled(shown.models["rf-fd"], shown.data.validation[typical(shown)])
     say("figures ...")
     figures = error_figures(results, out, origin) + signal_figures(results, sampled, out, origin)
-    claims = judge(results, sampled)
+    claims = check_claims(results, sampled)
     result = {
         "data": origin,
         "tables": tables(results),
         "figures": sorted(figures),
         "models": {
-            item.data.name: {kind: model_facts(model) for kind, model in item.models.items()}
+            item.data.name: {kind: model_metadata(model) for kind, model in item.models.items()}
             for item in results
         },
         "claims": [claim.as_dict() for claim in claims],
-        "machine": machine_facts(),
+        "machine": machine_metadata(),
     }
     (out / RESULT).write_text(json.dumps(result, indent=2, allow_nan=False) + "\n")
     return result
@@ -154,8 +154,8 @@ def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
         "table2": {
             r.data.name: {
                 "paper": _PAPER_PAIRS.get(r.data.name),
-                "here_on_validation": r.models["rbf-fd"].fit.facts["pairs"]["paper"],
-                "here_cross_validated": r.models["rbf-fd"].fit.facts["pairs"]["cv"],
+                "here_on_validation": r.models["rbf-fd"].fit.metadata["pairs"]["paper"],
+                "here_cross_validated": r.models["rbf-fd"].fit.metadata["pairs"]["cv"],
             }
             for r in by_softness(results)
         },
@@ -177,7 +177,9 @@ def rows(result: dict[str, Any], out: Path) -> dict[str, str]:
     """A person's view: errors of every model, then every claim, failing ones marked."""
     found = {"data": result["data"]}
     for name, models in result["models"].items():
-        found[name] = ", ".join(f"{kind} {facts['rmse_n']:.3f}" for kind, facts in models.items())
+        found[name] = ", ".join(
+            f"{kind} {metadata['rmse_n']:.3f}" for kind, metadata in models.items()
+        )
     for claim in (Claim(**item) for item in result["claims"]):
         verdict = {True: "holds", False: "FAILS", None: "open"}[claim.holds]
         found[f"{verdict}: {claim.claim}"] = f"{claim.here} (paper: {claim.paper})"

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     "kind",
     type=click.Choice(kind_names()),
     required=True,
-    help="Model kind; auto: the one of least cross-validated error.",
+    help="Model kind; auto: the one of lowest cross-validated error.",
 )
 @click.option(
     "--validate",

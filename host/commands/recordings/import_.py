@@ -110,7 +110,7 @@ def import_(
     rows = [_summary(path, recording) for path, recording in written]
     if as_json:
         result_ = {"out": str(out), "recordings": rows, "guess": "\n".join(guesses)}
-        findings = [finding.facts() for finding in report.findings]
+        findings = [finding.metadata() for finding in report.findings]
         click.echo(json.dumps(result_ | {"findings": findings}))
         return
     for row in rows:

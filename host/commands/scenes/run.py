@@ -62,12 +62,12 @@ def run(
             max_force_n=max_force_n,
             max_depth_m=None if max_depth_mm is None else max_depth_mm / 1e3,
             reconnect_s=reconnect_s,
-            tell=_say_above,
+            report=_say_above,
         )
         try:
             with session:
                 session.start()
-                watch(session.running)
+                watch(session.runner)
         except KeyboardInterrupt:
             say("interrupted: zero force was sent")
         result = session.result()
@@ -91,8 +91,8 @@ def emitted_folder(scene: Path) -> Iterator[Path]:
     described = read_scene(scene)
     with tempfile.TemporaryDirectory(prefix="springpot-run-") as scratch:
         folder = Path(scratch) / "c"
-        for told in emit(described, model_path(described, scene), folder).notices:
-            say(told)
+        for found in emit(described, model_path(described, scene), folder).notices:
+            say(found)
         yield folder
 
 

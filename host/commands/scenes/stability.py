@@ -8,7 +8,7 @@ from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.emission.scene_file import model_path, read_scene
-from springpot.host.stability.check import Stability, refuse_unstable, stability
+from springpot.host.stability.check import Stability, require_stable, stability
 
 
 @click.command(name="stability")
@@ -37,7 +37,7 @@ def stability_(
 
         write_stability_report(found, report)
     print_result(found.as_dict(), as_json, stability_rows(found))
-    refuse_unstable(plan)
+    require_stable(plan)
 
 
 def stability_rows(found: Stability) -> dict[str, str]:
@@ -60,7 +60,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
                 f"{1e3 * outcome.max_depth_m:.2f} mm",
                 f"{outcome.max_force_n:.2f} N",
                 f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz",
-                f"{outcome.fidelity_percent:.1f} % unlike the model",
+                f"{outcome.fidelity_percent:.1f} % fidelity error",
             ]
         )
     return rows

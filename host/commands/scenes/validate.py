@@ -78,7 +78,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
         "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
         "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
-        "greatest error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
+        "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
         "below the JND above 2 N": "no such sample" if below is None else f"{100 * below:.1f} %",
         "C against reference": f"{validation.mismatches} ticks differ",
         "notes": ", ".join(f"{name} {count}" for name, count in validation.notes.items() if count)

@@ -9,7 +9,7 @@
 #define SYST_RVR SP_REGISTER(0xe000e014u)
 #define SYST_CVR SP_REGISTER(0xe000e018u)
 
-enum { FULL_ACCESS_FPU = 0xf << 20, SYST_ON = 7, SYST_MOST = 1 << 24, FIRST_INTERRUPT = 16 };
+enum { FULL_ACCESS_FPU = 0xf << 20, SYST_ON = 7, SYST_MAX = 1 << 24, FIRST_INTERRUPT = 16 };
 
 /* Of the linker script. */
 extern uint32_t sp_stack_top[], sp_data_load[], sp_data[], sp_data_end[], sp_bss[], sp_bss_end[];
@@ -23,7 +23,7 @@ static uint32_t turn;
 void sp_arm_periods(float core_hz, float period_s)
 {
     uint32_t counts = (uint32_t)(core_hz * period_s + 0.5f);
-    for (parts = 1; counts > SYST_MOST; parts *= 2) {
+    for (parts = 1; counts > SYST_MAX; parts *= 2) {
         counts /= 2;
     }
     SYST_RVR = counts - 1;

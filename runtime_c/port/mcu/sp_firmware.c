@@ -2,7 +2,7 @@
  *
  * A call a period: sp_step where the sensor or the host gave a new motion, else sp_idle, whose
  * watchdog takes the force to zero and latches. Sleeps between interrupts. */
-#include "sp_facts.h"
+#include "sp_metadata.h"
 #include "sp_port.h"
 #include "sp_scene.h"
 #include "sp_wire.h"
@@ -22,19 +22,19 @@ static struct {
 
 static void hello(void)
 {
-    static const sp_wire_hash model = SP_FACTS_HASH;
+    static const sp_wire_hash model = SP_METADATA_HASH;
     const sp_wire_hello message = {.layout = sp_wire_layout(),
                                    .role = SP_WIRE_RENDERS,
-                                   .rate_hz = 1.0f / SP_FACTS_DT_S,
-                                   .greatest_n = SP_FACTS_GREATEST_N,
+                                   .rate_hz = 1.0f / SP_METADATA_DT_S,
+                                   .max_n = SP_METADATA_MAX_N,
                                    .model = model};
-    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[SP_WIRE_MAX_BYTES];
     sp_port_write(bytes, sp_wire_send_hello(&board.sequence, &message, bytes));
 }
 
 static uint8_t refusal(const sp_wire_command *command)
 {
-    const float ticks = command->rate_hz * SP_FACTS_DT_S;
+    const float ticks = command->rate_hz * SP_METADATA_DT_S;
     if (command->action == SP_WIRE_STOP) {
         return 0;
     }
@@ -45,7 +45,7 @@ static uint8_t refusal(const sp_wire_command *command)
         return SP_WIRE_REFUSED_RATE;
     }
     /* The scene's watchdog is the one there is: a host that wants a quicker one must know. */
-    return command->watchdog_s < 0.99f * SP_FACTS_WATCHDOG_S ? SP_WIRE_REFUSED_WATCHDOG : 0;
+    return command->watchdog_s < 0.99f * SP_METADATA_WATCHDOG_S ? SP_WIRE_REFUSED_WATCHDOG : 0;
 }
 
 static void obey(uint32_t sequence, const sp_wire_command *command)
@@ -60,7 +60,7 @@ static void obey(uint32_t sequence, const sp_wire_command *command)
         board.moved = 0;
         board.running = board.running || command->action != SP_WIRE_RESET;
     }
-    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[SP_WIRE_MAX_BYTES];
     sp_port_write(bytes, sp_wire_send_ack(&board.sequence, &ack, bytes));
 }
 
@@ -91,7 +91,7 @@ static void tick(void)
                         (sp_real)board.motion.velocity_mps, &force_n);
     } else {
         call |= SP_WIRE_IDLE;
-        notes = sp_idle(&board.scene, (sp_real)SP_FACTS_DT_S, &force_n);
+        notes = sp_idle(&board.scene, (sp_real)SP_METADATA_DT_S, &force_n);
     }
     sp_hand_force((float)force_n);
     board.moved = 0;
@@ -99,10 +99,10 @@ static void tick(void)
     const sp_wire_rendered message = {.call = call,
                                       .position_m = board.motion.position_m,
                                       .velocity_mps = board.motion.velocity_mps,
-                                      .dt_s = SP_FACTS_DT_S,
+                                      .dt_s = SP_METADATA_DT_S,
                                       .force_n = (float)force_n,
                                       .notes = (uint8_t)notes};
-    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[SP_WIRE_MAX_BYTES];
     sp_port_write(bytes, sp_wire_send_rendered(&board.sequence, &message, bytes));
 }
 
@@ -110,7 +110,7 @@ int main(void)
 {
     board.sound = sp_selftest() == 0;
     sp_init(&board.scene);
-    sp_port_start(SP_FACTS_DT_S);
+    sp_port_start(SP_METADATA_DT_S);
     hello();
     for (;;) {
         uint8_t byte;

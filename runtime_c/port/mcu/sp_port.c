@@ -21,7 +21,7 @@ int sp_port_read(uint8_t *byte)
 
 void sp_port_write(const uint8_t *bytes, uint32_t n)
 {
-    if (n > SP_BYTES_ROOM - sp_bytes_waiting(&to_send)) {
+    if (n > SP_BYTES_CAPACITY - sp_bytes_waiting(&to_send)) {
         return;
     }
     for (uint32_t i = 0; i < n; i++) {

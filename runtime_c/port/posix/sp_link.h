@@ -28,7 +28,7 @@ struct sp_link {
 
     /* Take all that has come: how many samples were new, the newest `room` of them at motions, in
      * order; or negative. */
-    int (*read)(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room);
+    int (*read)(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity);
     /* Send a force (N, positive pushes the tool out): 0, 1 where there was no room, or negative. */
     int (*write)(sp_link *link, uint64_t now_ns, double force_n);
     /* Ask a device that is not ready, or that tripped, to take forces. */
@@ -76,10 +76,10 @@ sp_link *sp_link_replay_init(void *memory, uint64_t n, const double *position_m,
 /* springpot declarations end */
 
 /* Where the next sample goes, `count` having come: the oldest makes room. */
-sp_motion *sp_link_place(sp_motion *motions, uint32_t room, int count);
+sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count);
 
 /* Read what is there; how many bytes, 0 for none, or SP_LINK_GONE. */
-int sp_link_take(int fd, uint8_t *bytes, uint32_t room);
+int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity);
 /* Write all of it or say how far it got; or SP_LINK_GONE. */
 int sp_link_put(int fd, const uint8_t *bytes, uint32_t count);
 

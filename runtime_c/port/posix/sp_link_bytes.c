@@ -12,18 +12,18 @@ static int failed(void)
                : SP_LINK_GONE;
 }
 
-sp_motion *sp_link_place(sp_motion *motions, uint32_t room, int count)
+sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
 {
-    if ((uint32_t)count < room) {
+    if ((uint32_t)count < capacity) {
         return &motions[count];
     }
-    memmove(motions, motions + 1, (room - 1) * sizeof *motions);
-    return &motions[room - 1];
+    memmove(motions, motions + 1, (capacity - 1) * sizeof *motions);
+    return &motions[capacity - 1];
 }
 
-int sp_link_take(int fd, uint8_t *bytes, uint32_t room)
+int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity)
 {
-    const ssize_t count = read(fd, bytes, room);
+    const ssize_t count = read(fd, bytes, capacity);
     return count > 0 ? (int)count : count == 0 ? SP_LINK_GONE : failed();
 }
 

@@ -14,7 +14,7 @@ enum {
     TORQUES = 0x1c
 };
 enum { CLOSED_LOOP = 8, TORQUE_CONTROL = 1, PASSTHROUGH = 1 };
-enum { LINE = 32, ROOM = 4096, BYTES = 8 };
+enum { LINE = 32, CAPACITY = 4096, BYTES = 8 };
 /* struct can_frame of Linux, also where another system's bus comes through a bridge. */
 typedef struct {
     uint32_t id; /* and flags above its eleven bits */
@@ -38,7 +38,7 @@ typedef struct {
     /* Of the reading that is under way. */
     uint64_t now_ns;
     sp_motion *motions;
-    uint32_t room;
+    uint32_t capacity;
     int fresh;
 } odrive;
 
@@ -79,7 +79,7 @@ static void take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t 
         return;
     case ENCODER:
         self->link.samples++;
-        motion = sp_link_place(self->motions, self->room, self->fresh++);
+        motion = sp_link_place(self->motions, self->capacity, self->fresh++);
         motion->position_m =
             drive->sign * ((double)real_at(data) - drive->zero_turns) * drive->m_per_turn -
             drive->surface_m;
@@ -150,19 +150,19 @@ static void take_text(odrive *self, const uint8_t *bytes, int count)
     }
 }
 
-static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room)
+static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
 {
     odrive *self = (odrive *)link;
     int count;
     self->now_ns = now_ns;
     self->motions = motions;
-    self->room = room;
+    self->capacity = capacity;
     self->fresh = 0;
     if (self->drive.slcan) {
-        uint8_t bytes[ROOM];
-        while ((count = sp_link_take(link->fd, bytes, ROOM)) > 0) {
+        uint8_t bytes[CAPACITY];
+        while ((count = sp_link_take(link->fd, bytes, CAPACITY)) > 0) {
             take_text(self, bytes, count);
-            if (count < ROOM) {
+            if (count < CAPACITY) {
                 break;
             }
         }

@@ -14,12 +14,12 @@ typedef struct {
     int tripped;
 } serial;
 
-enum { ROOM = 4096 };
+enum { CAPACITY = 4096 };
 static const uint64_t command_again_ns = 10000000;
 
 static void send_command(serial *self, uint64_t now_ns)
 {
-    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[SP_WIRE_MAX_BYTES];
     self->command_sequence = self->sequence;
     self->command_ns = now_ns;
     const uint32_t count = sp_wire_send_command(&self->sequence, &self->command, bytes);
@@ -27,7 +27,7 @@ static void send_command(serial *self, uint64_t now_ns)
 }
 
 static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns, sp_motion *motions,
-                      uint32_t room, int count)
+                      uint32_t capacity, int count)
 {
     sp_wire_sample sample;
     sp_wire_ack ack;
@@ -37,7 +37,7 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     if (!sp_wire_get_sample(frame, &sample)) {
         return 0;
     }
-    sp_motion *motion = sp_link_place(motions, room, count);
+    sp_motion *motion = sp_link_place(motions, capacity, count);
     self->link.samples++;
     self->tripped = (sample.status & SP_WIRE_TRIPPED) != 0;
     motion->position_m = (double)sample.position_m - self->surface_m;
@@ -48,19 +48,19 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     return 1;
 }
 
-static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t room)
+static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
 {
     serial *self = (serial *)link;
-    uint8_t bytes[ROOM];
+    uint8_t bytes[CAPACITY];
     int fresh = 0, count;
     while ((count = sp_link_take(link->fd, bytes, sizeof bytes)) > 0) {
         for (int i = 0; i < count; i++) {
             sp_wire_frame frame;
             if (sp_wire_receive(&self->receiver, bytes[i], &frame) == SP_WIRE_NEW) {
-                fresh += take_frame(self, &frame, now_ns, motions, room, fresh);
+                fresh += take_frame(self, &frame, now_ns, motions, capacity, fresh);
             }
         }
-        if (count < ROOM) {
+        if (count < CAPACITY) {
             break;
         }
     }
@@ -78,7 +78,7 @@ static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
 static int write_serial(sp_link *link, uint64_t now_ns, double force_n)
 {
     serial *self = (serial *)link;
-    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[SP_WIRE_MAX_BYTES];
     const sp_wire_force force = {(float)force_n};
     (void)now_ns;
     const uint32_t count = sp_wire_send_force(&self->sequence, &force, bytes);

@@ -28,9 +28,9 @@ static void reset_nothing(sp_link *link, uint64_t now_ns)
     (void)now_ns;
 }
 
-static int read_hand(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t room)
+static int read_hand(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
 {
-    (void)room;
+    (void)capacity;
     hand *self = (hand *)link;
     const double time_s = (double)++self->ticks * self->dt_s;
     const double intended_m = self->depth_m / 2 * (1 - cos(self->turn_rps * time_s));
@@ -70,9 +70,9 @@ sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
     return &self->link;
 }
 
-static int read_replay(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t room)
+static int read_replay(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
 {
-    (void)room;
+    (void)capacity;
     replay *self = (replay *)link;
     if (self->at == self->n) {
         return SP_LINK_ENDED;

@@ -8,13 +8,13 @@
 
 static const uint64_t first_sample_ns = 200000000; /* longest wait for it before the first tick */
 
-static void accept_wishes(sp_loop *self)
+static void accept_requests(sp_loop *self)
 {
     sp_link *next = atomic_exchange(&self->next_link, NULL);
     if (next != NULL) {
         self->link = next;
-        self->tripped = self->tripped && self->kept_trip;
-        self->reset_next = self->reset_next || !self->kept_trip;
+        self->tripped = self->tripped && self->tripped_before_disconnect;
+        self->reset_next = self->reset_next || !self->tripped_before_disconnect;
         self->connected = 1;
         self->waiting_count = 0;
         self->motion.measured_n = (double)NAN;
@@ -43,11 +43,11 @@ static void advance(sp_loop *self, int fresh)
 {
     int64_t step_ns = (int64_t)self->period_ns;
     if (fresh && self->link != NULL && self->link->fd >= 0) {
-        const int64_t most_ns = step_ns / 2000;
+        const int64_t max_ns = step_ns / 2000;
         const int64_t early_ns =
             (int64_t)(self->deadline_ns - self->motion.arrived_ns) - step_ns / 4;
         const int64_t slew_ns = early_ns / 64;
-        step_ns -= slew_ns > most_ns ? most_ns : slew_ns < -most_ns ? -most_ns : slew_ns;
+        step_ns -= slew_ns > max_ns ? max_ns : slew_ns < -max_ns ? -max_ns : slew_ns;
     }
     self->deadline_ns += (uint64_t)step_ns;
 }
@@ -84,7 +84,7 @@ static void *run(void *argument)
     first_deadline(self);
     while (!self->reason) {
         sp_loop_listen(self, self->deadline_ns, 0);
-        accept_wishes(self);
+        accept_requests(self);
         if (self->want_stop) {
             self->reason = SP_STOP_ASKED;
             break;
@@ -153,7 +153,7 @@ void sp_loop_attach(sp_loop *loop, sp_link *link)
     loop->next_link = link;
 }
 
-void sp_loop_look(sp_loop *loop, sp_loop_state *state)
+void sp_loop_get_status(sp_loop *loop, sp_loop_state *state)
 {
     *state = (sp_loop_state){.ticks = loop->ticks,
                              .late = loop->late,
@@ -166,7 +166,7 @@ void sp_loop_look(sp_loop *loop, sp_loop_state *state)
                              .elapsed_s = 1e-9 * (double)loop->elapsed_ns,
                              .latched = loop->latched,
                              .tripped = loop->tripped,
-                             .kept_trip = loop->kept_trip,
+                             .tripped_before_disconnect = loop->tripped_before_disconnect,
                              .connected = loop->connected,
                              .paused = loop->paused,
                              .reason = loop->reason,

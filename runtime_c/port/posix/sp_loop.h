@@ -82,8 +82,9 @@ typedef struct {
     uint64_t newest_row; /* rows put into the ring since the start */
     double elapsed_s;
     int32_t latched;
-    int32_t tripped;   /* the device itself */
-    int32_t kept_trip; /* had tripped before a disconnect: the device's return does not reset it */
+    int32_t tripped;                   /* the device itself */
+    int32_t tripped_before_disconnect; /* had tripped before a disconnect: the device's return does
+                                          not reset it */
     int32_t connected;
     int32_t paused;
     int32_t reason;
@@ -104,7 +105,7 @@ void sp_loop_pause(sp_loop *loop, int pause);
 void sp_loop_reset(sp_loop *loop);
 /* After a disconnect: go on with this link, the scene reset once, unless it had tripped before. */
 void sp_loop_attach(sp_loop *loop, sp_link *link);
-void sp_loop_look(sp_loop *loop, sp_loop_state *state);
+void sp_loop_get_status(sp_loop *loop, sp_loop_state *state);
 /* Copy up to n rows that were not drained yet; how many. One thread only. */
 uint32_t sp_loop_drain(sp_loop *loop, sp_row *rows, uint32_t n);
 /* springpot declarations end */

@@ -4,7 +4,7 @@
 
 #include "sp_loop_self.h"
 
-static const uint64_t most_arming_ns = 1000000000;
+static const uint64_t max_arming_ns = 1000000000;
 
 uint64_t sp_loop_now(void)
 {
@@ -16,7 +16,7 @@ uint64_t sp_loop_now(void)
 void sp_loop_lose_link(sp_loop *self)
 {
     self->link = NULL;
-    self->kept_trip = self->latched || self->tripped;
+    self->tripped_before_disconnect = self->latched || self->tripped;
     self->connected = 0;
     self->disconnects++;
 }
@@ -40,7 +40,7 @@ int sp_loop_at_work(sp_loop *self)
     if (self->arming_ns && self->link != NULL) {
         if (self->link->ready) {
             self->arming_ns = 0;
-        } else if (sp_loop_now() - self->arming_ns > most_arming_ns) {
+        } else if (sp_loop_now() - self->arming_ns > max_arming_ns) {
             self->arming_ns = 0;
             sp_loop_trip(self);
         }

@@ -31,7 +31,7 @@ struct sp_loop {
 
     /* Told to the other thread, under no lock: each by itself. */
     _Atomic uint64_t ticks, late, stale, trips, disconnects, resets, elapsed_ns;
-    _Atomic int connected, latched, tripped, kept_trip, paused, reason, over, got;
+    _Atomic int connected, latched, tripped, tripped_before_disconnect, paused, reason, over, got;
 
     /* The thread's own. */
     sp_link *link;

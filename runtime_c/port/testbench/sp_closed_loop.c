@@ -43,7 +43,8 @@ static double random_share(uint64_t *state)
 }
 
 int64_t sp_closed_loop_run(const sp_closed_loop_scene *scene, sim_tool *hand, uint32_t n,
-                    const sp_closed_loop_script *script, const sp_closed_loop_trace *trace)
+                           const sp_closed_loop_scenario *scenario,
+                           const sp_closed_loop_trace *trace)
 {
     const calls call = calls_of(scene);
     int64_t not_finite = 0;
@@ -52,18 +53,18 @@ int64_t sp_closed_loop_run(const sp_closed_loop_scene *scene, sim_tool *hand, ui
     for (uint32_t i = 0; i < n; i++) {
         sp_real force = 0;
         sim_tool_truth(hand, &trace->position_m[i], &trace->velocity_mps[i]);
-        trace->notes[i] = script->dropped[i]
-                              ? call.idle(call.state, (sp_real)script->dt_s[i], &force)
-                              : call.step(call.state, (sp_real)(seen_m + script->error_m[i]),
+        trace->notes[i] = scenario->dropped[i]
+                              ? call.idle(call.state, (sp_real)scenario->dt_s[i], &force)
+                              : call.step(call.state, (sp_real)(seen_m + scenario->error_m[i]),
                                           (sp_real)seen_mps, &force);
         trace->force_n[i] = (double)force;
         const double acting_n = isfinite(force) ? (double)force : 0.0;
         not_finite += isfinite(force) ? 0 : 1;
-        const int status = isnan(script->push_n[i])
-                               ? sim_tool_step(hand, script->dt_s[i], script->intended_m[i],
+        const int status = isnan(scenario->push_n[i])
+                               ? sim_tool_step(hand, scenario->dt_s[i], scenario->intended_m[i],
                                                acting_n, &seen_m, &seen_mps)
-                               : sim_tool_push(hand, script->dt_s[i], script->push_n[i], acting_n,
-                                               &seen_m, &seen_mps);
+                               : sim_tool_push(hand, scenario->dt_s[i], scenario->push_n[i],
+                                               acting_n, &seen_m, &seen_mps);
         if (status != SIM_OK) {
             return status;
         }
@@ -92,8 +93,8 @@ static double stroke_next(stroke *s, double dt_s, uint64_t *random)
     return s->from + (s->to - s->from) * t * t * (3.0 - 2.0 * t);
 }
 
-int sp_closed_loop_press(const sp_closed_loop_scene *scene, sim_tool *hand, uint64_t ticks, double dt_s,
-                  double reach_m, uint64_t seed, sp_closed_loop_presses *found)
+int sp_closed_loop_press(const sp_closed_loop_scene *scene, sim_tool *hand, uint64_t ticks,
+                         double dt_s, double reach_m, uint64_t seed, sp_closed_loop_presses *found)
 {
     const calls call = calls_of(scene);
     uint64_t random = seed * 2 + 1;
@@ -128,8 +129,8 @@ int sp_closed_loop_press(const sp_closed_loop_scene *scene, sim_tool *hand, uint
             }
         } else if (pressing) {
             found->presses++;
-            found->most_returned_j = fmax(found->most_returned_j, -taken_j);
-            found->most_taken_j = fmax(found->most_taken_j, taken_j);
+            found->max_returned_j = fmax(found->max_returned_j, -taken_j);
+            found->max_taken_j = fmax(found->max_taken_j, taken_j);
             pressing = 0;
             taken_j = 0.0;
         }
@@ -167,8 +168,8 @@ static sp_real with_fault(double position_m, double *offset_m, double depth_m, u
     return (sp_real)(position_m + *offset_m);
 }
 
-uint64_t sp_closed_loop_fuzz(const sp_closed_loop_scene *scene, uint64_t ticks, double depth_m, double dt_s,
-                      double least_n, double greatest_n, uint64_t seed)
+uint64_t sp_closed_loop_fuzz(const sp_closed_loop_scene *scene, uint64_t ticks, double depth_m,
+                             double dt_s, double min_n, double max_n, uint64_t seed)
 {
     enum { BURST = 4096, LATCHED_FOR = 64 };
     const calls call = calls_of(scene);
@@ -190,7 +191,7 @@ uint64_t sp_closed_loop_fuzz(const sp_closed_loop_scene *scene, uint64_t ticks, 
         const int notes = random_share(&random) < 0.01
                               ? call.idle(call.state, (sp_real)dt_s, &force)
                               : call.step(call.state, x, v, &force);
-        wrong += (double)force >= least_n && (double)force <= greatest_n ? 0 : 1;
+        wrong += (double)force >= min_n && (double)force <= max_n ? 0 : 1;
         latched = notes & LATCHED ? latched + 1 : 0;
         if (latched > LATCHED_FOR) {
             call.reset(call.state);

@@ -23,7 +23,7 @@ typedef struct {
     const double *push_n;     /* the hand's force in place of its spring; NaN: the spring */
     const double *error_m;    /* added to the position that the scene sees; may be NaN */
     const uint8_t *dropped;   /* 1: no sample comes, sp_idle is called */
-} sp_closed_loop_script;
+} sp_closed_loop_scenario;
 
 /* What came of it; arrays of n. Position and velocity are true ones at the tick's start. */
 typedef struct {
@@ -36,15 +36,16 @@ typedef struct {
 /* Run n ticks of the tool `hand` on the scene. Returns the number of forces that were not finite
  * (they act as 0), or a negative status of the simulated hand. */
 int64_t sp_closed_loop_run(const sp_closed_loop_scene *scene, sim_tool *hand, uint32_t n,
-                    const sp_closed_loop_script *script, const sp_closed_loop_trace *trace);
+                           const sp_closed_loop_scenario *scenario,
+                           const sp_closed_loop_trace *trace);
 
 /* What random presses came to. A press lasts from the surface to the surface. */
 typedef struct {
     uint64_t presses;
-    uint64_t not_finite;    /* forces */
-    uint64_t latched;       /* ticks */
-    double most_returned_j; /* greatest energy that a press gave back beyond what it took */
-    double most_taken_j;
+    uint64_t not_finite;   /* forces */
+    uint64_t latched;      /* ticks */
+    double max_returned_j; /* maximum energy that a press gave back beyond what it took */
+    double max_taken_j;
     double deepest_m;
     double first_n; /* mean force in contact in the first and in the last tenth */
     double last_n;
@@ -52,14 +53,14 @@ typedef struct {
 
 /* `ticks` of dt_s: the hand intends random smooth strokes between -0.2 and 1 times reach_m.
  * Returns 0, or a negative status of the simulated hand. */
-int sp_closed_loop_press(const sp_closed_loop_scene *scene, sim_tool *hand, uint64_t ticks, double dt_s,
-                  double reach_m, uint64_t seed, sp_closed_loop_presses *found);
+int sp_closed_loop_press(const sp_closed_loop_scene *scene, sim_tool *hand, uint64_t ticks,
+                         double dt_s, double reach_m, uint64_t seed, sp_closed_loop_presses *found);
 
 /* `ticks` samples, half of them random bit patterns, half a plausible motion with faults; the
  * scene is reset where it latched. Returns how many forces were not finite or outside
- * [least_n, greatest_n]. */
-uint64_t sp_closed_loop_fuzz(const sp_closed_loop_scene *scene, uint64_t ticks, double depth_m, double dt_s,
-                      double least_n, double greatest_n, uint64_t seed);
+ * [min_n, max_n]. */
+uint64_t sp_closed_loop_fuzz(const sp_closed_loop_scene *scene, uint64_t ticks, double depth_m,
+                             double dt_s, double min_n, double max_n, uint64_t seed);
 /* springpot declarations end */
 
 #endif

@@ -89,7 +89,7 @@ static const uint8_t *get_hash(const uint8_t *at, sp_wire_hash *value)
 
 uint32_t sp_wire_encode(const sp_wire_frame *frame, uint8_t *bytes)
 {
-    uint8_t plain[SP_WIRE_MOST_PLAIN];
+    uint8_t plain[SP_WIRE_MAX_PLAIN];
     uint8_t *at = put_u32(put_u8(put_u8(plain, frame->type), frame->version), frame->sequence);
     for (uint32_t i = 0; i < frame->size; i++) {
         *at++ = frame->body[i];
@@ -160,7 +160,7 @@ static int whole(sp_wire_receiver *receiver, sp_wire_frame *frame)
     }
     const uint32_t covered = size - SP_WIRE_CRC;
     (void)get_u32(plain + covered, &crc);
-    if (covered > SP_WIRE_HEAD + SP_WIRE_MOST_BODY || crc != sp_wire_crc32c(plain, covered)) {
+    if (covered > SP_WIRE_HEAD + SP_WIRE_MAX_BODY || crc != sp_wire_crc32c(plain, covered)) {
         return 0;
     }
     const uint8_t *at = get_u8(get_u8(plain, &frame->type), &frame->version);
@@ -175,7 +175,7 @@ static int whole(sp_wire_receiver *receiver, sp_wire_frame *frame)
 int sp_wire_receive(sp_wire_receiver *receiver, uint8_t byte, sp_wire_frame *frame)
 {
     if (byte != 0) {
-        if (receiver->used == SP_WIRE_MOST_BYTES - 1) {
+        if (receiver->used == SP_WIRE_MAX_BYTES - 1) {
             receiver->overlong = 1;
         } else {
             receiver->bytes[receiver->used++] = byte;

@@ -18,9 +18,9 @@
 enum {
     SP_WIRE_HEAD = 6,
     SP_WIRE_CRC = 4,
-    SP_WIRE_MOST_BODY = 48,
-    SP_WIRE_MOST_PLAIN = SP_WIRE_HEAD + SP_WIRE_MOST_BODY + SP_WIRE_CRC,
-    SP_WIRE_MOST_BYTES = SP_WIRE_MOST_PLAIN + 3 /* COBS and two 0 bytes */
+    SP_WIRE_MAX_BODY = 48,
+    SP_WIRE_MAX_PLAIN = SP_WIRE_HEAD + SP_WIRE_MAX_BODY + SP_WIRE_CRC,
+    SP_WIRE_MAX_BYTES = SP_WIRE_MAX_PLAIN + 3 /* COBS and two 0 bytes */
 };
 
 /* A struct for each message (sp_wire_force, ...), its type number and the size of its body. */
@@ -51,12 +51,12 @@ typedef struct {
     uint8_t version;
     uint32_t sequence;
     uint32_t size; /* of the body */
-    uint8_t body[SP_WIRE_MOST_BODY];
+    uint8_t body[SP_WIRE_MAX_BODY];
 } sp_wire_frame;
 
 /* Zeroed is a good start. Counters wrap. */
 typedef struct {
-    uint8_t bytes[SP_WIRE_MOST_BYTES];
+    uint8_t bytes[SP_WIRE_MAX_BYTES];
     uint32_t used;
     uint32_t overlong;
     uint32_t joining; /* after a restart: the first bytes may be the end of a frame */
@@ -84,7 +84,7 @@ int sp_wire_receive(sp_wire_receiver *receiver, uint8_t byte, sp_wire_frame *fra
 void sp_wire_restart(sp_wire_receiver *receiver);
 
 /* Bytes of one frame, between two 0 bytes: the first parts it from whatever damage came before.
- * `bytes` has room for SP_WIRE_MOST_BYTES. */
+ * `bytes` has room for SP_WIRE_MAX_BYTES. */
 uint32_t sp_wire_encode(const sp_wire_frame *frame, uint8_t *bytes);
 
 /* For each message: encode with the next sequence number, returns the count of bytes; and unpack a

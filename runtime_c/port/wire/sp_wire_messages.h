@@ -1,6 +1,6 @@
 /* The springpot serial protocol: the one table of its messages. C builds structs, packing and
- * unpacking out of it, Python reads it as text (host/devices/wire.py); both ends compare a checksum of it
- * in the hello, so that two ends of different tables refuse each other.
+ * unpacking out of it, Python reads it as text (host/devices/wire.py); both ends compare a checksum
+ * of it in the hello, so that two ends of different tables refuse each other.
  *
  * A frame: type u8, version u8, sequence u32, body, CRC-32C of all before it (u32), all
  * little-endian; the whole COBS-encoded, between two 0 bytes. The sequence counts the frames
@@ -36,7 +36,7 @@
     FIELD(u32, layout)        \
     FIELD(u8, role)             /* SP_WIRE_RENDERS or SP_WIRE_SIMPLE */ \
     FIELD(f32, rate_hz)         /* samples a second that it sends by itself */ \
-    FIELD(f32, greatest_n)      /* greatest force of its motor */ \
+    FIELD(f32, max_n)      /* maximum force of its motor */ \
     FIELD(hash, model)          /* manifest hash of the scene that it renders; 0 for a simple one */
 
 /* Host: do it. After STOP the motor is without force. The device's watchdog counts from the first

@@ -9,8 +9,8 @@ from scipy.linalg import expm
 
 from springpot.codegen.coupling.gains import (
     couple_config,
-    printed_step_is_stable,
-    refuse_unit_error,
+    published_step_is_stable,
+    require_plausible_damping,
     transition,
 )
 from springpot.codegen.errors import UnsafeError
@@ -69,13 +69,13 @@ def test_no_kick_on_a_fast_contact() -> None:
 
 def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
     with pytest.raises(UnsafeError, match=r"20 N s/m\) was probably meant"):
-        refuse_unit_error(Coupling(mode="tool", damping_nspm=20_000.0))
+        require_plausible_damping(Coupling(mode="tool", damping_nspm=20_000.0))
     with pytest.raises(UnsafeError, match=r"1500 N/m\) was probably meant"):
-        refuse_unit_error(Coupling(mode="tool", stiffness_npm=1.5e6))
+        require_plausible_damping(Coupling(mode="tool", stiffness_npm=1.5e6))
     with pytest.raises(UnsafeError, match="the paper's gains"):
-        refuse_unit_error(Coupling(mode="tool", mass_kg=1e-9))
+        require_plausible_damping(Coupling(mode="tool", mass_kg=1e-9))
 
 
 def test_the_printed_step_explodes_where_the_formula_says() -> None:
-    assert printed_step_is_stable(PAPER, 1e-3)
-    assert not printed_step_is_stable(Coupling(damping_nspm=20_000.0), 1e-3)
+    assert published_step_is_stable(PAPER, 1e-3)
+    assert not published_step_is_stable(Coupling(damping_nspm=20_000.0), 1e-3)

@@ -1,4 +1,4 @@
-"""The linear loop: the printed step's formula, the exact step, and what the closed loop allows."""
+"""The linear loop: formula of Algorithm 1 as published, the exact step, what the loop allows."""
 
 import re
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from springpot.codegen.coupling.auto import choose
-from springpot.codegen.coupling.gains import couple_config, printed_step_is_stable
+from springpot.codegen.coupling.gains import couple_config, published_step_is_stable
 from springpot.codegen.coupling.gains import transition as exact_step
 from springpot.codegen.coupling.linear_loop import (
     DESIGN_HAND,
@@ -23,7 +23,7 @@ from springpot.runtime_c.paths import SIM
 SETS = 100_000
 
 
-def printed_step(coupling: Coupling, dt_s: float) -> np.ndarray:
+def published_step(coupling: Coupling, dt_s: float) -> np.ndarray:
     """One step of Algorithm 1 with the tool at rest and no model: (x_p, v_p) -> (x_p, v_p)."""
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
     speed = np.array([-k * dt_s / m, 1.0 - b * dt_s / m])
@@ -31,7 +31,7 @@ def printed_step(coupling: Coupling, dt_s: float) -> np.ndarray:
 
 
 def random_sets() -> tuple[np.ndarray, ...]:
-    """k, b, m, dt with k, b > 0, half of them near the printed step's border."""
+    """k, b, m, dt with k, b > 0, half of them near Algorithm 1 as published's border."""
     rng = np.random.default_rng(1)
     k, b, m, dt = (
         10.0 ** rng.uniform(low, high, SETS)
@@ -48,7 +48,7 @@ def test_printed_formula_eigenvalues_and_simulation_agree() -> None:
     clear = np.abs(printed - 4.0) > 1e-9
     steps = np.empty((SETS, 2, 2))
     for i, (k_i, b_i, m_i, dt_i) in enumerate(zip(k, b, m, dt, strict=True)):
-        steps[i] = printed_step(Coupling("tool", k_i, b_i, m_i), dt_i)
+        steps[i] = published_step(Coupling("tool", k_i, b_i, m_i), dt_i)
     radius = np.abs(np.linalg.eigvals(steps)).max(axis=1)
     np.testing.assert_array_equal((printed < 4.0)[clear], (radius < 1.0)[clear])
     assert 0.1 < np.mean(printed < 4.0) < 0.9
@@ -85,8 +85,8 @@ def test_the_exact_step_is_stable_on_all_of_them() -> None:
 
 
 def test_the_formula_is_the_one_that_judges() -> None:
-    assert printed_step_is_stable(Coupling("tool", 1500.0, 20.0, 0.05), 1e-3)
-    assert not printed_step_is_stable(Coupling("tool", 1500.0, 20_000.0, 0.05), 1e-3)
+    assert published_step_is_stable(Coupling("tool", 1500.0, 20.0, 0.05), 1e-3)
+    assert not published_step_is_stable(Coupling("tool", 1500.0, 20_000.0, 0.05), 1e-3)
 
 
 def test_hands_are_the_simulated_ones() -> None:
@@ -107,7 +107,7 @@ def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: fl
     # Within 15 %: there the loop was simulated, with an average of 0.7 behind the tool's coupling.
     smoothing = 0.7 if mode == "tool" else 1.0
     loop = Loop(1e-3, Coupling(mode), DESIGN_HAND, delay, smoothing)  # type: ignore[arg-type]
-    assert 1e-3 * loop.greatest_stiffness_npm() == pytest.approx(npmm, rel=0.15)
+    assert 1e-3 * loop.max_stiffness_npm() == pytest.approx(npmm, rel=0.15)
 
 
 @pytest.mark.parametrize("stiffness_npm", [500.0, 3e3, 1e4, 5e4])

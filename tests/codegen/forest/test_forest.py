@@ -14,9 +14,9 @@ from springpot.codegen.forest import compact as compact_layout
 from springpot.codegen.forest import wide as wide_layout
 from springpot.codegen.forest.compact import compact_forest
 from springpot.codegen.forest.leaves import largest_float32_below, used_features
-from springpot.codegen.forest.quantisation import rounded, rounding_over
+from springpot.codegen.forest.quantisation import quantisation_over, rounded
 from springpot.codegen.forest.tables import CompactForest, ForestTable
-from springpot.codegen.forest.traverse import compact_sums, feature_ranks, forest_force, table_sums
+from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
@@ -53,7 +53,7 @@ def harness() -> tuple[cffi.FFI, Any]:
 
 
 def variants() -> range:
-    """Ways of walking that this processor has: plain C, AVX2, AVX-512."""
+    """Ways of traversal that this processor has: plain C, AVX2, AVX-512."""
     return range(harness()[1].forest_simd() + 1)
 
 
@@ -104,9 +104,11 @@ def near_thresholds(forest: Forest, rng: np.random.Generator) -> np.ndarray:
     return features
 
 
-def assert_same_leaves(model, features: np.ndarray, rounding: Quantisation | None = None) -> None:
-    """Every way of walking; rounded: the forest was fitted on whole steps."""
-    forest = dataclasses.replace(forest_ir(model), rounding=rounding)
+def assert_same_leaves(
+    model, features: np.ndarray, quantisation: Quantisation | None = None
+) -> None:
+    """Every way of traversal; rounded: the forest was fitted on whole steps."""
+    forest = dataclasses.replace(forest_ir(model), quantisation=quantisation)
     marked = labelled(forest)
     expected = marked.value_n[model.apply(features) + forest.roots].sum(axis=1).astype(np.uint32)
     used = np.ascontiguousarray(features[:, used_features(forest)])
@@ -143,25 +145,25 @@ def test_same_leaves_as_scikit_learn_at_the_papers_size(trees: int, rows: int) -
 @pytest.mark.parametrize(("trees", "rows"), SIZES)
 def test_same_leaves_as_scikit_learn_on_rounded_features(trees: int, rows: int) -> None:
     features = random_features(9770, 5)
-    rounding = rounding_over(features.astype(np.float64))
-    steps = rounded(rounding, features)
+    quantisation = quantisation_over(features.astype(np.float64))
+    steps = rounded(quantisation, features)
     model = fitted(trees=trees, leaf=PAPER_LEAF, rows=9770, features=steps)
     inner = forest_ir(model)
     near = np.floor(near_thresholds(inner, np.random.default_rng(8)))
-    away = rounded(rounding, random_features(rows - len(near), 11))
-    assert_same_leaves(model, np.clip(np.concatenate([near, away]), 0, 65535), rounding)
+    away = rounded(quantisation, random_features(rows - len(near), 11))
+    assert_same_leaves(model, np.clip(np.concatenate([near, away]), 0, 65535), quantisation)
 
 
 def test_rounded_features_are_whole_steps_of_sixteen_bits() -> None:
     features = random_features(500, 1)
-    rounding = rounding_over(features.astype(np.float64))
-    steps = rounded(rounding, features)
+    quantisation = quantisation_over(features.astype(np.float64))
+    steps = rounded(quantisation, features)
     assert steps.min() == 0 and steps.max() == 65535
     np.testing.assert_array_equal(steps, np.floor(steps))
-    back = steps / rounding.per_step + rounding.least
-    assert np.abs(back - features).max() <= (0.5 / rounding.per_step).max() * 1.01
+    back = steps / quantisation.bins_per_unit + quantisation.feature_min
+    assert np.abs(back - features).max() <= (0.5 / quantisation.bins_per_unit).max() * 1.01
     far = np.array([[1e9] * N_FEATURES, [-1e9] * N_FEATURES])
-    np.testing.assert_array_equal(rounded(rounding, far)[:, 0], [65535, 0])
+    np.testing.assert_array_equal(rounded(quantisation, far)[:, 0], [65535, 0])
 
 
 def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
@@ -170,8 +172,8 @@ def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
     compact = compact_forest(forest, np.float64)
     assert compact is not None
     features = random_features(3000, 4)
-    ranks = feature_ranks(compact.thresholds, features[:, used_features(forest)])
-    force_n = forest_force(compact, compact_sums(compact, ranks))
+    bins = feature_bins(compact.thresholds, features[:, used_features(forest)])
+    force_n = forest_force(compact, compact_sums(compact, bins))
     span_n = np.ptp(forest.value_n[forest.feature < 0])
     assert np.abs(force_n - model.predict(features)).max() <= compact.leaf_error_n
     assert compact.leaf_error_n == pytest.approx(span_n / 2**17, rel=1e-4)
@@ -184,8 +186,8 @@ def test_the_references_walk_like_the_c() -> None:
     assert compact is not None
     features = random_features(500, 6)
     sums = c_sums(compact, features, 0)
-    ranks = feature_ranks(compact.thresholds, features)
-    np.testing.assert_array_equal(sums, compact_sums(compact, ranks))
+    bins = feature_bins(compact.thresholds, features)
+    np.testing.assert_array_equal(sums, compact_sums(compact, bins))
     np.testing.assert_array_equal(sums, table_sums(table, features))
 
 
@@ -215,7 +217,7 @@ def test_facts_of_the_headers() -> None:
     assert f"SP_FOREST_LEVELS = {compact_layout.LEVELS}" in compact
     assert f"SP_FOREST_REST = {compact_layout.REST}" in compact
     assert f"SP_WIDE_SLOT_BITS = {wide_layout.SLOT_BITS}" in wide
-    assert f"SP_WIDE_LANES = {wide_layout.LANES}" in wide
+    assert f"SP_WIDE_WIDTH = {wide_layout.VECTOR_WIDTH}" in wide
 
 
 def one_leaf() -> Forest:
@@ -264,7 +266,7 @@ def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None
     slow = np.cumsum(rng.normal(scale=1e-3, size=(3000, N_FEATURES)), axis=0)
     jumps = rng.normal(size=(3000, N_FEATURES)) * (rng.random((3000, 1)) < 0.1)
     features = np.ascontiguousarray((slow + jumps).astype(np.float32))
-    expected = compact_sums(compact, feature_ranks(compact.thresholds, features))
+    expected = compact_sums(compact, feature_bins(compact.thresholds, features))
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, features, simd), expected)
 
@@ -277,8 +279,8 @@ def test_the_stated_work_bounds_the_search_and_the_walk() -> None:
     for below in compact.thresholds:
         left = len(below)
         rounds += 2
-        while left > 0:  # sp_ranks_search
+        while left > 0:  # sp_bins_search
             left -= left - left // 2
             rounds += 1
     assert bound["thresholds"] == rounds
-    assert bound["nodes"] == 7 * (int(compact.longest_walks.max()) + 1)
+    assert bound["nodes"] == 7 * (int(compact.longest_paths.max()) + 1)

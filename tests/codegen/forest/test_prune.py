@@ -55,13 +55,13 @@ def test_larger_leaves_are_the_mean_of_what_they_replace() -> None:
 def test_stepped_thresholds_decide_nearly_alike() -> None:
     values = features()
     steps = quantised(forest(), small_model().features.n_features)
-    assert steps.rounding is not None
+    assert steps.quantisation is not None
     differs = regressor_force(steps, values) != regressor_force(forest(), values)
     assert (
         np.mean(np.abs(regressor_force(steps, values) - regressor_force(forest(), values))) < 2e-3
     )
     assert differs.mean() < 0.2
-    high = values + 10.0  # beyond every threshold, and clipped to the greatest step
+    high = values + 10.0  # beyond every threshold, and clipped to the maximum step
     np.testing.assert_allclose(
         regressor_force(steps, high), regressor_force(forest(), high), atol=1e-3
     )

@@ -34,7 +34,7 @@ def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarr
 def test_force_goes_on_rising_beyond_the_trained_depth(tmp_path: Path, kind: str) -> None:
     motion, force_n, notes = pressed(tmp_path, kind, "fallback")
     assert notes & OUTSIDE
-    border = int(np.searchsorted(motion[:2000], small_model().trained.greatest_m))
+    border = int(np.searchsorted(motion[:2000], small_model().trained.max_m))
     steps = np.abs(np.diff(force_n[border - 3 : border + 4]))
     assert steps.max() < 0.05 * force_n[border]  # no jump at the border
     beyond = force_n[border + 5 : 2000]
@@ -46,14 +46,14 @@ def test_force_goes_on_rising_beyond_the_trained_depth(tmp_path: Path, kind: str
 
 def test_hold_stays_at_the_greatest_trained_depth(tmp_path: Path) -> None:
     motion, force_n, _ = pressed(tmp_path, "hammerstein", "hold")
-    border = int(np.searchsorted(motion[:2000], small_model().trained.greatest_m))
+    border = int(np.searchsorted(motion[:2000], small_model().trained.max_m))
     assert np.ptp(force_n[border + 5 : 2000]) < 0.1 * force_n[border]
 
 
 @pytest.mark.parametrize("kind", ["hammerstein", "rf-fd"])
 def test_excess_takes_energy(tmp_path: Path, kind: str) -> None:
     motion, force_n, _ = pressed(tmp_path, kind, "fallback")
-    outside = motion >= small_model().trained.greatest_m
+    outside = motion >= small_model().trained.max_m
     worked_j = np.trapezoid(force_n[outside], motion[outside])
     assert worked_j > -1e-9
 
@@ -76,7 +76,7 @@ def test_a_model_without_a_passive_part_gets_a_tangent_and_says_so(tmp_path: Pat
     )  # fmt: skip
     motion = np.linspace(0.0, 1.3 * DEPTH_M, 2000)
     force_n, _ = SceneLibrary(tmp_path / "c").new_state().run(motion)
-    border = int(np.searchsorted(motion, bare.trained.greatest_m))
+    border = int(np.searchsorted(motion, bare.trained.max_m))
     assert np.abs(np.diff(force_n[border - 3 : border + 4])).max() < 0.05 * force_n[border]
     assert np.all(np.diff(force_n[border + 5 :: 50]) > 0.0)
     assert force_n[-1] > 1.2 * force_n[border]
@@ -85,7 +85,7 @@ def test_a_model_without_a_passive_part_gets_a_tangent_and_says_so(tmp_path: Pat
 def test_zero_ends_the_force_without_a_step_and_comes_back(tmp_path: Path) -> None:
     motion, force_n, notes = pressed(tmp_path, "hammerstein", "zero")
     assert notes & OUTSIDE
-    trained_m = small_model().trained.greatest_m
+    trained_m = small_model().trained.max_m
     border, gone = (int(np.searchsorted(motion[:2000], s * trained_m)) for s in (1.0, 1.1))
     assert np.abs(np.diff(force_n)).max() < 0.05 * force_n[border]
     assert np.all(force_n[gone + 1 : len(motion) - gone - 1] == 0.0)

@@ -29,7 +29,7 @@ def changed(**sections: object) -> Scene:
 def test_defaults_come_from_the_model() -> None:
     plan = make_plan(small_model(), SCENE)
     trained = small_model().trained
-    assert plan.output.greatest_n == np.float32(1.2 * trained.greatest_n)
+    assert plan.output.max_n == np.float32(1.2 * trained.max_n)
     assert plan.output.watchdog_s == np.float32(0.02)
     assert plan.per_onset == pytest.approx(1 / (0.01 * DEPTH_M), rel=1e-2)
     assert plan.guard.jump_m >= np.float32(1e-3)

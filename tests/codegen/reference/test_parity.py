@@ -66,17 +66,17 @@ def shape_of() -> Callable[[str, str], Emitted]:
     return found
 
 
-def compared(found: Emitted, position_m: np.ndarray, guessed: bool = True) -> tuple[Run, Run]:
-    """Forces and notes of the C and of the reference; guessed: from where the C's proxy was.
+def compared(found: Emitted, position_m: np.ndarray, predicted: bool = True) -> tuple[Run, Run]:
+    """Forces and notes of the C and of the reference; predicted: from where the C's proxy was.
 
-    A guess decides how long the reference takes, never what it gives: other tests prove that.
+    A prediction decides how long the reference takes, never what it gives: other tests verify that.
     """
     plan, library = found
     position = position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
     force_n, notes = Replay(library).run(position, velocity)
-    guess_m = proxy_positions(plan, library, position, velocity) if guessed else None
-    return Run(force_n, notes), run_reference(plan, position, velocity, guess_m)
+    predicted_m = proxy_positions(plan, library, position, velocity) if predicted else None
+    return Run(force_n, notes), run_reference(plan, position, velocity, predicted_m)
 
 
 def both(position_m: np.ndarray, **options: str) -> tuple[Run, Run]:
@@ -108,7 +108,7 @@ def test_same_bits_on_hostile_motion(
 ) -> None:
     c, reference = compared(shape_of(shape, number), wandering(seed))
     assert_same_bits(c, reference)
-    limit_n = make_plan(small_model(), scene()).output.greatest_n
+    limit_n = make_plan(small_model(), scene()).output.max_n
     assert np.all((c.force_n >= 0) & (c.force_n <= limit_n))
 
 
@@ -117,7 +117,7 @@ def test_same_bits_where_the_reference_finds_the_proxy(
     shape_of: Callable[[str, str], Emitted], number: str
 ) -> None:
     motion = np.concatenate([press(5.0), np.full(40, -1e-3), wandering(6, 500)])
-    c, reference = compared(shape_of("proxy", number), motion, guessed=False)
+    c, reference = compared(shape_of("proxy", number), motion, predicted=False)
     assert_same_bits(c, reference)
     assert c.force_n.max() > 1.0
 
@@ -128,7 +128,7 @@ def test_same_bits_where_the_reference_finds_the_proxy(
 def test_same_bits_on_long_hostile_motion_where_the_reference_finds_the_proxy(
     shape_of: Callable[[str, str], Emitted], number: str, seed: int
 ) -> None:
-    c, reference = compared(shape_of("proxy", number), wandering(seed), guessed=False)
+    c, reference = compared(shape_of("proxy", number), wandering(seed), predicted=False)
     assert_same_bits(c, reference)
 
 
@@ -149,11 +149,11 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
     library = SceneLibrary(tmp_path / "c")
     position = wandering(5, 1200).astype(plan.dtype)
     velocity = np.zeros_like(position)
-    guess_m = proxy_positions(plan, library, position, velocity)
-    assert guess_m is not None
+    predicted_m = proxy_positions(plan, library, position, velocity)
+    assert predicted_m is not None
     right = run_reference(plan, position, velocity)
-    assert_same_bits(run_reference(plan, position, velocity, guess_m), right)
-    assert_same_bits(run_reference(plan, position, velocity, 0.9 * guess_m), right)
+    assert_same_bits(run_reference(plan, position, velocity, predicted_m), right)
+    assert_same_bits(run_reference(plan, position, velocity, 0.9 * predicted_m), right)
     assert_same_bits(Run(*Replay(library).run(position, velocity)), right)
 
 
@@ -187,7 +187,7 @@ def test_two_models_in_one_process_keep_apart() -> None:
 
 
 def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    # At 100 Hz nearly every tick of the golden motion upsets the guess of all that follow.
+    # At 100 Hz nearly every tick of the golden motion upsets the prediction of all that follow.
     slow = tuple(
         Recording(item.name, item.position_m[::10], item.force_n[::10], 10 * DT_S)
         for item in training()
@@ -200,7 +200,7 @@ def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.Mon
     lengths: list[int] = []
 
     def counted(stages: Stages, motion: dict[str, np.ndarray], *others: Any) -> np.ndarray:
-        lengths.append(len(motion["depth"]))
+        lengths.append(len(motion["clipped"]))
         return model_force(stages, motion, *others)
 
     monkeypatch.setattr(codegen_reference, "model_force", counted)

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26 */
+/* springpot 0.1.0 8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

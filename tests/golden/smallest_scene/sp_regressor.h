@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26 */
+/* springpot 0.1.0 8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59 */
 #ifndef SP_REGRESSOR_H
 #define SP_REGRESSOR_H
 
@@ -9,7 +9,7 @@
 enum {
     N_FEATURES = 1
 };
-static const sp_real quantum_n = 0.0001373312f;
+static const sp_real leaf_step_n = 0.0001373312f;
 static const sp_real forest_bias_n = 1.0f;
 /* Sorted thresholds of each feature. */
 static const float thresholds[2] = {
@@ -18,7 +18,7 @@ static const float thresholds[2] = {
 static const uint32_t threshold_starts[2] = {
     0u, 2u
 };
-/* The first levels of all trees side by side: step, rank (sp_forest.h). */
+/* The first levels of all trees side by side: step, bin (sp_forest.h). */
 static const sp_forest_node forest_top[240] = {
     {1, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0},
     {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0},
@@ -54,7 +54,7 @@ static const sp_forest forest = {
     .nodes = forest_nodes,
     .roots = forest_roots,
     .n_trees = 1,
-    .n_lanes = 16,
+    .n_padded = 16,
 };
 
 #endif

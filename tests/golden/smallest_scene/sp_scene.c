@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26 */
+/* springpot 0.1.0 8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -7,17 +7,17 @@
 
 static const sp_guard_config guard = {
     .jump_m = 0.001f,
-    .least_m = -10.0f,
-    .greatest_m = 0.1f,
+    .min_m = -10.0f,
+    .max_m = 0.1f,
     .resync_ticks = 5,
 };
 static const sp_range_config range = {
-    .least_m = 0.0f,
-    .greatest_m = 0.01f,
+    .min_m = 0.0f,
+    .max_m = 0.01f,
 };
 static const sp_output_config output = {
-    .least_n = 0.0f,
-    .greatest_n = 12.0f,
+    .min_n = 0.0f,
+    .max_n = 12.0f,
     .slew_n = 3.0f,
     .rise = 0.02f,
     .fall_nps = 1500.0f,
@@ -29,10 +29,10 @@ static const sp_real per_onset = 10000.0f;
 /* A position is true without a history: the object has rested there for ever. */
 static void restart(sp_state *state, sp_real position)
 {
-    const sp_real deep = position > (sp_real)0 ? position : (sp_real)0;
+    const sp_real penetration = position > (sp_real)0 ? position : (sp_real)0;
     int ignored = 0;
-    const sp_real depth = sp_range_clip(&range, deep, &ignored);
-    sp_window_fill(state->history, &state->newest, N_TAPS, depth);
+    const sp_real clipped = sp_range_clip(&range, penetration, &ignored);
+    sp_window_fill(state->history, &state->newest, N_TAPS, clipped);
     sp_output_restart(&state->output);
 }
 
@@ -48,21 +48,21 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     if (notes & SP_NOTE_RESYNC) {
         restart(state, position);
     }
-    const sp_real deep = position > (sp_real)0 ? position : (sp_real)0;
-    const sp_real depth = sp_range_clip(&range, deep, &notes);
+    const sp_real penetration = position > (sp_real)0 ? position : (sp_real)0;
+    const sp_real clipped = sp_range_clip(&range, penetration, &notes);
     const sp_real *window =
-        sp_window_push(state->history, &state->newest, N_TAPS, depth);
+        sp_window_push(state->history, &state->newest, N_TAPS, clipped);
     sp_real force = (sp_real)0;
     if (position > (sp_real)0) {
         sp_real features[1];
         sp_taps(taps, window, N_TAPS, N_ORDERS, features);
-        uint32_t ranks[SP_FOREST_SLOTS] = {0};
-        sp_bins(thresholds, threshold_starts, N_FEATURES, features, state->ranks);
+        uint32_t bins[SP_FOREST_SLOTS] = {0};
+        sp_bins(thresholds, threshold_starts, N_FEATURES, features, state->bins);
         for (uint32_t i = 0; i < N_FEATURES; i++) {
-            ranks[i + 1] = state->ranks[i];
+            bins[i + 1] = state->bins[i];
         }
-        const uint32_t quanta = sp_forest_fastest(&forest, ranks, state->simd);
-        const sp_real model_n = forest_bias_n + (sp_real)quanta * quantum_n;
+        const uint32_t leaf_sum = sp_forest_fastest(&forest, bins, state->simd);
+        const sp_real model_n = forest_bias_n + (sp_real)leaf_sum * leaf_step_n;
         force = model_n;
         force = sp_contact_onset(per_onset, position, force);
     } else {
@@ -124,5 +124,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

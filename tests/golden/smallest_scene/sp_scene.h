@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26 */
+/* springpot 0.1.0 8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -24,7 +24,7 @@ struct sp_state {
     sp_real history[2 * 16];
     uint32_t newest;
     uint32_t simd;
-    uint32_t ranks[1];
+    uint32_t bins[1];
     sp_output_state output;
 };
 

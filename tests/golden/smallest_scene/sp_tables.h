@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0b705eeb54612389c2b1e524b696ee894e5cdf64da1a9ea7542aa4ea7b8b0f26 */
+/* springpot 0.1.0 8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

@@ -102,9 +102,9 @@ def test_fits_that_share_are_the_fits_by_themselves() -> None:
 
 
 def point(key: str, error: float, tick: float, flash: int, **others: Any) -> dict[str, Any]:
-    facts: dict[str, Any] = {"key": key, "cv_rmse_n": error, "tick_ns_hot": tick}
-    facts |= {"flash_bytes": flash, "ram_bytes": 100, "active_cells": 0, "any_rate": True}
-    return facts | {"tick_ns_p99": None, "number": "float32"} | others
+    metadata: dict[str, Any] = {"key": key, "cv_rmse_n": error, "tick_ns_hot": tick}
+    metadata |= {"flash_bytes": flash, "ram_bytes": 100, "active_cells": 0, "any_rate": True}
+    return metadata | {"tick_ns_p99": None, "number": "float32"} | others
 
 
 def test_the_front_is_what_nothing_beats() -> None:
@@ -131,9 +131,9 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
     found = pick(points, budget, 1000.0, bounded)
     assert found is not None
     assert found["key"] == "good"
-    only_wild = pick(points[:3], budget, 1000.0, bounded)
-    assert only_wild is not None
-    assert only_wild["key"] == "wild"  # and it says so
+    only_unbounded = pick(points[:3], budget, 1000.0, bounded)
+    assert only_unbounded is not None
+    assert only_unbounded["key"] == "wild"  # and it says so
 
     def counted(candidate: dict[str, Any]) -> bool:
         candidate["instructions"] = 9000 if candidate["key"] in {"wild", "slow"} else 700
@@ -144,7 +144,7 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
     assert found is not None
     assert found["key"] == "good"
     assert pick([points[2] | {"instructions": None}], tight, 1000.0, counted) is None
-    told = why(only_wild | {"bounded": False}, points, budget, 1000.0)
+    told = why(only_unbounded | {"bounded": False}, points, budget, 1000.0)
     assert "simulation only" in told
     assert pick(points[:2], budget, 1000.0, bounded) is None
 

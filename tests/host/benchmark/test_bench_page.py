@@ -65,7 +65,7 @@ def looked_at(page: Path, width: int) -> tuple[dict[str, Any], np.ndarray]:
     return json.loads(html.unescape(found[1])), 1.0 - pixels.mean(axis=2)
 
 
-def refuse_empty(boxes: list[list[float]], ink: np.ndarray) -> None:
+def require_samples(boxes: list[list[float]], ink: np.ndarray) -> None:
     assert len(boxes) == 4
     for left, top, width, height in boxes:
         inside = ink[round(top) : round(top + height), round(left) : round(left + width)]
@@ -80,7 +80,7 @@ def test_the_page_in_a_browser(tmp_path: Path, width: int) -> None:
     page = tmp_path / "page.html"
     page.write_text(text.replace("</body>", PROBE))
     seen, ink = looked_at(page, width)
-    refuse_empty(seen["boxes"], ink)
+    require_samples(seen["boxes"], ink)
     assert seen["marks"] == len(CANDIDATES) - 1
     assert seen["told"].startswith("rf-fd")
     assert "flash" in seen["told"]
@@ -93,7 +93,7 @@ def test_printed_nothing_is_cut(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     page.write_text(text.replace("@media print", "@media all"))
     seen, ink = looked_at(page, A4_PIXELS)
-    refuse_empty(seen["boxes"], ink)
+    require_samples(seen["boxes"], ink)
     assert seen["wide"] <= A4_PIXELS
     assert "overflow: visible" in text, "a table that scrolls is cut on paper"
 
@@ -130,7 +130,7 @@ def test_the_test_sees_an_empty_figure_and_a_console_error(tmp_path: Path) -> No
                            flags=re.DOTALL))  # fmt: skip
     seen, ink = looked_at(page, 1280)
     with pytest.raises(AssertionError, match="a figure is empty"):
-        refuse_empty(seen["boxes"], ink)
+        require_samples(seen["boxes"], ink)
     page.write_text(text.replace('"use strict";', '"use strict"; undefined_name();'))
     assert console_errors(browse(page, 1280, "--dump-dom"))
 
@@ -165,7 +165,7 @@ def test_without_the_papers_models_there_is_nothing_to_compare() -> None:
 
 def test_what_no_hand_may_hold_is_said_first() -> None:
     result = read_result(bench_folder())
-    wild = [point | {"bounded": False} for point in result["points"]]
-    text = bench_page(result | {"points": wild}, "bench")
+    unbounded = [point | {"bounded": False} for point in result["points"]]
+    text = bench_page(result | {"points": unbounded}, "bench")
     assert "for simulation only: no hand may hold it" in text
     assert text.count("--accept-unsafe") == 2 * len(result["picks"])

@@ -25,7 +25,7 @@ def test_the_same_bench_again_computes_nothing() -> None:
     before = read_result(folder)
     with small():
         again = run_bench(asked(), folder, "again")
-    assert (again["computed"], again["computed_alone"]) == (0, 0)
+    assert (again["computed"], again["computed_isolated"]) == (0, 0)
     assert again["points"] == before["points"]
 
 
@@ -38,7 +38,7 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
         mock.patch("springpot.host.benchmark.instructions.missing", lambda _: "no emulator"),
     ):
         result = run_bench(asked(), folder, "without")
-    assert (result["computed"], result["computed_alone"]) == (0, 0)
+    assert (result["computed"], result["computed_isolated"]) == (0, 0)
     chosen = [item for item in result["points"] if item["bounded"] is not None]
     assert chosen
     for item in chosen:
@@ -46,7 +46,7 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
         assert item["instructions_why"] == "no emulator"
     with small():
         again = run_bench(asked(), folder, "with")
-    assert again["computed_alone"] == (0 if uncounted("cortex-m4f") else len(chosen))
+    assert again["computed_isolated"] == (0 if uncounted("cortex-m4f") else len(chosen))
     assert again["points"] == read_result(bench_folder())["points"]
 
 
@@ -77,7 +77,7 @@ def test_other_code_measures_again(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         shutil.copytree(bench_folder(), folder)
         result = run_bench(asked(), folder, "springpot bench")
     assert result["computed"] == 1
-    assert result["computed_alone"] >= 1
+    assert result["computed_isolated"] >= 1
     old = {item["key"] for item in read_result(bench_folder())["points"]}
     assert {item["key"] for item in result["points"]}.isdisjoint(old)
 
@@ -100,8 +100,8 @@ def test_a_killed_sweep_resumes_without_repeating(tmp_path: Path) -> None:
     (out / "points" / "half.json.part").write_text("{")  # what a kill leaves behind
     result = spring(*arguments)
     assert result.returncode == 0, result.stderr
-    facts = json.loads(result.stdout)
-    assert facts["computed"] == len(facts["points"]) - len(known) == 7 - len(known)
+    metadata = json.loads(result.stdout)
+    assert metadata["computed"] == len(metadata["points"]) - len(known) == 7 - len(known)
     assert {file: file.stat().st_mtime_ns for file in known} == known
 
 

@@ -98,7 +98,7 @@ def test_a_compiler_that_comes_later_adds_only_sizes(
     monkeypatch.setenv("PATH", path_with(tmp_path / "bin"))
     folder = shutil.copytree(without, tmp_path / "bench")
     _, result = measured(folder, monkeypatch)
-    assert (result["computed"], result["computed_sizes"], result["computed_alone"]) == (0, 2, 0)
+    assert (result["computed"], result["computed_sizes"], result["computed_isolated"]) == (0, 2, 0)
     for point, old in zip(result["points"], before["points"], strict=True):
         assert point["flash_bytes"] > 1000
         assert point["sizes_why"] is None
@@ -117,9 +117,9 @@ def test_a_compiler_that_comes_later_adds_only_sizes(
 
 def test_a_size_that_is_not_known_neither_wins_nor_loses() -> None:
     def point(key: str, error: float, tick: float, flash: int | None) -> dict[str, Any]:
-        facts = {"key": key, "cv_rmse_n": error, "tick_ns_hot": tick, "flash_bytes": flash}
-        facts |= {"ram_bytes": 100, "active_cells": 0, "any_rate": True, "number": "float32"}
-        return facts | {"sizes_why": None if flash else REMEDY, "bounded": True, "model": "x"}
+        metadata = {"key": key, "cv_rmse_n": error, "tick_ns_hot": tick, "flash_bytes": flash}
+        metadata |= {"ram_bytes": 100, "active_cells": 0, "any_rate": True, "number": "float32"}
+        return metadata | {"sizes_why": None if flash else REMEDY, "bounded": True, "model": "x"}
 
     slow, fast = point("slow", 2.0, 900.0, None), point("fast", 1.0, 50.0, 9000)
     assert pareto([slow, fast]) == {"fast"}

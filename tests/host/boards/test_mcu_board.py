@@ -179,7 +179,7 @@ def test_a_board_whose_self_test_fails_renders_nothing(tmp_path: Path, emitted: 
     shutil.copytree(folder, altered)
     tables = altered / "sp_regressor.h"
     text = tables.read_text()
-    begin = text.index("quantum_n = ") + len("quantum_n = ")
+    begin = text.index("leaf_step_n = ") + len("leaf_step_n = ")
     tables.write_text(text[:begin] + "2.0f * " + text[begin:])
     with emulated(altered, "mps2-an386") as port:
         status, _, told = command("run", "--scene", folder, "--device", f"serial://{port}",

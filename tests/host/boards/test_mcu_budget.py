@@ -88,11 +88,11 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
         assert bound is not None
         restarts = (batch.notes & RESYNC) != 0
         assert restarts.sum() > 1
-        most, most_restarting = (
+        most, max_restarting = (
             int(batch.instructions[rows].max()) for rows in (~restarts, restarts)
         )
         assert most <= bound.tick < 1.5 * most, board
-        assert most_restarting <= bound.restart < 2.0 * most_restarting, board
+        assert max_restarting <= bound.restart < 2.0 * max_restarting, board
 
 
 @pytest.mark.parametrize(

@@ -107,9 +107,7 @@ def test_a_difference_would_be_seen(tmp_path: Path) -> None:
     batch = run_batch(
         tmp_path / "c", BOARDS["mps2-an386"], steps(position, np.zeros_like(position))
     )
-    other = dataclasses.replace(
-        trained, trained=dataclasses.replace(trained.trained, greatest_m=0.0119)
-    )
+    other = dataclasses.replace(trained, trained=dataclasses.replace(trained.trained, max_m=0.0119))
     reference = run_reference(make_plan(other, target_scene("cortex-m4f")), position)
     with pytest.raises(AssertionError):
         assert_same(batch, reference.force_n, reference.notes)

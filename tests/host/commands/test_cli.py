@@ -49,21 +49,21 @@ def test_train_emit_build_validate_report(job: Path) -> None:
     trained = run("train", job / "rec", "--model", "rf-fd", "--out", job / "m.spm", "--seed", 5,
                   "--validate", job / "rec", "--json")  # fmt: skip
     assert trained.returncode == 0, trained.stderr
-    facts = json.loads(trained.stdout)
+    metadata = json.loads(trained.stdout)
     assert {"model", "out", "hash", "seed", "rows", "rows_total", "feature_s", "fit_s", "search_s",
             "orders", "n_nodes", "importance", "window_s", "engine", "rmse_n",
-            "rmse_percent_of_peak", "mean_recording_rmse_n"} <= set(facts)  # fmt: skip
-    assert facts["rows"] == facts["rows_total"] < 20_000
-    assert facts["window_s"] == pytest.approx(0.171)
-    assert 0 < facts["rmse_percent_of_peak"] < 3
+            "rmse_percent_of_peak", "mean_recording_rmse_n"} <= set(metadata)  # fmt: skip
+    assert metadata["rows"] == metadata["rows_total"] < 20_000
+    assert metadata["window_s"] == pytest.approx(0.171)
+    assert 0 < metadata["rmse_percent_of_peak"] < 3
 
     emitted = run("emit", "--scene", job / "scene.toml", "--out", job / "c", "--json")
     assert emitted.returncode == 0, emitted.stderr
-    facts = json.loads(emitted.stdout)
-    assert facts["flash_bytes"] > 10_000
-    assert facts["ram_bytes"] < 2000
-    assert 0 < facts["stack_bytes"] < 2000
-    assert facts["compile_s"] > 0
+    metadata = json.loads(emitted.stdout)
+    assert metadata["flash_bytes"] > 10_000
+    assert metadata["ram_bytes"] < 2000
+    assert 0 < metadata["stack_bytes"] < 2000
+    assert metadata["compile_s"] > 0
 
     built = run("build", job / "c")
     assert Path(built.stdout.strip()).suffix == ".so"
@@ -72,7 +72,7 @@ def test_train_emit_build_validate_report(job: Path) -> None:
     assert validated.returncode == 0, validated.stderr
     result = json.loads(validated.stdout)
     assert result["mismatches"] == 0
-    assert result["hash"] == facts["hash"]
+    assert result["hash"] == metadata["hash"]
     assert result["notes"]["resync"] == len(training())
     assert set(result["tick_ns"]) == {"hot_median", "p50", "p99", "p999", "max"}
     assert 0 < result["tick_ns"]["hot_median"] <= result["tick_ns"]["max"]
@@ -81,7 +81,7 @@ def test_train_emit_build_validate_report(job: Path) -> None:
     assert reported.returncode == 0, reported.stderr
     page = Path(json.loads(reported.stdout)["report"]).read_text()
     assert page.count("<svg") == 5
-    assert facts["hash"] in page
+    assert metadata["hash"] in page
     assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
 
 
@@ -199,9 +199,9 @@ def test_hostile_recordings_validate_bit_for_bit(tmp_path: Path) -> None:
     write_recording(tmp_path / "wild.h5", recording("wild", np.clip(motion, -1.0, 1.0)))
     result = run("validate", tmp_path / "c", "--recording", tmp_path / "wild.h5", "--json")
     assert result.returncode == 0, result.stderr
-    facts = json.loads(result.stdout)
-    assert facts["mismatches"] == 0
-    assert facts["notes"]["held"] > 0
+    metadata = json.loads(result.stdout)
+    assert metadata["mismatches"] == 0
+    assert metadata["notes"]["held"] > 0
 
 
 def test_doctor_tells_what_to_do() -> None:

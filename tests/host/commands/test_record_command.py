@@ -47,8 +47,8 @@ def test_the_papers_protocol(tmp_path):
         assert read.source == url
         assert read.dt_s == 0.001
         assert read.zero == "none"
-        assert read.details["command"]["amplitude_n"] == profile.facts["amplitude_n"]
-        assert read.details["command"]["frequency_hz"] == profile.facts["frequency_hz"]
+        assert read.details["command"]["amplitude_n"] == profile.metadata["amplitude_n"]
+        assert read.details["command"]["frequency_hz"] == profile.metadata["frequency_hz"]
     assert max(r["max_depth_m"] for r in answer["recordings"]) == pytest.approx(0.0104, rel=0.02)
 
 

@@ -12,7 +12,7 @@ from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.devices import serial_port
-from springpot.host.devices.device import Wanted
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.emission.emission import emit
 from springpot.host.recording import indentation
@@ -20,12 +20,16 @@ from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_device as open_for_recording
 from springpot.host.session.session import Session
 
-WANTED = Wanted(rate_hz=1000, watchdog_s=0.02, greatest_n=12.0, hash="ab" * 32)
+REQUIREMENTS = DeviceRequirements(rate_hz=1000, watchdog_s=0.02, max_n=12.0, hash="ab" * 32)
 
 
-def refused(url: str, wanted: Wanted = WANTED, error: type[SpringpotError] = DeviceError) -> str:
+def refused(
+    url: str,
+    requirements: DeviceRequirements = REQUIREMENTS,
+    error: type[SpringpotError] = DeviceError,
+) -> str:
     with pytest.raises(error) as caught:
-        open_device(url, wanted)
+        open_device(url, requirements)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
@@ -104,7 +108,7 @@ def test_the_latency_timer_of_an_adapter(tmp_path, monkeypatch):
         told = refused(device.url)
         assert "latency timer is 16 ms, 62 exchanges a second: `echo 1 | sudo tee" in told
         timer.write_text("1\n")
-        opened = open_device(device.url, WANTED)
+        opened = open_device(device.url, REQUIREMENTS)
         opened.stop()
         opened.close()
 
@@ -131,11 +135,11 @@ def test_a_device_that_answers_nothing(tmp_path):
 
 
 def test_a_device_that_gives_less_force_or_another_rate():
-    with peer("serial_device", "--greatest-n", 8, "--most-hz", 500) as device:
+    with peer("serial_device", "--max-n", 8, "--max-hz", 500) as device:
         assert "gives at most 8 N and the scene up to 12 N: set guard.max_force_n = 8" in refused(
             device.url
         )
-        told = refused(device.url, Wanted(1000, 0.02, 5.0))
+        told = refused(device.url, DeviceRequirements(1000, 0.02, 5.0))
     assert "refuses that rate (1000 Hz" in told
 
 
@@ -192,14 +196,14 @@ def test_only_the_user_takes_back_a_trip(tmp_path):
     emit(scene(), model_file(tmp_path), tmp_path / "c")
     with peer("serial_device", "--silent-after", 0.4, "--silent-for", 0.1) as device:
         told = []
-        with Session(tmp_path / "c", device.url, tell=told.append) as session:
+        with Session(tmp_path / "c", device.url, report=told.append) as session:
             session.start()
-            wait_until(lambda: session.running.state.latched, 5, "no trip")
-            at = session.running.state.ticks
-            wait_until(lambda: session.running.state.ticks > at + 300, 5, "no ticks")
-            assert session.running.state.latched
+            wait_until(lambda: session.runner.state.latched, 5, "no trip")
+            at = session.runner.state.ticks
+            wait_until(lambda: session.runner.state.ticks > at + 300, 5, "no ticks")
+            assert session.runner.state.latched
             session.reset()
-            wait_until(lambda: not session.running.state.latched, 5, "no reset")
-            assert session.running.state.resets == 1
+            wait_until(lambda: not session.runner.state.latched, 5, "no reset")
+            assert session.runner.state.resets == 1
         assert device.wait_for("reset")
     assert any("force zero until reset" in line for line in told)

@@ -22,9 +22,9 @@ from support.small import model_file, scene
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.scene import Guard
 from springpot.host.devices.can_bus import SocketBus, open_bus
-from springpot.host.devices.device import Wanted
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.odrive import CLOSED_LOOP, ENCODER, identifier, parse_heartbeat
-from springpot.host.devices.odrive_device import OdriveDevice, refuse_slow_bus
+from springpot.host.devices.odrive_device import OdriveDevice, require_fast_bus
 from springpot.host.devices.url import parse_device
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import RESET, UNSENT, loop_library
@@ -223,13 +223,13 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
     options = ("--firmware", firmware, "--sign", sign, "--node", NODE)
     with (
         peer("slcan_odrive", *options) as drive,
-        Session(folder, drive.url, log, seconds=1.5, tell=list) as session,
+        Session(folder, drive.url, log, seconds=1.5, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.running.over, 20, "does not end")
+        wait_until(lambda: session.runner.over, 20, "does not end")
         time.sleep(0.05)
     result = session.result()
-    assert session.running.scheduler().startswith("C thread")
+    assert session.runner.scheduler().startswith("C thread")
     assert abs(result["ticks"] - 1500) <= 2
     assert result["ring_dropped"] == result["crc_errors"] == 0
     assert result["samples"] > 1400
@@ -246,11 +246,11 @@ def test_a_drive_over_udp_multicast(tmp_path, folder):
     log = tmp_path / "a.h5"
     with (
         peer("udp_odrive", "--port", 43219) as drive,
-        Session(folder, drive.url, log, seconds=1.0, tell=list) as session,
+        Session(folder, drive.url, log, seconds=1.0, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.running.over, 20, "does not end")
-    assert session.running.scheduler().startswith("C thread")
+        wait_until(lambda: session.runner.over, 20, "does not end")
+    assert session.runner.scheduler().startswith("C thread")
     assert session.result()["samples"] > 800
     assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
 
@@ -337,15 +337,15 @@ def test_a_bus_of_python_can_that_fails_in_a_session(tmp_path, monkeypatch):
     monkeypatch.setattr(UdpMulticastBus, "send", fail_once)
     with (
         peer("udp_odrive", "--port", 43223, "--watchdog-ms", 300) as drive,
-        Session(folder, drive.url, log, tell=list) as session,
+        Session(folder, drive.url, log, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.running.state.ticks > 100, 20, "no ticks")
+        wait_until(lambda: session.runner.state.ticks > 100, 20, "no ticks")
         broken.set()
-        wait_until(lambda: session.running.state.disconnects == 1, 5, "not gone")
-        wait_until(lambda: session.running.state.connected, 20, "not back")
-        at = session.running.state.ticks
-        wait_until(lambda: session.running.state.ticks > at + 100, 20, "no ticks")
+        wait_until(lambda: session.runner.state.disconnects == 1, 5, "not gone")
+        wait_until(lambda: session.runner.state.connected, 20, "not back")
+        at = session.runner.state.ticks
+        wait_until(lambda: session.runner.state.ticks > at + 100, 20, "no ticks")
     read = read_recording(log)
     assert validate(folder, [read], paced_s=0.01).mismatches == 0
     call = read.channels["call"].astype(int)
@@ -359,7 +359,7 @@ def test_a_bus_of_python_can_that_fails_in_a_session(tmp_path, monkeypatch):
 def test_a_drive_without_watchdog_is_refused(folder):
     with peer("slcan_odrive", "--no-watchdog") as drive:
         with pytest.raises(DeviceError, match="watchdog on"):
-            Session(folder, drive.url, tell=list).__enter__()
+            Session(folder, drive.url, report=list).__enter__()
         assert drive.wait_for("state", more=1)["state"] == 1  # left idle
 
 
@@ -367,14 +367,14 @@ def test_the_wrong_node(folder):
     with peer("slcan_odrive", "--node", 5) as drive:
         url = drive.url.replace("node=5", "node=2")
         with pytest.raises(DeviceError, match=r"no heartbeat of node 2: heard nodes \[5\]"):
-            Session(folder, url, tell=list).__enter__()
+            Session(folder, url, report=list).__enter__()
 
 
 def test_a_serial_device_is_no_adapter(folder):
     with peer("serial_device") as device:
         url = "odrive://slcan/" + device.url.removeprefix("serial://").split("?")[0]
         with pytest.raises(DeviceError, match="no slcan adapter"):
-            Session(folder, f"{url}?{TRAIN}", tell=list).__enter__()
+            Session(folder, f"{url}?{TRAIN}", report=list).__enter__()
 
 
 @pytest.mark.realtime
@@ -396,8 +396,8 @@ def test_recording_needs_the_torques_of_firmware_0_6():
 
 def test_the_bus_is_too_slow_for_the_rate():
     with pytest.raises(DeviceError, match="250 kbit/s carry 926 exchanges a second, 1000 Hz need"):
-        refuse_slow_bus("odrive://slcan//dev/x", 250_000, 1000)
-    refuse_slow_bus("odrive://slcan//dev/x", 1_000_000, 1000)
+        require_fast_bus("odrive://slcan//dev/x", 250_000, 1000)
+    require_fast_bus("odrive://slcan//dev/x", 1_000_000, 1000)
 
 
 @pytest.mark.parametrize(
@@ -416,7 +416,7 @@ def test_the_bus_is_too_slow_for_the_rate():
 )
 def test_wrong_urls_are_one_line(url, error, says):
     with pytest.raises(error, match=says) as caught:
-        OdriveDevice(parse_device(url), Wanted(1000, 0.02, 12.0))
+        OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, 12.0))
     assert "\n" not in str(caught.value)
 
 

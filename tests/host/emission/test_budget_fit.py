@@ -16,7 +16,7 @@ from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.selection import prune
 
-JUDGE = recording("judge", press(1.5, 0.011))
+EVALUATION = recording("judge", press(1.5, 0.011))
 
 
 def tight(folder: Path) -> tuple[Scene, Path, int]:
@@ -38,8 +38,8 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_reduction_that_fits_is_named_and_then_applied(tmp_path: Path, few: None) -> None:
     chosen, model, flash_bytes = tight(tmp_path)
     with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
-        emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
-    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=True)
+        emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
+    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
     assert fitted.footprint is not None
     assert fitted.footprint.flash_bytes <= flash_bytes
 
@@ -48,15 +48,15 @@ def test_a_reduction_that_fits_is_named_and_then_applied(tmp_path: Path, few: No
 def test_of_all_reductions_the_best_keeps_to_the_budget(tmp_path: Path) -> None:
     chosen, model, flash_bytes = tight(tmp_path)
     with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
-        emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=False)
-    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [JUDGE], fit=True)
+        emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
+    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
     assert fitted.footprint is not None
     assert fitted.footprint.flash_bytes <= flash_bytes
 
 
 def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
     chosen, model, _ = tight(tmp_path)
-    slow = dataclasses.replace(JUDGE, dt_s=2e-3)
+    slow = dataclasses.replace(EVALUATION, dt_s=2e-3)
     with pytest.raises(DataError, match="sampled at 500 Hz, the scene at 1000 Hz"):
         emit_fitting(chosen, model, tmp_path / "c", False, [slow], fit=True)
 
@@ -66,7 +66,7 @@ def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(
 ) -> None:
     chosen, model, _ = tight(tmp_path)
     unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
-    fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [JUDGE], fit=True)
+    fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [EVALUATION], fit=True)
     assert fitted.manifest["accept_unsafe"] is True
 
 
@@ -81,7 +81,7 @@ def test_without_a_compiler_no_reduction_is_blamed(
         scene(), runtime=Runtime(target="rv32imafc"), budget=Budget(flash_bytes=1000)
     )
     with pytest.raises(BudgetError) as refused:
-        emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [JUDGE], fit=True)
+        emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [EVALUATION], fit=True)
     assert "no compiler for rv32imafc" in str(refused.value)
     assert "no reduction" not in str(refused.value)
 

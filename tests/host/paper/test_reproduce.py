@@ -16,7 +16,7 @@ from springpot.host.commands.models.reproduce import (
     rows,
     run_reproduce,
 )
-from springpot.host.paper.claims import Claim, judge
+from springpot.host.paper.claims import Claim, evaluation
 from springpot.host.paper.reproduce import (
     PAPER_KINDS,
     ObjectResult,
@@ -45,10 +45,10 @@ def test_keys_files_and_captions(tmp_path: Path) -> None:
     models = result["models"]["ecoflex-00-50"]
     assert set(models) == set(LITTLE.kinds)
     keys = {"rmse_n", "p99_abs_error_n", "ape_below_jnd", "modelling_s", "tick_ns"}
-    for facts in models.values():
-        assert keys <= set(facts)
-        assert facts["mismatches"] == 0
-        assert 0.0 < facts["rmse_n"] < 2.0
+    for metadata in models.values():
+        assert keys <= set(metadata)
+        assert metadata["mismatches"] == 0
+        assert 0.0 < metadata["rmse_n"] < 2.0
     assert all(set(claim) == {"claim", "paper", "here", "holds"} for claim in result["claims"])
 
 
@@ -70,7 +70,7 @@ def little_result(folder: Path) -> ObjectResult:
 
 def judged(result: ObjectResult) -> dict[str, Claim]:
     sampled = resampled(result.models["rf-fd"], result.data.validation[0])
-    return {claim.claim: claim for claim in judge([result], sampled)}
+    return {claim.claim: claim for claim in evaluation([result], sampled)}
 
 
 def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:

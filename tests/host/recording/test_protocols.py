@@ -11,14 +11,19 @@ def test_training_is_27_cycles_of_48_850_samples():
     assert sum(len(profile.command_n) for profile in profiles) == 48_850
     names = [profile.name for profile in profiles]
     assert sorted(set(names)) == names
-    pairs = {(p.facts["amplitude_n"], round(1 / p.facts["frequency_hz"], 9)) for p in profiles}
+    pairs = {
+        (p.metadata["amplitude_n"], round(1 / p.metadata["frequency_hz"], 9)) for p in profiles
+    }
     periods_s = [5, 4, 3, 2, 1, 0.5, round(1 / 3, 9), 0.25, 0.2]
     assert pairs == {(a, t) for a in (2, 6, 10) for t in periods_s}
 
 
 def test_a_training_profile_is_one_cycle_of_equation_1():
     for profile in protocols.training():
-        amplitude_n, frequency_hz = profile.facts["amplitude_n"], profile.facts["frequency_hz"]
+        amplitude_n, frequency_hz = (
+            profile.metadata["amplitude_n"],
+            profile.metadata["frequency_hz"],
+        )
         assert abs(len(profile.command_n) - 1000 / frequency_hz) < 1
         assert profile.command_n[0] == 0
         assert 0 <= profile.command_n[-1] < 3e-4 * amplitude_n
@@ -39,10 +44,10 @@ def test_validation_signals_peak_at_10_n_and_end_at_zero():
         assert command_n[-1] < 0.01
         last_zero_s = max(
             np.floor(15 * frequency_hz) / frequency_hz
-            for frequency_hz in profile.facts["frequency_hz"]
+            for frequency_hz in profile.metadata["frequency_hz"]
         )
         assert not command_n[int(np.ceil(last_zero_s * 1000)) :].any()
-        amplitudes_n = np.array(profile.facts["amplitude_n"])
+        amplitudes_n = np.array(profile.metadata["amplitude_n"])
         assert amplitudes_n.max() / amplitudes_n.min() <= 5  # drawn from 0.2 .. 1
 
 
@@ -64,7 +69,7 @@ def test_extended_adds_a_multisine_and_a_hold():
         assert profile.command_n[0] == 0
         assert profile.command_n[-1] < 0.001
         assert profile.command_n.min() >= 0
-        assert profile.command_n.max() == pytest.approx(profile.facts["amplitude_n"])
+        assert profile.command_n.max() == pytest.approx(profile.metadata["amplitude_n"])
     assert np.all(hold.command_n[500:-500] == hold.command_n.max())
     power = np.abs(np.fft.rfft(multisine.command_n)) ** 2
     assert power[15 * 5 :].sum() > 0.05 * power[1:].sum()  # bins of 1/15 Hz: fast tones are there

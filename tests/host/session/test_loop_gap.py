@@ -13,7 +13,7 @@ from springpot.host.native.c_library import CLibrary
 from springpot.host.native.loop_library import loop_library
 from springpot.host.recording.indentation import trip_error
 from springpot.host.session.loop import CLoop, LoopSettings, LoopState
-from springpot.host.session.step_functions import Engine
+from springpot.host.session.step_functions import StepFunctions
 
 PERIOD_S = 1e-3
 GAP_AT, GAP_S = 20, 0.2  # ten times what a session's watchdog allows
@@ -38,11 +38,11 @@ class Steps:
             ffi.callback("void(void *)", lambda _state: None),
         )
 
-    def engine(self) -> Engine:
+    def steps(self) -> StepFunctions:
         step, idle, reset = (
             int(self.library.ffi.cast("uintptr_t", function)) for function in self.kept
         )
-        return Engine(self.library, step, idle, reset, state=0, kept=self.kept)
+        return StepFunctions(self.library, step, idle, reset, state=0, kept=self.kept)
 
     def link(self, library: CLibrary) -> Any:
         self.memory = library.memory(library.c.sp_link_serial_size())
@@ -100,7 +100,7 @@ def test_a_trip_names_who_was_late() -> None:
 @pytest.mark.realtime
 def test_samples_that_waited_are_used_one_a_period() -> None:
     device = Steps()
-    loop = CLoop(device.engine(), LoopSettings(PERIOD_S, seconds=0.5, real_time=False))
+    loop = CLoop(device.steps(), LoopSettings(PERIOD_S, seconds=0.5, real_time=False))
     loop.start(device)
     loop.join()
     device.close()

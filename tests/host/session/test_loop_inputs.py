@@ -12,7 +12,7 @@ from support.peer import wait_until
 
 from springpot.host.devices.odrive import CLOSED_LOOP, ENCODER, HEARTBEAT, TORQUES
 from springpot.host.native.loop_library import COLUMN, NONE, SILENT, Stop, empty_rows
-from springpot.host.recording.indentation import press_engine
+from springpot.host.recording.indentation import press_step_functions
 from springpot.host.session.loop import CLoop, LoopSettings
 from springpot.host.session.outcome import why_stopped
 
@@ -78,9 +78,9 @@ def run():
     runs = []
 
     def start(max_force_n=10.0):
-        engine = press_engine(np.zeros(100_000), 1.0, GAINS)
+        steps = press_step_functions(np.zeros(100_000), 1.0, GAINS)
         settings = LoopSettings(PERIOD_S, max_force_n=max_force_n, real_time=False)
-        drive, loop = Drive(), CLoop(engine, settings)
+        drive, loop = Drive(), CLoop(steps, settings)
         runs.append(Run(drive=drive, loop=loop, settings=settings, taken=empty_rows()))
         loop.start(drive)
         return runs[-1]
@@ -102,13 +102,13 @@ def test_the_log_shows_the_tool_while_paused(run):
     session.drive.sample(0.25, 1.0)
     session.row_where(lambda row: value(row, "position_m") == 0.25)
     session.loop.pause(True)
-    wait_until(lambda: session.loop.look().paused, 10, "not paused")
+    wait_until(lambda: session.loop.get_status().paused, 10, "not paused")
     session.drive.sample(0.5, 2.0)
     row = session.row_where(lambda row: value(row, "position_m") == 0.5)
     assert int(value(row, "call")) & (NONE | SILENT) == NONE | SILENT
     assert value(row, "returned_n") == value(row, "sent_n") == 0
     assert value(row, "measured_n") == pytest.approx(2.0)
-    assert session.loop.look().reason == Stop.NONE
+    assert session.loop.get_status().reason == Stop.NONE
 
 
 def test_what_a_lost_device_measured_last_is_not_kept(run):
@@ -117,15 +117,15 @@ def test_what_a_lost_device_measured_last_is_not_kept(run):
     session.drive.sample(0.25, 3.0)
     session.row_where(lambda row: value(row, "measured_n") == pytest.approx(3.0))
     session.drive.far.close()
-    wait_until(lambda: not session.loop.look().connected, 10, "not gone")
-    at = session.loop.look().ticks
-    wait_until(lambda: session.loop.look().ticks > at + 20, 10, "no ticks")
+    wait_until(lambda: not session.loop.get_status().connected, 10, "not gone")
+    at = session.loop.get_status().ticks
+    wait_until(lambda: session.loop.get_status().ticks > at + 20, 10, "no ticks")
     assert np.isnan(session.rows()[at + 1 :, COLUMN["measured_n"]]).all()
     before, session.drive = session.drive, Drive()
     session.loop.attach(session.drive)
-    wait_until(lambda: session.loop.look().connected, 10, "not back")
-    at = session.loop.look().ticks
-    wait_until(lambda: session.loop.look().ticks > at + 20, 10, "no ticks")
+    wait_until(lambda: session.loop.get_status().connected, 10, "not back")
+    at = session.loop.get_status().ticks
+    wait_until(lambda: session.loop.get_status().ticks > at + 20, 10, "no ticks")
     assert np.isnan(session.rows()[at:, COLUMN["measured_n"]]).all()
     session.drive.sample(0.25, 4.0)
     session.row_where(lambda row: value(row, "measured_n") == pytest.approx(4.0))
@@ -140,10 +140,10 @@ def test_a_load_cell_beyond_the_limit_ends_it(run, measured_n, max_force_n):
     session.drive.sample(0.25, measured_n)
     if math.isfinite(measured_n) and math.isinf(max_force_n):
         session.row_where(lambda row: value(row, "measured_n") == pytest.approx(measured_n))
-        assert session.loop.look().reason == Stop.NONE
+        assert session.loop.get_status().reason == Stop.NONE
         return
-    wait_until(lambda: session.loop.look().over, 10, "does not end")
-    state, row = session.loop.look(), session.rows()[-1]
+    wait_until(lambda: session.loop.get_status().over, 10, "does not end")
+    state, row = session.loop.get_status(), session.rows()[-1]
     assert state.reason == Stop.FORCE
     assert int(value(row, "call")) & SILENT
     assert value(row, "sent_n") == 0
@@ -158,4 +158,4 @@ def test_a_load_cell_that_measures_nothing_ends_nothing(run):
     row = session.row_where(lambda row: value(row, "position_m") == 0.25)
     assert math.isnan(value(row, "measured_n"))
     time.sleep(20 * PERIOD_S)
-    assert session.loop.look().reason == Stop.NONE
+    assert session.loop.get_status().reason == Stop.NONE

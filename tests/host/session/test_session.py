@@ -41,7 +41,7 @@ def folder(folders):
 
 
 def finish(session: Session, seconds: float = 20.0) -> None:
-    wait_until(lambda: session.running.over, seconds, "the session does not end")
+    wait_until(lambda: session.runner.over, seconds, "the session does not end")
 
 
 def calls(file):
@@ -60,7 +60,7 @@ def test_a_simulated_hand(tmp_path, folders, number):
     log = tmp_path / "a.h5"
     told = []
     with Session(folders[number], "sim://ecoflex-00-30?hand=firm&seed=3", log, seconds=1.0,
-                 tell=told.append) as session:  # fmt: skip
+                 report=told.append) as session:  # fmt: skip
         session.start()
         finish(session)
     result = session.result()
@@ -81,7 +81,7 @@ def test_a_simulated_hand(tmp_path, folders, number):
 def test_a_log_that_was_altered_does_not_validate(tmp_path, folder):
     """Inputs, forces and notes are compared; forces to the last bit."""
     log = tmp_path / "a.h5"
-    with Session(folder, "sim://ecoflex-00-30", log, seconds=0.5, tell=list) as session:
+    with Session(folder, "sim://ecoflex-00-30", log, seconds=0.5, report=list) as session:
         session.start()
         finish(session)
     read = assert_faithful(folder, log)
@@ -102,7 +102,7 @@ def test_a_replay_gives_the_forces_of_validation(tmp_path, folder):
     file = tmp_path / "press.h5"
     write_recording(file, recording("press", press(2.0)))
     log = tmp_path / "log.h5"
-    with Session(folder, f"replay://{file}", log, tell=list) as session:
+    with Session(folder, f"replay://{file}", log, report=list) as session:
         session.start()
         finish(session)
     assert "no more samples" in session.line
@@ -113,24 +113,24 @@ def test_a_replay_gives_the_forces_of_validation(tmp_path, folder):
     with pytest.raises(DataError, match="resample"):
         slow = recording("slow", press(2.0))
         write_recording(tmp_path / "slow.h5", type(slow)(**{**slow.__dict__, "dt_s": 0.002}))
-        Session(folder, f"replay://{tmp_path}/slow.h5", tell=list).__enter__()
+        Session(folder, f"replay://{tmp_path}/slow.h5", report=list).__enter__()
 
 
 def test_pause_reset_resume_stop(tmp_path, folder):
     log = tmp_path / "a.h5"
-    with Session(folder, "sim://ecoflex-00-30", log, tell=list) as session:
+    with Session(folder, "sim://ecoflex-00-30", log, report=list) as session:
         session.start()
-        wait_until(lambda: session.running.state.ticks > 300, 5, "no ticks")
+        wait_until(lambda: session.runner.state.ticks > 300, 5, "no ticks")
         session.pause()
-        wait_until(lambda: session.running.state.paused, 5, "not paused")
-        at = session.running.state.ticks
-        wait_until(lambda: session.running.state.ticks > at + 100, 5, "no ticks while paused")
+        wait_until(lambda: session.runner.state.paused, 5, "not paused")
+        at = session.runner.state.ticks
+        wait_until(lambda: session.runner.state.ticks > at + 100, 5, "no ticks while paused")
         session.resume()
-        wait_until(lambda: session.running.state.resets == 1, 5, "no reset after the pause")
+        wait_until(lambda: session.runner.state.resets == 1, 5, "no reset after the pause")
         session.reset()
-        wait_until(lambda: session.running.state.resets == 2, 5, "no reset")
+        wait_until(lambda: session.runner.state.resets == 2, 5, "no reset")
         session.stop()
-        assert session.running.over
+        assert session.runner.over
     assert session.line == "stopped by the user"
     read = assert_faithful(folder, log)
     call = calls(log)
@@ -147,10 +147,10 @@ def test_an_exception_ends_it_with_zero_force(tmp_path, folder):
     with (
         peer("serial_device", "--presses-hz", 4) as device,
         pytest.raises(ZeroDivisionError),
-        Session(folder, device.url, log, tell=list) as session,
+        Session(folder, device.url, log, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.running.state.ticks > 300, 5, "no ticks")
+        wait_until(lambda: session.runner.state.ticks > 300, 5, "no ticks")
         _ = 1 / 0
     assert session.line == "stopped by ZeroDivisionError"
     assert device.wait_for("stop")["force_n"] == 0
@@ -160,7 +160,7 @@ def test_an_exception_ends_it_with_zero_force(tmp_path, folder):
 def test_limits_end_it_before_the_force_is_sent(tmp_path, folder):
     for limits, says in (({"max_force_n": 0.4}, "force reached"), ({"max_depth_m": 2e-3}, "deep")):
         log = tmp_path / f"{says}.h5"
-        with Session(folder, "sim://ecoflex-00-30", log, tell=list, **limits) as session:
+        with Session(folder, "sim://ecoflex-00-30", log, report=list, **limits) as session:
             session.start()
             finish(session)
         assert says in session.line
@@ -185,7 +185,7 @@ def test_a_serial_device_while_python_is_busy(tmp_path, folder):
         worker = threading.Thread(target=work)
         worker.start()
         try:
-            with Session(folder, device.url, log, seconds=2.0, tell=list) as session:
+            with Session(folder, device.url, log, seconds=2.0, report=list) as session:
                 session.start()
                 finish(session)
         finally:
@@ -203,13 +203,13 @@ def test_python_stands_still_for_300_ms(tmp_path, folder):
     """The loop does not care, and the log has every row."""
     with peer("serial_device") as device:
         log = tmp_path / "a.h5"
-        with Session(folder, device.url, log, seconds=1.5, tell=list) as session:
+        with Session(folder, device.url, log, seconds=1.5, report=list) as session:
             session.start()
             for _ in range(2):
-                wait_until(lambda: session.running.state.ticks > 100, 5, "no ticks")
-                before = session.running.state.ticks
+                wait_until(lambda: session.runner.state.ticks > 100, 5, "no ticks")
+                before = session.runner.state.ticks
                 ctypes.PyDLL(None).usleep(300_000)  # holds the interpreter's lock
-                assert session.running.state.ticks > before + 290
+                assert session.runner.state.ticks > before + 290
             finish(session)
         stopped_s = device.named("stop")[0]["at_s"]
         assert not [e for e in device.named("tripped") if e["at_s"] < stopped_s]
@@ -224,7 +224,7 @@ def test_damage_on_the_line_is_never_a_force(tmp_path, folder):
     log = tmp_path / "a.h5"
     with (
         peer("serial_device", *options) as device,
-        Session(folder, device.url, log, seconds=1.5, tell=list) as session,
+        Session(folder, device.url, log, seconds=1.5, report=list) as session,
     ):
         session.start()
         finish(session)
@@ -265,7 +265,9 @@ def test_the_command_as_a_person_uses_it(tmp_path, folder):
 
 def test_the_log_of_another_scene_is_a_recording(tmp_path, folders, capsys):
     log = tmp_path / "a.h5"
-    with Session(folders["float32"], "sim://ecoflex-00-30", log, seconds=0.2, tell=list) as session:
+    with Session(
+        folders["float32"], "sim://ecoflex-00-30", log, seconds=0.2, report=list
+    ) as session:
         session.start()
         finish(session)
     validation = validate(folders["float64"], [read_recording(log)], paced_s=0.01)
@@ -277,13 +279,13 @@ def test_a_log_is_not_overwritten(tmp_path, folder):
     log = tmp_path / "a.h5"
     log.write_text("mine")
     with pytest.raises(UsageError, match="not overwritten"):
-        Session(folder, "sim://ecoflex-00-30", log, tell=list).__enter__()
+        Session(folder, "sim://ecoflex-00-30", log, report=list).__enter__()
     assert log.read_text() == "mine"
 
 
 def test_a_device_that_refuses_leaves_no_log(tmp_path, folder):
     with pytest.raises(DeviceError, match="no such port"):
-        Session(folder, f"serial://{tmp_path}/none", tmp_path / "a.h5", tell=list).__enter__()
+        Session(folder, f"serial://{tmp_path}/none", tmp_path / "a.h5", report=list).__enter__()
     assert list(tmp_path.iterdir()) == []
 
 
@@ -293,7 +295,7 @@ def test_idle_and_late_samples_are_logged_as_they_were(tmp_path, folder):
     log = tmp_path / "a.h5"
     with (
         peer("serial_device", "--burst-after", 0.5, "--burst-for", 0.012) as device,
-        Session(folder, device.url, log, seconds=1.2, tell=list) as session,
+        Session(folder, device.url, log, seconds=1.2, report=list) as session,
     ):
         session.start()
         finish(session)
@@ -315,9 +317,9 @@ def test_a_board_that_renders(tmp_path, folder, fed):
     write_recording(motion, recording("press", press(1.0)))
     with peer("serial_board", "--scene", folder, *(["--fed"] if fed else [])) as board:
         url = f"{board.url}&feed={motion}" if fed else board.url
-        with Session(folder, url, log, seconds=1.5, tell=list) as session:
+        with Session(folder, url, log, seconds=1.5, report=list) as session:
             session.start()
-            wait_until(lambda: session.running.state.ticks > 300, 5, "no calls")
+            wait_until(lambda: session.runner.state.ticks > 300, 5, "no calls")
             session.reset()
             finish(session)
         assert session.result()["resets"] >= 2  # at its start, and the user's; perhaps repeated
@@ -327,4 +329,4 @@ def test_a_board_that_renders(tmp_path, folder, fed):
         other = tmp_path / "other"
         emit(scene(smoothing_s=0.01), model_file(tmp_path), other, accept_unsafe=True)
         with pytest.raises(DeviceError, match="the board renders model"):
-            Session(other, board.url, tell=list).__enter__()
+            Session(other, board.url, report=list).__enter__()

@@ -130,7 +130,7 @@ def test_force_control_follows_its_command():
             _, force_n = SimulatedBench(simulated).press(profile.command_n)
             peak_n = profile.command_n.max()
             assert np.sqrt(np.mean((force_n - profile.command_n) ** 2)) < 0.02 + 0.09 * peak_n
-            # The greatest of many samples lies about 0.06 N of noise above the truth.
+            # The maximum of many samples lies about 0.06 N of noise above the truth.
             assert 0.99 * peak_n < force_n.max() < 1.01 * peak_n + 0.14
 
 

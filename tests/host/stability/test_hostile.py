@@ -13,7 +13,7 @@ from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.bench import HANDS
-from springpot.host.simulation.hand_loop import Grip, HandLoop
+from springpot.host.simulation.hand_loop import HandLoop, Operator
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -50,7 +50,7 @@ def test_no_bits_make_a_force_that_is_not_allowed(
             chosen, device=dataclasses.replace(chosen.device, velocity="device")
         )
     plan = make_plan(model_of(kind, contact), chosen)
-    limits = float(plan.output.least_n), float(plan.output.greatest_n)
+    limits = float(plan.output.min_n), float(plan.output.max_n)
     with built(plan) as library:
         assert HandLoop(library).fuzz(FUZZ_TICKS, DT_S, DEPTH_M, limits, seed=1) == 0
 
@@ -95,7 +95,7 @@ def test_float32_stays_beside_float64(kind: str) -> None:
             motion = (DEPTH_M * (0.45 + 0.13 * wave)).astype(np.float32)
             difference = one.run(motion)[0] - other.run(motion.astype(np.float64))[0]
             errors.append(float(np.sqrt(np.mean(difference**2))))
-    peak_n = model.trained.greatest_n
+    peak_n = model.trained.max_n
     tenth = max(1, len(errors) // 10)
     assert max(errors) < 2e-3 * peak_n  # a leaf that flips at a near tie
     assert np.mean(errors[-tenth:]) < 3.0 * np.mean(errors[:tenth]) + 1e-6 * peak_n
@@ -134,7 +134,7 @@ def test_scales_of_a_micrometre_to_a_metre(
 def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str) -> None:
     """The bound, stated before the run: a force held for a tick lags half a tick behind the motion.
 
-    Over a press in and out to the greatest depth, at the greatest speed, that is at most
+    Over a press in and out to the maximum depth, at the maximum speed, that is at most
     2 x 1/2 K (v dt) x depth of energy, with K the stiffness felt; twice that with the sensors.
     """
 
@@ -144,16 +144,16 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
         model = model.stiffened(10.0)
         chosen = dataclasses.replace(chosen, coupling=Coupling())
     plan = make_plan(model, chosen)
-    depth_m = float(plan.range.greatest_m)
+    depth_m = float(plan.range.max_m)
     reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 1000.0, "light": 300.0}[hand]
-    greatest_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
-    bound_j = 2.0 * plan.coupling.felt_npm * greatest_mps * plan.dt_s * 1.3 * reach_m
+    max_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
+    bound_j = 2.0 * plan.coupling.felt_npm * max_mps * plan.dt_s * 1.3 * reach_m
     with built(plan) as library:
         ticks = round(PRESS_S / plan.dt_s)
-        found = HandLoop(library).press(Grip(hand), ticks, plan.dt_s, reach_m)
+        found = HandLoop(library).press(Operator(hand), ticks, plan.dt_s, reach_m)
     assert found["not_finite"] == 0
     assert found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S
-    assert found["most_returned_j"] <= bound_j
-    assert found["most_taken_j"] > 1e-3
+    assert found["max_returned_j"] <= bound_j
+    assert found["max_taken_j"] > 1e-3
     assert found["last_n"] == pytest.approx(found["first_n"], rel=0.05 if SOAK else 0.25)

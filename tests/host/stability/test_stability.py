@@ -57,7 +57,7 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
         assert outcome.bounded, outcome.as_dict()
         _is_quiet_and_faithful(outcome)
     deep_m = max(outcome.max_depth_m for outcome in found.outcomes if outcome.case == "deep")
-    assert deep_m < 1.3 * plan.model.trained.greatest_m
+    assert deep_m < 1.3 * plan.model.trained.max_m
     _agrees_with_the_stiffer_object(found)
 
 

@@ -58,10 +58,10 @@ class Axis:
             case 0x00 if remote and self.options.firmware == "0.6":
                 return [self._frame(0x00, bytes([2, 4, 4, 58, 0, 6, 10, 0]))]
             case 0x07:
-                wanted = struct.unpack_from("<I", data)[0]
-                if wanted == CLOSED_LOOP and not self.error:
+                requirements = struct.unpack_from("<I", data)[0]
+                if requirements == CLOSED_LOOP and not self.error:
                     self.state, self.tool = CLOSED_LOOP, Tool(self.options, self.tool.dt_s)
-                elif wanted == IDLE:
+                elif requirements == IDLE:
                     self.state, self.torque_nm = IDLE, 0.0
                 say(event="state", state=self.state)
                 return [self._heartbeat()]

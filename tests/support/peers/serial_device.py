@@ -50,11 +50,11 @@ class Board:
         model = bytes.fromhex(self.options.model) if self.options.model else bytes(32)
         role = constant("RENDERS" if self.options.model else "SIMPLE")
         self.send("hello", layout=self.options.layout or layout(), role=role, model=model,
-                  rate_hz=self.rate_hz, greatest_n=self.options.greatest_n)  # fmt: skip
+                  rate_hz=self.rate_hz, max_n=self.options.max_n)  # fmt: skip
 
     def command(self, sequence: int, action: int, watchdog_s: float, rate_hz: float) -> None:
         refused = 0
-        if not 10 <= rate_hz <= self.options.most_hz:
+        if not 10 <= rate_hz <= self.options.max_hz:
             refused = constant("REFUSED_RATE")
         elif action in (START, PRESS):
             self.rate_hz, self.watchdog_s = rate_hz, watchdog_s
@@ -131,8 +131,8 @@ class Board:
 
 def main() -> None:
     parser = arguments(__doc__.splitlines()[0])
-    parser.add_argument("--greatest-n", type=float, default=20.0, help="of the motor")
-    parser.add_argument("--most-hz", type=float, default=8000.0)
+    parser.add_argument("--max-n", type=float, default=20.0, help="of the motor")
+    parser.add_argument("--max-hz", type=float, default=8000.0)
     parser.add_argument("--model", default="", help="say that it renders the scene of this hash")
     parser.add_argument("--layout", type=int, default=0, help="say another layout of messages")
     options = parser.parse_args()

@@ -56,8 +56,8 @@ def returned(force: Force, numbers: np.ndarray) -> float:
     return float(-energy_j / max(np.ptp(force_n) * np.ptp(depth_m), 1e-12))
 
 
-def most_returned(force: Force, seed: int) -> float:
-    """The greatest share found by random presses and a local search from the best of them."""
+def max_returned(force: Force, seed: int) -> float:
+    """The maximum share found by random presses and a local search from the best of them."""
     rng = np.random.default_rng(seed)
     size = rng.choice([0.1, 0.3, 1.0], RANDOM)[:, None]
     tried = np.concatenate(
@@ -119,12 +119,12 @@ def random_model(seed: int) -> Hammerstein:
 
 @pytest.mark.parametrize("basis", BASES)
 def test_no_press_of_a_fitted_model_gives_energy_back(basis: Basis) -> None:
-    assert most_returned(model_force(fitted(basis)), seed=1) < BOUND
+    assert max_returned(model_force(fitted(basis)), seed=1) < BOUND
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_no_press_of_a_random_non_negative_model_gives_energy_back(seed: int) -> None:
-    assert most_returned(model_force(random_model(seed)), seed=seed) < BOUND
+    assert max_returned(model_force(random_model(seed)), seed=seed) < BOUND
 
 
 @pytest.mark.parametrize("basis", BASES)
@@ -135,8 +135,8 @@ def test_the_adversary_finds_one_negative_weight(basis: Basis, part: str) -> Non
     strongest = np.unravel_index(int(np.argmax(weights)), weights.shape)
     weights[strongest] = -3.0 * weights.sum()
     active = dataclasses.replace(model, **{part: weights})
-    assert most_returned(model_force(active), seed=1) > 1000 * BOUND
+    assert max_returned(model_force(active), seed=1) > 1000 * BOUND
 
 
 def test_the_adversary_finds_a_play_used_as_a_force() -> None:
-    assert most_returned(lambda depth_m, _: play(depth_m, 0.1 * SPAN_M), seed=1) > 1000 * BOUND
+    assert max_returned(lambda depth_m, _: play(depth_m, 0.1 * SPAN_M), seed=1) > 1000 * BOUND

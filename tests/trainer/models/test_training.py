@@ -8,7 +8,7 @@ from sklearn.ensemble import RandomForestRegressor
 from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot.codegen.errors import DataError
-from springpot.codegen.forest.leaves import leaf_quanta
+from springpot.codegen.forest.leaves import quantised_leaves
 from springpot.trainer.features.fractional import fir_derivatives
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -57,7 +57,7 @@ def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     ).fit(scale * data.features(model.features, rows), data.force_n(rows))
     features = fir_derivatives(scale * item.position_m, model.features.taps)
     expected = forest.predict(features.astype(np.float32))
-    rounding_n = 1.01 * leaf_quanta(model.regressor).error_n
+    rounding_n = 1.01 * quantised_leaves(model.regressor).error_n
     np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
 
 
@@ -71,9 +71,9 @@ def test_unscaled_metres_would_not_do() -> None:
 
 def test_the_trained_range_is_that_of_the_recordings() -> None:
     found = trained_range([recording("a", press(1.0, 0.01))], "surface")
-    assert found.least_m == 0.0
-    assert found.greatest_m == pytest.approx(0.01, rel=1e-4)
-    assert found.greatest_mps == pytest.approx(np.pi * 0.01, rel=1e-2)
+    assert found.min_m == 0.0
+    assert found.max_m == pytest.approx(0.01, rel=1e-4)
+    assert found.max_mps == pytest.approx(np.pi * 0.01, rel=1e-2)
 
 
 def test_recordings_that_do_not_fit_together_are_refused() -> None:

@@ -89,7 +89,7 @@ def test_killed_in_a_block(
 ) -> None:
     assert child(tmp_path / "a.h5", "block", str(block), share).returncode == -signal.SIGKILL
     assert [file.name for file in tmp_path.iterdir()] == ["a.journal"]
-    whole = (block - 2 + int(share == "1")) * PAIRS  # the first block holds the facts
+    whole = (block - 2 + int(share == "1")) * PAIRS  # the first block holds the metadata
     if not whole:
         with pytest.raises(DataError, match=r"a\.journal: .*interrupted before its first samples"):
             read_recordings([tmp_path])

@@ -85,9 +85,9 @@ def test_a_wrong_sign_is_refused() -> None:
 def test_clipping() -> None:
     good = sine()
     clipped = replace(good, force_n=np.minimum(good.force_n, 8.0))
-    assert "force stays at its greatest value, 8 N" in findings(clipped)["clipping"].what
+    assert "force stays at its maximum value, 8 N" in findings(clipped)["clipping"].what
     deep = replace(good, position_m=np.minimum(good.position_m, 8e-3))
-    assert "position stays at its greatest value" in findings(deep)["clipping"].what
+    assert "position stays at its maximum value" in findings(deep)["clipping"].what
 
 
 def test_a_hold_is_not_clipping() -> None:
@@ -173,9 +173,9 @@ def test_skew_is_estimated_with_its_uncertainty(skew_ms: int) -> None:
     assert warned == (abs(skew_ms) > 1)
     stated = check_recordings([replace(r, force_delay_s=skew_ms * 1e-3) for r in recordings])
     assert all(finding.kind != "alignment" for finding in stated.findings)
-    for facts in stated.recordings:
-        loss = facts["cycles"]["loss"]
-        true_rad = 0.06 + 0.01 * np.log(facts["cycles"]["frequency_hz"])
+    for metadata in stated.recordings:
+        loss = metadata["cycles"]["loss"]
+        true_rad = 0.06 + 0.01 * np.log(metadata["cycles"]["frequency_hz"])
         assert abs(loss["angle_rad"] - true_rad) < loss["angle_uncertainty_rad"]
     # Of one frequency nothing can be told, and no loss is quoted.
     alone = check_recordings(recordings[:1])
@@ -284,7 +284,7 @@ def test_stiffness_of_the_real_sinusoids(shared_data: Path) -> None:
     """Published with the data: stiffness rises from about 912 to 1035 N/mm."""
     file = shared_data / "mach1" / "Dynamic_data.txt"
     report = check_recordings(import_file(file, None, "first", None).recordings)
-    cycles = [facts["cycles"] for facts in report.recordings]
+    cycles = [metadata["cycles"] for metadata in report.recordings]
     assert [round(c["frequency_hz"], 1) for c in cycles] == [0.1, 0.2, 0.5, 1.0, 2.0]
     stiffness = [c["stiffness_npm"] * 1e-3 for c in cycles]
     assert stiffness == sorted(stiffness)

@@ -70,8 +70,8 @@ def test_a_flipped_byte_is_refused(tmp_path: Path, data: st.DataObject) -> None:
     file = tmp_path / "a.h5"
     write_recording(file, example())
     content = bytearray(file.read_bytes())
-    seal = len(content) - 48  # a flip in the seal's own mark leaves a whole HDF5 file
-    content[data.draw(st.integers(0, seal - 1))] ^= data.draw(st.integers(1, 255))
+    checksum = len(content) - 48  # a flip in the checksum's own mark leaves a whole HDF5 file
+    content[data.draw(st.integers(0, checksum - 1))] ^= data.draw(st.integers(1, 255))
     file.write_bytes(content)
     assert "damaged" in refusal(file)
 
@@ -92,7 +92,7 @@ def test_damaged_samples_without_a_seal_are_refused(tmp_path: Path) -> None:
     write_recording(file, example())
     with h5py.File(file, "r+") as opened:
         chunk = opened["force_n"].id.get_chunk_info(0)
-        opened.attrs["comment"] = "cuts the seal off"
+        opened.attrs["comment"] = "cuts the checksum off"
     content = bytearray(file.read_bytes())
     content[chunk.byte_offset + chunk.size // 2] ^= 0x10
     file.write_bytes(content)

@@ -29,11 +29,11 @@ def rmse_n(model: Model, test: Recording) -> float:
 def test_a_plain_spring_needs_no_forest():
     presses = [spring(f"{k}", press(k, 0.01)) for k in (2.0, 3.0, 4.0)]
     fit = fit_model("auto", "x", presses, OPTIONS)
-    scores = {score["name"]: score["mean_n"] for score in fit.facts["scores"]}
-    assert fit.facts["chosen"].startswith("hammerstein")
+    scores = {score["name"]: score["mean_n"] for score in fit.metadata["scores"]}
+    assert fit.metadata["chosen"].startswith("hammerstein")
     assert fit.model.regressor is None
     assert {"rf-fd", "rf-fd long", "rbf-fd", "boosted"} <= set(scores)
-    assert len(scores) == len(fit.facts["scores"])
+    assert len(scores) == len(fit.metadata["scores"])
     other, forest = spring("other", press(2.4, 0.008)), fit_model("rf-fd", "x", presses, OPTIONS)
     assert rmse_n(fit.model, other) < 0.1 * rmse_n(forest.model, other)
 
@@ -41,7 +41,7 @@ def test_a_plain_spring_needs_no_forest():
 def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():
     long = [spring("one", np.concatenate([press(k, 0.01) for k in (2.0, 3.0, 4.0)]))]
     first, again = (fit_model("auto", "x", long, OPTIONS) for _ in range(2))
-    assert first.facts["scores"] == again.facts["scores"]
+    assert first.metadata["scores"] == again.metadata["scores"]
     data = training_set(long, 0.0)
     rows = np.arange(data.rows_total)
     folds = recording_folds(data, rows, seed=0)
@@ -54,7 +54,7 @@ def test_repeats_of_one_press_are_one_condition():
     same = [dataclasses.replace(training()[3], name=f"{k}") for k in range(4)]
     data = training_set(same, 0.0)
     assert condition_folds(data, np.arange(data.rows_total), seed=0) is None
-    assert fit_model("auto", "x", same, OPTIONS).facts["chosen"]
+    assert fit_model("auto", "x", same, OPTIONS).metadata["chosen"]
 
 
 def test_the_strongest_condition_is_never_held_out():
@@ -70,7 +70,7 @@ def test_the_strongest_condition_is_never_held_out():
 
 @pytest.mark.parametrize(("dear_n", "chosen"), [(0.996, "cheap"), (0.99, "dear")])
 def test_the_cheaper_of_two_within_half_a_per_cent(dear_n, chosen):
-    """Or within 0.05 % of the greatest force."""
+    """Or within 0.05 % of the maximum force."""
     scores = [Score("cheap", 1, 1.0, 1.0, 1.0), Score("dear", 5, dear_n, dear_n, dear_n)]
     assert choose(scores, peak_n=1.0).name == chosen
     assert choose(scores, peak_n=30.0).name == "cheap"

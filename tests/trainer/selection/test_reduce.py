@@ -36,10 +36,10 @@ def test_the_model_has_the_size_that_was_chosen() -> None:
     judges = [recording("judge", press(1.3))]
     options = FitOptions(trees=20, leaf=5, within=0.1, select="paper")
     fit = fit_model("rf-fd", "x", training(), options, judges)
-    reduced = fit.facts["reduced"]
+    reduced = fit.metadata["reduced"]
     assert len(fit.model.regressor.roots) == reduced["trees"]
     assert fit.model.features.orders == tuple(reduced["orders"])
-    assert fit.model.regressor.rounding is not None
+    assert fit.model.regressor.quantisation is not None
     assert fit.search_s > 0.0
     leaves = np.sum(fit.model.regressor.feature < 0)
     assert leaves <= fit.rows / reduced["leaf"] * reduced["trees"]

@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
-_MOST_BYTES = 8 << 30
+_MAX_BYTES = 8 << 30
 _CPU_S = 120
-_MOST_COLUMNS = 32
+_MAX_COLUMNS = 32
 Found = Iterator[tuple[str, str, Any]]
 
 
 def main() -> None:
     """Read the file named by the first argument, of the kind named by the second."""
-    resource.setrlimit(resource.RLIMIT_AS, (_MOST_BYTES, _MOST_BYTES))
+    resource.setrlimit(resource.RLIMIT_AS, (_MAX_BYTES, _MAX_BYTES))
     resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
     path, kind = Path(sys.argv[1]), sys.argv[2]
     try:
@@ -88,7 +88,7 @@ def _columns(name: str, unit: str, value: Any) -> Iterator[tuple[str, str, Any]]
     array = np.squeeze(array).astype(np.float64)
     if array.ndim == 1 and len(array) > 1:
         yield name, unit, array
-    elif array.ndim == 2 and min(array.shape) <= _MOST_COLUMNS:
+    elif array.ndim == 2 and min(array.shape) <= _MAX_COLUMNS:
         tall = array if array.shape[0] >= array.shape[1] else array.T
         for k in range(tall.shape[1]):
             yield f"{name}[{k + 1}]", unit, np.ascontiguousarray(tall[:, k])

@@ -22,7 +22,7 @@ HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 MAT_MAGIC = b"MATLAB 5.0 MAT-file"
 MAT73_MAGIC = b"MATLAB 7.3 MAT-file"
 _TIMEOUT_S = 150.0
-_MOST_SHOWN = 12
+_MAX_SHOWN = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,25 +40,25 @@ def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[R
     unit is missing or ambiguous, or lengths differ.
     """
     arrays = _load(path, kind)
-    wanted = wanted_columns(columns)
-    chosen = {quantity: _choose(path, arrays, quantity, columns) for quantity in wanted}
+    options = wanted_columns(columns)
+    chosen = {quantity: _choose(path, arrays, quantity, columns) for quantity in options}
     lengths = {quantity: len(array.values) for quantity, array in chosen.items()}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{chosen[q].name!r} {n}" for q, n in lengths.items())
-        raise DataError(f"{path}: channels of different lengths ({told}): correct --map")
+        found = ", ".join(f"{chosen[q].name!r} {n}" for q, n in lengths.items())
+        raise DataError(f"{path}: channels of different lengths ({found}): correct --map")
     units = {q: _unit(path, q, array, columns) for q, array in chosen.items()}
     scaled = {q: array.values * units[q].to_si for q, array in chosen.items()}
-    told = ", ".join(
+    found = ", ".join(
         f"{q} = {array.name!r} in {units[q].text} ({units[q].origin})"
         for q, array in chosen.items()
     )
-    facts: dict[str, Any] = {q: unit.facts() for q, unit in units.items()}
+    metadata: dict[str, Any] = {q: unit.metadata() for q, unit in units.items()}
     rate_hz = stated_rate_hz(columns)
     if rate_hz is not None:
         scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
-        facts["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
-        told = f"time = samples counted at the stated {rate_hz:g} Hz, {told}"
-    guess = f"{'MAT' if kind == 'mat' else 'HDF5'} file: {told}"
+        metadata["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+        found = f"time = samples counted at the stated {rate_hz:g} Hz, {found}"
+    guess = f"{'MAT' if kind == 'mat' else 'HDF5'} file: {found}"
     raw = RawChannels(
         name=name,
         time_s=scaled["time"],
@@ -67,7 +67,7 @@ def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[R
         time_digit_s=0.0,
         source=str(path),
         line_of=lambda sample: sample + 1,
-        details={"columns": guess, "units": facts},
+        details={"columns": guess, "units": metadata},
     )
     return raw, guess
 
@@ -107,7 +107,7 @@ def _load(path: Path, kind: str) -> list[_Array]:
 def _choose(path: Path, arrays: list[_Array], quantity: Quantity, columns: ColumnMap) -> _Array:
     column = columns.get(quantity)
     names = [array.name for array in arrays]
-    shown = ", ".join(map(repr, names[:_MOST_SHOWN])) + (", ..." if names[_MOST_SHOWN:] else "")
+    shown = ", ".join(map(repr, names[:_MAX_SHOWN])) + (", ..." if names[_MAX_SHOWN:] else "")
     if column is None:
         found = _guess(arrays, quantity)
         if len(found) == 1:
@@ -118,10 +118,10 @@ def _choose(path: Path, arrays: list[_Array], quantity: Quantity, columns: Colum
         if column.header_or_number > len(arrays):
             raise DataError(f"{path}: --map {quantity}={column.header_or_number}: it holds {shown}")
         return arrays[column.header_or_number - 1]
-    wanted = column.header_or_number.strip("/")
-    exact = [array for array in arrays if array.name == wanted]
+    options = column.header_or_number.strip("/")
+    exact = [array for array in arrays if array.name == options]
     if len(exact) != 1:
-        raise DataError(f"{path}: --map {quantity}: no array {wanted!r}; it holds {shown}")
+        raise DataError(f"{path}: --map {quantity}: no array {options!r}; it holds {shown}")
     return exact[0]
 
 

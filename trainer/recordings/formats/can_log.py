@@ -37,7 +37,7 @@ class _Signal:
 
 
 def is_candump(start: bytes) -> bool:
-    """Tell whether a file begins with a line of candump's log format."""
+    """Return whether a file begins with a line of candump's log format."""
     line = start.split(b"\n")[0].decode("ascii", "replace").strip()
     return re.match(r"\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#", line) is not None
 
@@ -65,7 +65,7 @@ def read_can_log(
     time_s = np.array(position.stamps_s) - position.stamps_s[0]
     position_m = np.array(position.values) * units["position"].to_si
     force_n = np.array(force.values) * units["force"].to_si
-    told = ", ".join(
+    found = ", ".join(
         f"{q} = signal {s.name!r} in {units[q].text} ({units[q].origin})"
         for q, s in (("position", position), ("force", force))
     )
@@ -80,9 +80,9 @@ def read_can_log(
         inside = (time_s >= force_s[0]) & (time_s <= force_s[-1])
         force_n = np.interp(time_s[inside], force_s, force_n)
         time_s, position_m = time_s[inside], position_m[inside]
-        told += f", force interpolated to the frames of the position ({inside.sum()} of them)"
-    guess = f"CAN log with {database.name}: time = stamps of the frames, {told}"
-    facts = {q: unit.facts() for q, unit in units.items()}
+        found += f", force interpolated to the frames of the position ({inside.sum()} of them)"
+    guess = f"CAN log with {database.name}: time = stamps of the frames, {found}"
+    metadata = {q: unit.metadata() for q, unit in units.items()}
     raw = RawChannels(
         name=name,
         time_s=time_s,
@@ -91,7 +91,7 @@ def read_can_log(
         time_digit_s=_STAMP_DIGIT_S,
         source=str(path),
         line_of=lambda sample: position.places[sample],
-        details={"columns": guess, "units": {"time": {"unit": "s", "from": "log"}, **facts}},
+        details={"columns": guess, "units": {"time": {"unit": "s", "from": "log"}, **metadata}},
     )
     return raw, guess
 
@@ -192,8 +192,8 @@ def _choose(
 ) -> _Signal:
     names = list(signals)
     if column is not None:
-        wanted = str(column.header_or_number)
-        found = [n for n in names if wanted in (n, n.partition(".")[2])]
+        options = str(column.header_or_number)
+        found = [n for n in names if options in (n, n.partition(".")[2])]
     else:
         labels = [n.partition(".")[2] for n in names]
         found = [names[index] for index in guess_column(labels, quantity)]

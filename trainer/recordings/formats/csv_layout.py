@@ -54,18 +54,18 @@ def find_layout(
     Where `columns` states a rate, no column of time is needed.
     Raises DataError where a column or a unit is missing, unknown or ambiguous.
     """
-    wanted = wanted_columns(columns)
-    if all(q in columns and not _name(columns[q]) for q in wanted):
+    options = wanted_columns(columns)
+    if all(q in columns and not _name(columns[q]) for q in options):
         return _layout_by_numbers(path, head, columns, decimal)
     best: tuple[int, Candidates, Row] = (0, {}, [])
     for index in range(len(head)):
         for delimiter in DELIMITERS:
             row = cells(head[index], delimiter)
-            if len(row) < len(wanted):
+            if len(row) < len(options):
                 continue
-            found = {q: _candidates(row, q, columns.get(q)) for q in wanted}
+            found = {q: _candidates(row, q, columns.get(q)) for q in options}
             found = {q: candidates for q, candidates in found.items() if candidates}
-            if len(found) == len(wanted):
+            if len(found) == len(options):
                 chosen = _only(path, index, row, found)
                 return _layout(path, head, delimiter, index, chosen, columns, decimal)
             if len(found) > len(best[1]):
@@ -93,9 +93,9 @@ def _candidates(row: Row, quantity: Quantity, column: Column | None) -> list[int
         return guess_column(row, quantity)
     if isinstance(column.header_or_number, int):
         return [column.header_or_number - 1] if column.header_or_number <= len(row) else []
-    wanted = _name(column)
-    exact = [i for i, cell in enumerate(row) if cell == wanted]
-    return exact or [i for i, cell in enumerate(row) if cell.casefold() == wanted.casefold()]
+    options = _name(column)
+    exact = [i for i, cell in enumerate(row) if cell == options]
+    return exact or [i for i, cell in enumerate(row) if cell.casefold() == options.casefold()]
 
 
 def _only(path: Path, index: int, row: Row, found: Candidates) -> dict[Quantity, int]:
@@ -158,13 +158,13 @@ def _layout(
     if unit_row:
         first += 1
     units: dict[Quantity, Unit] = {}
-    told = []
+    found = []
     for quantity, index in chosen.items():
         label = header[index] if index < len(header) else ""
         where = f"{path}, column {index + 1}{f' {label!r}' if label else ''}"
         units[quantity] = _unit(where, quantity, columns.get(quantity), label, unit_row)
         name = f"{label!r} " if label else ""
-        told.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
+        found.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
     mark: DecimalMark = "point"
     if delimiter != ",":
         mark = decimal or _decimal(path, head, delimiter, first, chosen)
@@ -176,7 +176,7 @@ def _layout(
         first_line=first + 1,
         columns=chosen,
         units=units,
-        guess=f"{', '.join(told)}; {between}numbers from row {first + 1}",
+        guess=f"{', '.join(found)}; {between}numbers from row {first + 1}",
         decimal=mark,
         unread_time=None if "time" in chosen else _time_beside(header),
     )

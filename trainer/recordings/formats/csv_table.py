@@ -29,7 +29,7 @@ class CsvTable:
     def __init__(self, path: Path, layout: Layout, encoding: str) -> None:
         self.path, self.layout, self.encoding = path, layout, encoding
 
-    def numbers(self, wanted: list[int]) -> NDArray[np.float64]:
+    def numbers(self, options: list[int]) -> NDArray[np.float64]:
         """Read some columns of all rows, shape (rows, columns), in the file's units.
 
         Reading every column in bulk checks the rows' lengths too. Where other columns hold text,
@@ -37,13 +37,13 @@ class CsvTable:
         """
         numbers = self._in_bulk(None)
         if numbers.shape[1] == self.layout.width:
-            return numbers[:, wanted]
+            return numbers[:, options]
         count = sum(1 for _ in self.rows())
-        numbers = self._in_bulk(wanted)
-        if numbers.shape == (count, len(wanted)):
+        numbers = self._in_bulk(options)
+        if numbers.shape == (count, len(options)):
             return numbers
-        values = [[self._number(line, row, i) for i in wanted] for line, row in self.rows()]
-        return np.reshape(values, (len(values), len(wanted)))
+        values = [[self._number(line, row, i) for i in options] for line, row in self.rows()]
+        return np.reshape(values, (len(values), len(options)))
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the 1-based line and the cells of each row of numbers; blank lines are none."""
@@ -73,17 +73,17 @@ class CsvTable:
         if self.layout.unread_time is None:
             return ", its header names no column of time"
         index, label = self.layout.unread_time
-        told = f", not read from column {index + 1} {label!r}"
+        found = f", not read from column {index + 1} {label!r}"
         numbers = self._in_bulk([index])
         if not numbers.size:
-            return told + ", which holds more than numbers"
+            return found + ", which holds more than numbers"
         stamps_s = (numbers[:, 0] - numbers[0, 0]) * self._factor_of(label)
         off = np.flatnonzero(np.abs(stamps_s - np.arange(len(stamps_s)) / rate_hz) > 0.5 / rate_hz)
         if not len(off):
-            return told + ", which agrees"
+            return found + ", which agrees"
         line = next(islice(self.rows(), int(off[0]), None))[0]
         return (
-            f"{told}, which differs in {len(off)} rows from row {line} on: there it says "
+            f"{found}, which differs in {len(off)} rows from row {line} on: there it says "
             f"{stamps_s[off[0]]:g} s after the first row, the count {off[0] / rate_hz:g} s"
         )
 

@@ -36,15 +36,15 @@ def read_csv(
         raise DataError(f"{path}: the file is empty: give one with a header and rows of numbers")
     table = CsvTable(path, find_layout(path, head, columns, decimal), encoding)
     layout = table.layout
-    wanted = [quantity for quantity in QUANTITIES if quantity in layout.columns]
-    numbers = table.numbers([layout.columns[quantity] for quantity in wanted])
-    scaled = {q: numbers[:, k] * layout.units[q].to_si for k, q in enumerate(wanted)}
+    options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
+    numbers = table.numbers([layout.columns[quantity] for quantity in options])
+    scaled = {q: numbers[:, k] * layout.units[q].to_si for k, q in enumerate(options)}
     guess = layout.guess + ("; UTF-16 text" if encoding == "utf-16" else "")
     rate_hz = stated_rate_hz(columns)
     if rate_hz is not None:
         scaled["time"] = np.arange(len(numbers)) / rate_hz
         guess = f"time = rows counted at the stated {rate_hz:g} Hz{table.beside(rate_hz)}; {guess}"
-    units: dict[str, Any] = {q: unit.facts() for q, unit in layout.units.items()}
+    units: dict[str, Any] = {q: unit.metadata() for q, unit in layout.units.items()}
     if rate_hz is not None:
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
     raw = RawChannels(

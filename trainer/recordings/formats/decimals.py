@@ -14,7 +14,7 @@ DecimalMark = Literal["point", "comma"]
 
 
 def is_number(cell: str, decimal: DecimalMark = "point") -> bool:
-    """Tell whether a cell is a number, NaN and infinity included."""
+    """Return whether a cell is a number, NaN and infinity included."""
     if decimal == "comma":
         cell = cell.translate(COMMA_TO_POINT)
     try:
@@ -25,7 +25,7 @@ def is_number(cell: str, decimal: DecimalMark = "point") -> bool:
 
 
 def is_comma_number(cell: str) -> bool:
-    """Tell whether a cell is a number with a decimal comma."""
+    """Return whether a cell is a number with a decimal comma."""
     return "," in cell and is_number(cell, "comma")
 
 

@@ -16,8 +16,8 @@ ExportFormat = Literal["csv", "mat"]
 def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> Path:
     """Write one recording into a folder and return the file.
 
-    CSV: time_s, position_m, force_N as shortest round-trip decimals; facts go beside it as JSON.
-    MAT: v5, the same three vectors, and the facts as variables.
+    CSV: time_s, position_m, force_N as shortest round-trip decimals; metadata go beside it as JSON.
+    MAT: v5, the same three vectors, and the metadata as variables.
     Raises UsageError where the file exists or cannot be written.
     """
     path = folder / f"{recording.name}.{form}"
@@ -31,8 +31,8 @@ def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> 
             else:
                 _write_mat(aside, recording)
         if form == "csv":
-            facts = json.dumps(_facts(recording), indent=2, sort_keys=True) + "\n"
-            write_file(path.with_suffix(".json"), facts.encode())
+            metadata = json.dumps(_metadata(recording), indent=2, sort_keys=True) + "\n"
+            write_file(path.with_suffix(".json"), metadata.encode())
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}: choose another --out") from None
     return path
@@ -57,12 +57,12 @@ def _write_mat(path: Path, recording: Recording) -> None:
         "time_s": _time_s(recording),
         "position_m": recording.position_m,
         "force_N": recording.force_n,
-        "facts": json.dumps(_facts(recording), sort_keys=True),
+        "metadata": json.dumps(_metadata(recording), sort_keys=True),
     }
     savemat(path, content, appendmat=False, oned_as="column", do_compression=True)
 
 
-def _facts(recording: Recording) -> dict[str, object]:
+def _metadata(recording: Recording) -> dict[str, object]:
     return {
         "name": recording.name,
         "dt_s": recording.dt_s,

@@ -25,7 +25,7 @@ from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.journal_blocks import is_journal
 from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
 from springpot.trainer.recordings.recording import Recording, Zero
-from springpot.trainer.recordings.recording_file import is_sealed, read_recording
+from springpot.trainer.recordings.recording_file import has_checksum, read_recording
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _UNSAFE = re.compile(r"[^\w.+-]+")
@@ -76,7 +76,7 @@ def import_file(
             start = file.read(512 + len(HDF5_MAGIC))
         if is_journal(start):
             return _import_journal(path, options)
-        if start.startswith(HDF5_MAGIC) and is_sealed(path):
+        if start.startswith(HDF5_MAGIC) and has_checksum(path):
             return _import_again(path, mapping, zero, resample_hz, options)
         raws, guess = _read(path, start, mapping, options, resample_hz)
     except OSError as error:
@@ -86,12 +86,12 @@ def import_file(
     for raw, name in zip(raws, names, strict=True):
         try:
             recording = to_recording(raw, name, zero, resample_hz)
-            recording, told = condition(recording, options.conditioning)
+            recording, messages = condition(recording, options.conditioning)
         except DataError as error:
             other = "; or leave such blocks out, --block KIND" if len(raws) > 1 else ""
             raise DataError(f"{error}{other}") from None
         recordings.append(recording)
-        notes = [tail_note(recording), *told]
+        notes = [tail_note(recording), *messages]
         if _pulls(recording):
             notes.append(
                 f"note: {name}: force falls as position rises, where pressing should push back: "
@@ -128,14 +128,14 @@ def _read(
 def _import_journal(path: Path, options: ImportOptions) -> ImportResult:
     if is_being_recorded(path):
         raise DataError(f"{path}: still being recorded: wait until that ends")
-    parts, told = read_parts(path)
+    parts, messages = read_parts(path)
     recordings = []
     for part, name in zip(parts, _unique([part.name for part in parts]), strict=True):
-        details = {**part.details, "recovered": told}
+        details = {**part.details, "recovered": messages}
         whole, said = condition(replace(part, name=name, details=details), options.conditioning)
         recordings.append(whole)
-        told += "".join(f"; {line}" for line in said)
-    return ImportResult(recordings, f"{path}: {told}")
+        messages += "".join(f"; {line}" for line in said)
+    return ImportResult(recordings, f"{path}: {messages}")
 
 
 def _import_again(
@@ -151,9 +151,9 @@ def _import_again(
             f"{path}: is a springpot recording already: only --contact-force, --tare, --mass-kg, "
             "delays and --align apply to it"
         )
-    recording, told = condition(read_recording(path), options.conditioning)
+    recording, messages = condition(read_recording(path), options.conditioning)
     return ImportResult(
-        [recording], f"{path}: a springpot recording" + "".join(f"; {t}" for t in told)
+        [recording], f"{path}: a springpot recording" + "".join(f"; {t}" for t in messages)
     )
 
 

@@ -1,6 +1,6 @@
 """Mach-1 text files, as Biomomentum's Mach-1 Motion software writes them: every block with samples.
 
-A file is a row of blocks: `<INFO>` with facts of the set-up, then one block a function, such as
+A file is a row of blocks: `<INFO>` with metadata of the set-up, then one block a function, such as
 `<Sinusoid>`, with its parameters and, between `<DATA>` and `<END DATA>`, a table with a header.
 `<divider>` lines cut a table into steps whose time begins anew: each is a recording.
 Both signs are springpot's already: the stage's position grows downwards, into the sample, and the
@@ -58,8 +58,8 @@ def read_mach1(path: Path, kind: str | None = None) -> tuple[list[RawChannels], 
             read.append(block)
     others = f"; left out: {', '.join(left_out)}" if left_out else ""
     if not read:
-        wanted = f"<{kind}> block" if kind else "block"
-        raise DataError(f"{path}: no {wanted} with samples{others}: export one with its data")
+        options = f"<{kind}> block" if kind else "block"
+        raise DataError(f"{path}: no {options} with samples{others}: export one with its data")
     recordings = [step for block in read for step in _steps(path, block)]
     names = ", ".join(f"<{block.kind}> in row {block.line}" for block in read)
     return recordings, f"Mach-1 text, {len(read)} blocks: {names}{others}"
@@ -153,7 +153,7 @@ def _channels(
         time_digit_s=10.0 ** -len(decimals[1]) if decimals else 0.0,
         source=f"{path}, {name.removeprefix(f'{path.stem}-')}",
         line_of=lambda sample: rows[sample][0],
-        details=_details(where, block) | {"units": {q: u.facts() for q, u in units.items()}},
+        details=_details(where, block) | {"units": {q: u.metadata() for q, u in units.items()}},
     )
 
 
@@ -161,18 +161,18 @@ def _columns(where: str, header: list[str], axis: str) -> dict[Quantity, int]:
     """Find time, the moving axis and the force along it: other axes may stand beside them."""
     letter = _AXIS.fullmatch(axis)
     labels = [cell.rpartition(",")[0].strip() for cell in header]
-    wanted: dict[Quantity, str] = {
+    options: dict[Quantity, str] = {
         "time": "Time",
         "position": axis,
         "force": f"F{letter[1] if letter else 'z'}",
     }
-    for quantity, label in wanted.items():
+    for quantity, label in options.items():
         if labels.count(label) != 1:
             raise DataError(
                 f"{where}: needs one column {label!r} of {quantity}, its table has {header}: "
                 "export that channel"
             )
-    return {quantity: labels.index(label) for quantity, label in wanted.items()}
+    return {quantity: labels.index(label) for quantity, label in options.items()}
 
 
 def _numbers(path: Path, lines: list[tuple[int, str]], width: int) -> Table:

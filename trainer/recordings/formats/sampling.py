@@ -14,7 +14,7 @@ from springpot.trainer.recordings.recording import Recording, Zero
 MIN_ROWS = 3
 GAP = 1.5  # a step longer than this many usual steps is a gap
 STEP_TOLERANCE = 0.01
-MOST_UPSAMPLING = 20  # beyond it nearly every sample would be invented
+MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 # Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
 _DRIFT_STEPS = 100
 _MANY_STEPS = 30
@@ -84,7 +84,7 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
 
 
 def _sampling(raw: RawChannels) -> dict[str, Any]:
-    """Facts about the time stamps that uniform samples no longer show."""
+    """Metadata about the time stamps that uniform samples no longer show."""
     steps_s = np.diff(raw.time_s)
     usual_s = float(np.median(steps_s))
     return {
@@ -180,9 +180,9 @@ def _rounding_s(raw: RawChannels) -> float:
 def _grid(raw: RawChannels, rate_hz: float) -> Samples:
     span_s = float(raw.time_s[-1] - raw.time_s[0])
     source_hz = (len(raw.time_s) - 1) / span_s
-    if rate_hz > MOST_UPSAMPLING * source_hz:
+    if rate_hz > MAX_UPSAMPLING * source_hz:
         raise DataError(
-            f"{raw.source}: {rate_hz:g} Hz is more than {MOST_UPSAMPLING} times its own "
+            f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "
             f"{source_hz:.6g} Hz: give a lower --resample-hz"
         )
     # 1e-6 of a step: the last sample is kept when rounding puts it a hair before the grid's.

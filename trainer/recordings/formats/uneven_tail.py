@@ -11,8 +11,8 @@ from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.recording import Recording
 
 # So much of a file may be out of step if it is its end.
-_MOST_SHARE = 0.05
-_LEAST_STEPS = 20
+_MAX_SHARE = 0.05
+_MIN_STEPS = 20
 
 
 def last_even_sample(time_s: Samples, slack_s: float, digit_s: float) -> int | None:
@@ -28,7 +28,7 @@ def last_even_sample(time_s: Samples, slack_s: float, digit_s: float) -> int | N
     for limit_s in (min(1.5 * digit_s, slack_s), slack_s):
         first = int(np.argmax(off_s > limit_s))
         rows = len(steps_s) - first
-        if first >= _LEAST_STEPS and rows <= max(1.0, _MOST_SHARE * len(steps_s)):
+        if first >= _MIN_STEPS and rows <= max(1.0, _MAX_SHARE * len(steps_s)):
             return first
     return None
 

@@ -60,13 +60,13 @@ class Unit:
     to_si: float
     origin: str
 
-    def facts(self) -> dict[str, str | float]:
+    def metadata(self) -> dict[str, str | float]:
         """For the recording's metadata."""
         return {"unit": self.text, "to_si": self.to_si, "from": self.origin}
 
 
 def is_unit(text: str, quantity: Quantity) -> bool:
-    """Tell whether `text` is a unit of `quantity`, with no factor before it."""
+    """Return whether `text` is a unit of `quantity`, with no factor before it."""
     return _plain(text) in _FACTORS[quantity]
 
 

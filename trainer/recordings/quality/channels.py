@@ -71,9 +71,9 @@ def _units(recording: Recording) -> Iterator[Finding]:
     for channel, (value, (low, high), what) in values.items():
         if low <= value <= high:
             continue
-        facts = stored.get(channel, {})
-        guessed = bool(facts) and facts.get("from") not in ("map", "device")
-        unit = facts.get("unit", "")
+        metadata = stored.get(channel, {})
+        guessed = bool(metadata) and metadata.get("from") not in ("map", "device")
+        unit = metadata.get("unit", "")
         so_what = "its unit looks wrong" + (f" ({unit!r} was read off the file)" if guessed else "")
         to_do = (
             f"state it if it is right: --map {channel}=COL:{unit}"
@@ -88,7 +88,7 @@ def _clipping(recording: Recording) -> Iterator[Finding]:
     """Look for a flat extreme of one channel while the other goes on, and comes back or not."""
     position, force = _channels(recording)
     for (channel, samples, unit), (_, other, _) in ((force, position), (position, force)):
-        for extreme, side in ((samples.max(), "greatest"), (samples.min(), "least")):
+        for extreme, side in ((samples.max(), "maximum"), (samples.min(), "least")):
             if side == "least" and extreme >= 0.0:
                 continue  # out of contact, or at rest
             moved, longest = 0.0, 0
@@ -125,8 +125,8 @@ def _held(recording: Recording) -> Iterator[Finding]:
     for samples in (recording.position_m, recording.force_n):
         if quantisation_step(samples) is not None:
             return
-    least = max(3, round(_HELD_S / recording.dt_s))
-    runs = [(begin, end) for begin, end in _runs(same) if end - begin >= least]
+    minimum = max(3, round(_HELD_S / recording.dt_s))
+    runs = [(begin, end) for begin, end in _runs(same) if end - begin >= minimum]
     inner = [run for run in runs if _catches_up(recording.position_m, *run)]
     if inner:
         begin, end = max(inner, key=lambda run: run[1] - run[0])
@@ -140,7 +140,7 @@ def _held(recording: Recording) -> Iterator[Finding]:
 
 
 def _catches_up(position_m: Samples, begin: int, end: int) -> bool:
-    """Tell whether the position jumps behind a rest by what it would have moved meanwhile."""
+    """Return whether the position jumps behind a rest by what it would have moved meanwhile."""
     steps = np.abs(np.diff(position_m))
     around = np.concatenate((steps[max(0, begin - 20) : begin], steps[end + 1 : end + 21]))
     if begin == 0 or end >= len(steps) or not len(around):

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.recording import Recording
 
-_LEAST_SHARE = 0.5  # of the position's variance that one tone must explain
+_MIN_SHARE = 0.5  # of the position's variance that one tone must explain
 _HARMONICS = 5
-_NEARLY = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
+_CUT_TOLERANCE = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
 _CLOSED = 0.05  # of the travel
-_MOST_SAMPLES = 200_000
+_MAX_SAMPLES = 200_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Cycles:
 
 def find_cycles(recording: Recording) -> Cycles | None:
     """Analyse a recording that moves at one frequency; None where it does not."""
-    if not 16 <= len(recording.position_m) <= _MOST_SAMPLES or not np.ptp(recording.position_m):
+    if not 16 <= len(recording.position_m) <= _MAX_SAMPLES or not np.ptp(recording.position_m):
         return None
     position_m, force_n = _moving(recording.position_m, recording.force_n)
     frequency = _frequency(position_m)
@@ -50,7 +50,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
         position_m, force_n = recording.position_m, recording.force_n
         frequency = 1.0 / len(position_m)
     period = 1.0 / frequency  # samples
-    count = int(len(position_m) / period + _NEARLY)
+    count = int(len(position_m) / period + _CUT_TOLERANCE)
     if count < 1 or period < 8:
         return None
     used = min(len(position_m), round(count * period))
@@ -58,7 +58,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
     x, f = position_m[first:used], force_n[first:used]
     phase: Samples = 2.0 * np.pi * frequency * np.arange(len(x), dtype=np.float64)
     x1, f1 = _tone(x, phase), _tone(f, phase)
-    if abs(x1) ** 2 / 2 < _LEAST_SHARE * np.var(x) or not abs(f1):
+    if abs(x1) ** 2 / 2 < _MIN_SHARE * np.var(x) or not abs(f1):
         return None  # a ramp, or several tones
     cycles = max(1, round(len(x) / period))
     energy_j = _loop(f, x) / cycles
@@ -92,7 +92,7 @@ def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
 
 
 def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
-    """Tell whether the path goes in and out once and is closed: a cycle of its own length.
+    """Return whether the path goes in and out once and is closed: a cycle of its own length.
 
     Where force is 0 at both ends, what is missing in position costs no energy.
     """
@@ -103,7 +103,7 @@ def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
         return False
     phase = 2.0 * np.pi * np.arange(len(position_m)) / len(position_m)
     left = _residual(position_m, phase)
-    return left < (1.0 - _LEAST_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
+    return left < (1.0 - _MIN_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
 
 
 def _frequency(position_m: Samples) -> float | None:
@@ -122,7 +122,7 @@ def _frequency(position_m: Samples) -> float | None:
         width = float(tried[1] - tried[0])
         tried = np.linspace(best - width, best + width, 11)
     explained = 1.0 - min(left) / float(thin @ thin)
-    return best if explained > _LEAST_SHARE and best * n >= 0.5 else None
+    return best if explained > _MIN_SHARE and best * n >= 0.5 else None
 
 
 def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
@@ -154,7 +154,7 @@ def _repeat(
     position_m: Samples, force_n: Samples, period: float
 ) -> tuple[float | None, float | None]:
     """Noise floor and drift of cycles that should be the same, N; None for fewer than three."""
-    count = int(len(force_n) / period + _NEARLY)
+    count = int(len(force_n) / period + _CUT_TOLERANCE)
     if count < 3:
         return None, None
     points = max(8, int(period))

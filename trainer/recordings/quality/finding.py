@@ -22,7 +22,7 @@ class Finding:
         """All of it in one line."""
         return f"{self.severity}: {self.where}: {self.what}: {self.so_what}; {self.to_do}"
 
-    def facts(self) -> dict[str, str]:
+    def metadata(self) -> dict[str, str]:
         """For JSON."""
         return asdict(self) | {"line": self.line}
 

@@ -37,10 +37,10 @@ def sign_findings(recording: Recording) -> Iterator[Finding]:
 
 def strokes(position_m: Samples, dt_s: float) -> Samples:
     """Mean speed of each stroke between turning points, m/s, shape (n,); rests are no strokes."""
-    least_m = _STROKE * float(np.ptp(position_m))
-    if least_m == 0.0:
+    min_m = _STROKE * float(np.ptp(position_m))
+    if min_m == 0.0:
         return np.empty(0)
-    turns = _turning_points(position_m, least_m)
+    turns = _turning_points(position_m, min_m)
     speeds = []
     for begin, end in pairwise(turns):
         part = position_m[begin : end + 1]
@@ -52,16 +52,16 @@ def strokes(position_m: Samples, dt_s: float) -> Samples:
     return np.array(speeds)
 
 
-def _turning_points(position_m: Samples, least_m: float) -> list[int]:
-    """Indices at which the motion turns round by at least `least_m`, with both ends."""
+def _turning_points(position_m: Samples, min_m: float) -> list[int]:
+    """Indices at which the motion turns round by at least `min_m`, with both ends."""
     turns, best, rising = [0], 0, None
     for k, value in enumerate(position_m.tolist()):
         if rising is None:
-            if abs(value - position_m[0]) >= least_m:
+            if abs(value - position_m[0]) >= min_m:
                 rising, best = value > position_m[0], k
         elif (value > position_m[best]) == rising and value != position_m[best]:
             best = k
-        elif abs(value - position_m[best]) >= least_m:
+        elif abs(value - position_m[best]) >= min_m:
             turns.append(best)
             rising, best = not rising, k
     return [*turns, best] if rising is not None else []

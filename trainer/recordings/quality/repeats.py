@@ -14,7 +14,7 @@ from springpot.trainer.recordings.recording import Recording
 _SAME_POSITION = 0.02  # rms difference over the travel
 _DRIFT = 0.02  # of the peak force
 _POINTS = 2000
-_MOST_PAIRED = 200
+_MAX_PAIRED = 200
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Repeats:
     """Recordings that follow one path.
 
     noise_n: rms difference that their motion does not explain: no model can beat it.
-    drift_n: mean force of the last less that of the first. peak_n: greatest force.
+    drift_n: mean force of the last less that of the first. peak_n: maximum force.
     """
 
     names: tuple[str, ...]
@@ -34,7 +34,7 @@ class Repeats:
 def find_repeats(recordings: Sequence[Recording]) -> list[Repeats]:
     """Group recordings of equal length, rate and path, and compare the forces in each group."""
     groups: list[list[Recording]] = []
-    for recording in recordings[:_MOST_PAIRED]:
+    for recording in recordings[:_MAX_PAIRED]:
         group = next((g for g in groups if _same_path(g[0], recording)), None)
         if group is None:
             groups.append([recording])

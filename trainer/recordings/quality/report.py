@@ -40,7 +40,7 @@ class QualityReport:
         """Keys of `check --json`."""
         return {
             "refused": self.refused,
-            "findings": [finding.facts() for finding in self.findings],
+            "findings": [finding.metadata() for finding in self.findings],
             "recordings": self.recordings,
             **self.figures,
         }
@@ -123,7 +123,7 @@ def _figures(recording: Recording, cycles: Cycles | None, skew: Skew | None) -> 
         "duration_s": recording.duration_s,
         "position_m": [float(position_m.min()), float(position_m.max())],
         "force_n": [float(force_n.min()), float(force_n.max())],
-        "greatest_speed_mps": float(np.abs(np.diff(position_m)).max()) / recording.dt_s,
+        "max_speed_mps": float(np.abs(np.diff(position_m)).max()) / recording.dt_s,
         "position_step_m": quantisation_step(position_m),
         "force_step_n": quantisation_step(force_n),
         "jitter_rms_s": recording.details.get("sampling", {}).get("jitter_rms_s"),
