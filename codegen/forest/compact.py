@@ -21,7 +21,7 @@ from springpot.codegen.model.regressors import Forest
 SLOT_BITS = 4
 LEVELS = 4
 REST = 10  # the plain C traverses this many trees at once, or a multiple
-VECTOR = 16  # lanes of the widest vector unit
+VECTOR = 16  # trees side by side in the widest vector unit
 
 ENTRIES = 1 << LEVELS
 _MAX_BIN = 2**16 - 1

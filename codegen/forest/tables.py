@@ -32,7 +32,8 @@ class ForestTable:
 class CompactForest:
     """sp_forest.h: nodes as pairs (step, bin) of uint16.
 
-    top: (15, lanes, 2), by heap position and tree; nodes: (nodes, 2); roots: (lanes,) uint32.
+    top: (15, padded trees, 2), by heap position and tree; nodes: (nodes, 2); roots: (padded
+    trees,) uint32.
     thresholds: of each used feature, sorted float32; none where features are quantised.
     leaf_step_n, bias_n: force = bias_n + leaf_step_n x sum; leaf_error_n: max error of that,
     leaves being quantised.

@@ -1,4 +1,4 @@
-"""Walks through node tables in numpy: what sp_forest.h and sp_forest_wide.h do."""
+"""Traversal of node tables in numpy: what sp_forest.h and sp_forest_wide.h do."""
 
 from typing import Any
 

@@ -72,7 +72,7 @@ def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bo
 def _device_velocity(
     plan: Plan, velocity_mps: Reals | None, length: int
 ) -> tuple[Reals, NDArray[np.bool_]]:
-    """sp_guard_velocity.h: believable velocities, and where the last good one served."""
+    """sp_guard_velocity.h: believable velocities, and where the last good one is held."""
     if not plan.needs_device_velocity or velocity_mps is None:
         return np.zeros(length, dtype=plan.dtype), np.zeros(length, dtype=bool)
     velocity = np.asarray(velocity_mps, dtype=plan.dtype)

@@ -269,7 +269,7 @@ def _nodes(name: str, nodes: Any) -> list[str]:
 
 def _rounding(quantisation: Quantisation) -> list[str]:
     return [
-        "/* A feature's least value, and its steps in a unit (sp_quantise.h). */",
+        "/* A feature's minimum, and its bins in a unit (sp_quantise.h). */",
         array_text("feature_min", "float", quantisation.feature_min.astype(np.float32)),
         array_text("bins_per_unit", "float", quantisation.bins_per_unit.astype(np.float32)),
     ]

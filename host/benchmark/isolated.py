@@ -1,4 +1,4 @@
-"""What is measured of the front and the picks after the sweep, alone on the machine."""
+"""Isolated timing: the front and the picks measured after the sweep, on a machine left to them."""
 
 from pathlib import Path
 from typing import Any

@@ -21,7 +21,7 @@ class Budget:
     """What a device has to spare; None is no limit.
 
     tick_us: on this machine, 99 of 100 ticks. target: None is this machine. instructions: of a
-    tick on the target, judged where they are counted.
+    tick on the target, checked where they are counted.
     rate_hz: of the loop; None: any, the recordings' own.
     """
 
@@ -115,8 +115,8 @@ def pick(
     """The point of lowest cross-validated error that fits, is passive and bounded; None: none is.
 
     Passive: no cell of its small-signal map is active. `is_bounded` runs the closed loop, and
-    completes the point with what is measured alone on the machine. Of points within half a per
-    cent of that error, the fastest that is bounded too. Where none is bounded, the point of least
+    completes the point with its isolated timing. Of points within half a per
+    cent of that error, the fastest that is bounded too. Where none is bounded, the point of lowest
     error, which says so: some objects are too hard for a hand at their recordings' rate.
     """
     best: Metadata | None = None
@@ -129,7 +129,7 @@ def pick(
             continue
         bounded = is_bounded(point)
         if misfit(point, budget, recorded_hz) is not None:
-            continue  # as is known now that it was measured alone
+            continue  # as its isolated measurement says
         if bounded:
             best = point
             continue

@@ -102,7 +102,7 @@ def measure_point(job: Job) -> Point:
 
 
 def bench_scene(number: Number, target: Target = "host") -> Scene:
-    """The model and its guards, without a coupling: what the recordings can judge."""
+    """The model and its guards, without a coupling: what the recordings can check."""
     return Scene(
         schema=1,
         name=NAME,
@@ -175,9 +175,9 @@ def prediction(
 
 
 def hot_ns(plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]) -> float:
-    """Median time of a tick on the longest recording, in a tight loop; the least of five.
+    """Median time of a tick on the longest recording, in a tight loop; the lowest of five.
 
-    The sweep keeps all cores busy, and may not be alone on them.
+    The sweep keeps all cores busy, and other programs may use them too.
     """
     longest = max(recordings, key=lambda recording: len(recording.position_m))
     position = longest.position_m.astype(plan.dtype)

@@ -77,9 +77,9 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
     for point in points:
         point["pareto"] = point["key"] in front
         point.update(dict.fromkeys(_ISOLATED))
-    with progress_console.status("the front and the picks, alone on the machine") as status:
+    with progress_console.status("isolated timing of the front and the picks") as status:
         for i, point in enumerate(point for point in points if point["pareto"]):
-            status.update(f"alone on the machine: {i + 1} of {len(front)} on the front")
+            status.update(f"isolated timing: {i + 1} of {len(front)} on the front")
             isolated.complete(point)
         picks = [_picked(points, budget, recorded_hz, isolated) for budget in budgets(bench.target)]
         status.update("work-precision curves")
@@ -171,7 +171,7 @@ def _progress() -> Progress:
 
 
 class _Isolated:
-    """Completes points with what is measured alone; known ones are read."""
+    """Completes points with isolated timings; known ones are read."""
 
     def __init__(self, bench: Bench, store: Store) -> None:
         self._bench, self._store = bench, store

@@ -69,7 +69,7 @@ def _metadata(plan: Plan, folder: Path) -> str:
     items = ", ".join(f"{byte}" for byte in digest)
     max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
     return (
-        "/* What the firmware tells the host of its scene. */\n"
+        "/* What the firmware reports of its scene. */\n"
         "#ifndef SP_METADATA_H\n#define SP_METADATA_H\n\n"
         f"#define SP_METADATA_DT_S {_float(plan.dt_s)}\n"
         f"#define SP_METADATA_WATCHDOG_S {_float(float(plan.output.watchdog_s))}\n"

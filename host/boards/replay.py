@@ -120,7 +120,7 @@ def board_replay(url: str, plan: Plan, scene_hash: str) -> Iterator[BoardReplay]
 def board_force(replay: Replay, calls: dict[str, Reals]) -> tuple[Reals, int]:
     """Force of each sample on the board, N, and the calls where this machine's C differs in a bit.
 
-    The board tells forces in single precision.
+    The board reports forces in single precision.
     """
     here_n, notes = replay.repeat(calls)
     board_n = calls["returned_n"].astype(np.float32)

@@ -29,7 +29,7 @@ class Address:
     settings: dict[str, str]
 
     def number(self, key: str, default: float, minimum: float, maximum: float) -> float:
-        """Return a setting as a number. Raises UsageError outside least .. maximum."""
+        """Return a setting as a number. Raises UsageError outside minimum .. maximum."""
         text = self.settings.get(key)
         if text is None:
             return default

@@ -31,7 +31,7 @@ from springpot.trainer.selection.prune import Pruned, pruned_models
 
 _BEST = 3
 _MAX_TRIED = 40
-_EVALUATED = 4000  # samples that decide the order; what is told is measured on all
+_EVALUATED = 4000  # samples that decide the order; what is reported is measured on all
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ _EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 
 @dataclass(frozen=True)
 class Footprint:
-    """Bytes of the scene's translation unit; stack_bytes is None where the compiler cannot tell.
+    """Bytes of the scene's translation unit; stack_bytes is None where unreported.
 
     flash_bytes: code, constants and initialised data.
     """

@@ -27,7 +27,7 @@ _LOW_ORDER, _HALF = 0.4, 0.5
 
 @dataclass(frozen=True)
 class Claim:
-    """What the paper says, what was found, and whether it holds (None: cannot be judged here)."""
+    """What the paper says, what was found, and whether it holds (None: cannot be checked here)."""
 
     claim: str
     paper: str

@@ -98,7 +98,7 @@ class PressedDevice:
 
 
 def trip_error(url: str, state: LoopState) -> DeviceError:
-    """What to tell of a watchdog that ended a press: the loop's own, or the device's."""
+    """The error of a watchdog that ended a press: the loop's own, or the device's."""
     ms = 1e3 * _WATCHDOG_S
     if state.tripped:
         return DeviceError(

@@ -59,7 +59,7 @@ class BoardLoop:
         self._next = device
 
     def ask_stop(self) -> None:
-        """End; the board is told to stop by the session."""
+        """End; the session stops the board."""
         self._want_stop = True
 
     def pause(self, paused: bool) -> None:

@@ -1,7 +1,7 @@
 """The log of a session: a recording with a row for each tick, and all that the scene was given.
 
-Position and force are what the tool did and what the device was told; the channels beside them hold
-every call in order, bit for bit, so that `springpot validate` can make each again.
+Position and force are what the tool did and what was sent to the device; the channels beside them
+hold every call in order, bit for bit, so that `springpot validate` can make each again.
 """
 
 from collections.abc import Mapping

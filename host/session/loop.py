@@ -27,7 +27,7 @@ class LoopSettings:
 
 @dataclass(frozen=True)
 class LoopState:
-    """What sp_loop_get_status tells; counts since the start, flags, link counters."""
+    """What sp_loop_get_status returns; counts since the start, flags, link counters."""
 
     ticks: int = 0
     late: int = 0

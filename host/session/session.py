@@ -65,7 +65,7 @@ class Session:
         self._file, self._url = log, url
         self._log: SessionLog | None = None
         self._args = (scene_step_functions(self._scene), url, requirements, settings)
-        self._options: dict[str, Any] = {"reconnect_s": reconnect_s, "tell": report}
+        self._options: dict[str, Any] = {"reconnect_s": reconnect_s, "report": report}
         self._run: SessionRunner | None = None
         self._steal_ms = steal_ms()
         self.line = ""

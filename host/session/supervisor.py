@@ -13,7 +13,7 @@ _RETRY_S = 0.05
 
 
 class DeviceSupervisor:
-    """Tells of a device that tripped, brings back one that was unplugged, gives up a silent one.
+    """Reports a device that tripped, brings back one that was unplugged, gives up a silent one.
 
     url, wanted: how `device` was opened. reconnect_s: how long one that is gone is waited for.
     report: takes lines for people; fail: the error that ends the session.

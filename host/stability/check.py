@@ -27,7 +27,7 @@ FAITHFUL_PERCENT = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """Parts (a) and (b): what `emit` judges by. scene_map: coupling, smoothing and delay too."""
+    """Parts (a) and (b): what `emit` decides by. scene_map: coupling, smoothing and delay too."""
 
     plan: Plan
     spectral_radius: float

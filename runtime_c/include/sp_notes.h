@@ -4,7 +4,7 @@
 
 /* springpot declarations begin */
 enum {
-    SP_NOTE_HELD = 1,     /* the sample was missing or not believable: the last good one served */
+    SP_NOTE_HELD = 1,     /* the sample was missing or not believable: the last good one was held */
     SP_NOTE_RESYNC = 2,   /* a new position was taken as true: history restarts at it */
     SP_NOTE_OUTSIDE = 4,  /* outside the trained depth: the model saw the nearest trained one */
     SP_NOTE_CLAMPED = 8,  /* the force was cut to the scene's limits */

@@ -56,7 +56,7 @@ def fit_springpot(
 
 
 def to_hammerstein(solid: Solid, data: TrainingSet) -> Hammerstein:
-    """The same law as a spring and Maxwell branches: passive, and served by the same C."""
+    """The same law as a spring and Maxwell branches: passive, and rendered by the same C."""
     bank = recursive_bank((solid.order,), data.dt_s, data.longest_s)
     span_m = data.trained.max_m - data.trained.min_m
     weights = solid.coefficient * bank.weights[:, 0] * span_m

@@ -3,7 +3,7 @@
 Energy lost a cycle mixes the material's loss and the channels' skew. They part by frequency: the
 loss angle of soft solids changes slowly, about linearly with the logarithm of frequency; skew takes
 off an angle proportional to frequency. With fewer than five cyclic recordings, or less than a
-factor of four in frequency, the two cannot be told apart and nothing is estimated.
+factor of four in frequency, the two look alike and nothing is estimated.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ class Skew:
 
 
 def estimate_skew(cycles: Sequence[Cycles]) -> Skew | None:
-    """Estimate from cyclic recordings of several frequencies; None where they cannot tell."""
+    """Estimate from cyclic recordings of several frequencies; None where delay looks like loss."""
     frequencies = np.array([c.frequency_hz for c in cycles])
     if len(cycles) < _MIN_POINTS or frequencies.max() < _MIN_SPAN * frequencies.min():
         return None

@@ -1,6 +1,6 @@
 """What a rig adds to samples: delays, mass beyond the load cell, an offset, a surface not at 0.
 
-Nothing here happens unasked, each step is told in one line and kept in the recording's details.
+Nothing here happens unasked, each step is reported in one line and kept in the recording's details.
 """
 
 from dataclasses import dataclass, replace

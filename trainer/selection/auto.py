@@ -16,7 +16,7 @@ from springpot.trainer.selection.cross_validation import (
 )
 
 ERROR_TOLERANCE = 1.005  # of the lowest error: the cheaper of two within it is taken
-FORCE_TOLERANCE = 5e-4  # of the maximum force: what no sensor and no hand tells apart
+FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
 _ROWS = 6_000  # of each fit under cross-validation
 
 

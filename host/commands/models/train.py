@@ -92,7 +92,7 @@ if TYPE_CHECKING:
     type=PERCENT,
     metavar="P%",
     help="rf-fd: the smallest forest whose error is at most P % above that of the paper's size; "
-    "judged as --select says.",
+    "compared as --select says.",
 )
 @click.option(
     "--monotone", is_flag=True, help="boosted: the force never falls as a derivative rises."

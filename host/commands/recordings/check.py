@@ -38,7 +38,10 @@ def _print(report: QualityReport) -> None:
         click.echo(f"noise floor, from repeats: {floor_n:.3g} N (no model's error can be below)")
     skew_s, doubt_s = report.figures["skew_s"], report.figures["skew_uncertainty_s"]
     if skew_s is None:
-        click.echo("delay of force behind position: cannot be told from these; loss not quoted")
+        click.echo(
+            "delay of force behind position: not measured, for these cycles do not separate it "
+            "from loss: record one amplitude at frequencies a factor of four apart; loss not quoted"
+        )
     else:
         click.echo(
             f"delay of force behind position: {skew_s * 1e3:.2g} +- {doubt_s * 1e3:.2g} ms, if the "

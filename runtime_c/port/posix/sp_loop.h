@@ -45,7 +45,7 @@ typedef struct {         /* one period; doubles throughout, so that a table of r
     double velocity_mps; /* likewise */
     double dt_s;         /* given to sp_idle; in other periods the scene's */
     double returned_n;
-    double sent_n;     /* what the device had last been told when the tick ended */
+    double sent_n;     /* what the device had last been sent when the tick ended */
     double measured_n; /* NaN where there is no load cell, or no device */
     double notes;
     double call;

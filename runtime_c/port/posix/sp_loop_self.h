@@ -29,7 +29,7 @@ struct sp_loop {
     _Atomic int want_reset;
     _Atomic(sp_link *) next_link;
 
-    /* Told to the other thread, under no lock: each by itself. */
+    /* Read by the other thread, under no lock: each by itself. */
     _Atomic uint64_t ticks, late, stale, trips, disconnects, resets, elapsed_ns;
     _Atomic int connected, latched, tripped, tripped_before_disconnect, paused, reason, over, got;
 

@@ -7,7 +7,7 @@
 enum { LINE_BYTES = 64 };
 
 /* Push everything else out of the caches, as an idle millisecond of other work would. */
-static void walk(uint8_t *cold, uint64_t bytes)
+static void read_through(uint8_t *cold, uint64_t bytes)
 {
     for (uint64_t i = 0; i < bytes; i += LINE_BYTES) {
         cold[i]++;
@@ -78,7 +78,7 @@ int sp_pace(void *step, void *state, uint32_t n, const sp_real *position_m,
     for (uint32_t i = 0; i < n; i++) {
         struct timespec begin, end;
         sp_real force_n;
-        walk(cold, cold_bytes);
+        read_through(cold, cold_bytes);
         const int error = sleep_until_next(&deadline, period_s);
         if (error != 0) {
             return error;

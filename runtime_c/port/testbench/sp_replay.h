@@ -19,7 +19,7 @@ void sp_replay_calls(void *step, void *idle, void *reset, void *state, uint32_t 
                      const int32_t *call, const sp_real *position_m, const sp_real *velocity_mps,
                      const sp_real *dt_s, sp_real *force_n, int32_t *notes);
 
-/* Time each of n ticks, ns, one every period_s (s), with `cold_bytes` of other memory walked in
+/* Time each of n ticks, ns, one every period_s (s), with `cold_bytes` of other memory read in
  * between. Returns 0, or the error of the clock. */
 int sp_pace(void *step, void *state, uint32_t n, const sp_real *position_m,
             const sp_real *velocity_mps, double period_s, uint8_t *cold, uint64_t cold_bytes,

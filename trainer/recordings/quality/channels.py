@@ -88,8 +88,8 @@ def _clipping(recording: Recording) -> Iterator[Finding]:
     """Look for a flat extreme of one channel while the other goes on, and comes back or not."""
     position, force = _channels(recording)
     for (channel, samples, unit), (_, other, _) in ((force, position), (position, force)):
-        for extreme, side in ((samples.max(), "maximum"), (samples.min(), "least")):
-            if side == "least" and extreme >= 0.0:
+        for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
+            if side == "minimum" and extreme >= 0.0:
                 continue  # out of contact, or at rest
             moved, longest = 0.0, 0
             for begin, end in _runs(samples == extreme):
