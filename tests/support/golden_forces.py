@@ -1,0 +1,98 @@
+"""Hashes of the C's forces and notes for stored models: the same whatever else changes.
+
+`cd tests && python -m support.golden_forces` writes them again, after a change that is meant to
+change forces.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.model.model_file import read_model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
+from springpot.host.native.replay import Replay
+from springpot.host.native.trial_build import built
+from support.paths import TESTS
+
+FOLDER = TESTS / "golden" / "forces"
+HASHES = FOLDER / "forces.json"
+SETTINGS = tuple(product(("float32", "float64"), ("off", "tool", "proxy")))
+_EXP = "numpy's exponentials"
+
+
+def models() -> list[str]:
+    return sorted(file.stem for file in FOLDER.glob("*.spm"))
+
+
+def motion_m() -> np.ndarray:
+    """Strokes in and out, some beyond the trained depth, with what devices do wrong, (n,), m.
+
+    Made by additions and products alone, so that every machine makes the same bits.
+    """
+    strokes = [_stroke(depth, ticks) for depth in (3, 8, 12, 14) for ticks in (90, 210, 400)]
+    position_m = np.concatenate([*strokes, strokes[-1][:300], np.full(300, strokes[-1][299])])
+    position_m[200:204] = np.nan
+    position_m[900] = np.inf
+    position_m[1500:1540] = np.nan  # longer than the watchdog waits
+    position_m[2100] += 0.5
+    position_m[2600:] += 0.001  # a jump that stays
+    return position_m
+
+
+def force_hash(name: str, number: str, mode: str) -> str:
+    """SHA-256 of the forces and notes of one model in one scene, built by this machine's compiler."""
+    scene = Scene(
+        schema=1,
+        name="golden",
+        model=f"{name}.spm",
+        runtime=Runtime(number=number),  # type: ignore[arg-type]
+        coupling=Coupling(mode=mode),  # type: ignore[arg-type]
+        smoothing=Smoothing(time_constant_s=0.00083 if mode == "tool" else 0.0),
+        guard=Guard(outside="zero" if mode == "tool" else "fallback"),
+    )
+    plan = make_plan(read_model(FOLDER / f"{name}.spm"), scene, accept_unsafe=True)
+    position = motion_m().astype(plan.dtype)
+    with built(plan) as library:
+        force_n, notes = Replay(library).run(position, backward_velocity(position, plan.dt_s))
+    return hashlib.sha256(force_n.tobytes() + notes.tobytes()).hexdigest()
+
+
+def exp_hash() -> str:
+    """Decays are exponentials, whose last bit depends on the vector units that numpy finds."""
+    return hashlib.sha256(np.exp(-np.arange(1, 4096) / 512.0).tobytes()).hexdigest()
+
+
+def stored() -> dict[str, str]:
+    """Stored hashes, by "MODEL NUMBER COUPLING"."""
+    hashes: dict[str, str] = json.loads(HASHES.read_text())
+    return hashes
+
+
+def stored_exp_hash() -> str:
+    return stored()[_EXP]
+
+
+def _stroke(depth_mm: int, ticks: int) -> np.ndarray:
+    phase = np.arange(2 * ticks) / ticks
+    share = np.where(phase < 1.0, phase, 2.0 - phase)
+    return 1e-3 * depth_mm * share * share * (3.0 - 2.0 * share) - 2e-4
+
+
+def _hashes() -> Iterator[tuple[str, str]]:
+    yield _EXP, exp_hash()
+    for name, (number, mode) in product(models(), SETTINGS):
+        yield f"{name} {number} {mode}", force_hash(name, number, mode)
+
+
+def write(file: Path = HASHES) -> None:
+    file.write_text(json.dumps(dict(_hashes()), indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    write()
