@@ -72,14 +72,15 @@ def record_session(
     protocol: str,
     profiles: Sequence[Profile],
     out: Path,
-    on_press: Callable[[PressQuality], None],
+    on_press: Callable[[PressQuality], None] = lambda _quality: None,
 ) -> list[PressQuality]:
     """Record every profile into the folder `out`, calling `on_press` after each.
 
-    source, protocol: what `details` and names say of the origin.
+    source, protocol: what `details` and names say of the origin; of a protocol's file, its name.
     Raises UsageError, before anything moves, where a recording would be overwritten.
     """
-    names = [f"{device.object_name}-{protocol}-{profile.name}" for profile in profiles]
+    label = Path(protocol).stem
+    names = [f"{device.object_name}-{label}-{profile.name}" for profile in profiles]
     files = [out / f"{name}{SUFFIX}" for name in names]
     for file in files:
         if file.exists():
@@ -95,7 +96,7 @@ def record_session(
         raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
     qualities = []
     for name, file, profile in zip(names, files, profiles, strict=True):
-        details = {"protocol": protocol, "command": dict(profile.metadata)}
+        details = {"protocol": label, "command": dict(profile.metadata)}
         with JournalWriter(file, name, 1 / RATE_HZ, source, details) as journal:
             position_m, force_n = device.press(profile.command_n, journal.append)
             journal.finish()

@@ -51,7 +51,6 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3)
     device = open_device(url, seed, object_name or "object", limits)
     profiles = load_protocol(protocol, seed)
-    label = protocol if not protocol.endswith(".toml") else Path(protocol).stem
     with Progress(
         TextColumn("{task.description}"),
         BarColumn(),
@@ -71,7 +70,7 @@ def record(
                 task, description=progress_line(now, "q stop")
             )
         with stopping_on_sigterm():
-            qualities = record_session(device, url, label, profiles, out, on_press)
+            qualities = record_session(device, url, protocol, profiles, out, on_press)
     click.echo(_as_json(out, qualities) if as_json else _as_text(out, qualities), nl=False)
 
 
