@@ -52,6 +52,27 @@ class Emission:
     check: Check | None
     notices: tuple[str, ...]
 
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of `emit --json`."""
+        manifest, footprint = self.manifest, self.footprint
+        return {
+            "out": str(self.folder),
+            "hash": self.hash,
+            "flash_bytes": footprint.flash_bytes if footprint else None,
+            "ram_bytes": self.ram_bytes,
+            "stack_bytes": footprint.stack_bytes if footprint else None,
+            "instructions": manifest.get("instructions"),
+            "units": manifest["units"],
+            "left_out": manifest["left_out"],
+            "orders": manifest["orders"],
+            "coupling": manifest["coupling"],
+            "outside": manifest["outside"],
+            "accept_unsafe": manifest["accept_unsafe"],
+            "stability": self.check.as_dict() if self.check else None,
+            "write_s": self.write_s,
+            "compile_s": self.compile_s,
+        }
+
 
 def emit(
     scene: Scene,

@@ -52,6 +52,25 @@ class Validation:
     predicted_n: tuple[NDArray[np.float64], ...]
     manifest: dict[str, Any]
 
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of `validate --json`."""
+        found = self.accuracy
+        return {
+            "samples": found.samples,
+            "ramped_samples": found.ramped,
+            "rmse_n": found.rmse_n,
+            "rmse_percent_of_peak": found.rmse_percent_of_peak,
+            "mean_recording_rmse_n": found.mean_recording_rmse_n,
+            "mean_recording_rmse_interval_n": found.interval_n,
+            "max_abs_error_n": found.max_abs_error_n,
+            "p99_abs_error_n": found.p99_abs_error_n,
+            "ape_below_jnd": found.ape_below_jnd,
+            "mismatches": self.mismatches,
+            "notes": self.notes,
+            "tick_ns": self.ticks.as_dict(),
+            "hash": self.manifest["hash"],
+        }
+
 
 def validate(
     folder: Path,
