@@ -8,11 +8,13 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
+from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import UsageError
 from springpot.codegen.scene import Scene
 
 _ADAPTER = TypeAdapter(Scene)
 _EXAMPLE = Scene(schema=1, name="example", model="model.spm")
+_FIRST = ("schema", "name", "model")  # keys without a section, and without a default
 # Words of C and of the headers that the emitted sources include: a file or name of ours would hide
 # them.
 _TAKEN = frozenset(
@@ -44,6 +46,29 @@ def scene_to_json(scene: Scene) -> str:
     return json.dumps(dataclasses.asdict(scene), indent=2) + "\n"
 
 
+def checked_scene(scene: Scene) -> Scene:
+    """A scene that was made in Python, checked as its file would be. Raises UsageError as that."""
+    try:
+        return _checked(scene_to_json(scene), "scene")
+    except TypeError as error:
+        raise UsageError(f"scene: {error}: give numbers, strings and booleans") from None
+
+
+def write_scene(path: Path, scene: Scene) -> None:
+    """Write the keys that differ from their defaults, as TOML. Raises UsageError as reading."""
+    keys = dataclasses.asdict(checked_scene(scene))
+    usual = dataclasses.asdict(_EXAMPLE)
+    sections = {"": {name: keys.pop(name) for name in _FIRST}} | {
+        name: {key: value for key, value in section.items() if value != usual[name][key]}
+        for name, section in keys.items()
+    }
+    lines = []
+    for name, section in sections.items():
+        lines += ["", f"[{name}]"] if name and section else []
+        lines += [f"{key} = {_toml(value)}" for key, value in section.items()]
+    write_file(path, "".join(f"{line}\n" for line in lines).encode())
+
+
 def model_path(scene: Scene, scene_file: Path) -> Path:
     """The scene's model file; a relative path starts at the scene file."""
     return scene_file.parent / scene.model
@@ -71,6 +96,11 @@ def _checked(text: str, where: str) -> Scene:
     if "\0" in scene.model:
         raise UsageError(f"{where}: model: {scene.model!r}: give the path of a model file")
     return scene
+
+
+def _toml(value: str | float) -> str:
+    """A value of a key; JSON writes numbers, booleans and quoted text as TOML does."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _message(kind: str, key: str) -> str | None:
