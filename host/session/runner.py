@@ -100,6 +100,11 @@ class SessionRunner:
         """Forget the past and unlatch, also in the device; the force rises from zero."""
         self._loop.reset()
 
+    def wait(self, seconds: float | None = None) -> None:
+        """Sleep until the loop has ended by itself, or for so many seconds at most."""
+        if self._drain_thread is not None:
+            self._drain_thread.join(seconds)
+
     def stop(self) -> None:
         """End with zero force, and wait for that."""
         if self._stopped:

@@ -6,6 +6,7 @@ brings back a device that was unplugged. However the session is left, the force 
 
 from collections.abc import Callable
 from dataclasses import asdict
+from os import PathLike
 from pathlib import Path
 from typing import Any, Self
 
@@ -34,9 +35,9 @@ class Session:
 
     def __init__(
         self,
-        folder: Path,
+        folder: str | PathLike[str],
         url: str,
-        log: Path | None = None,
+        log: str | PathLike[str] | None = None,
         *,
         seconds: float = 0.0,
         max_force_n: float | None = None,
@@ -44,8 +45,8 @@ class Session:
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = say,
     ) -> None:
-        plan, _ = read_emission(folder)
-        self._scene = SceneLibrary(folder)
+        plan, _ = read_emission(Path(folder))
+        self._scene = SceneLibrary(Path(folder))
         max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
         settings = LoopSettings(
             period_s=plan.dt_s,
@@ -62,7 +63,7 @@ class Session:
             hash=self._scene.manifest["hash"],
         )
         self._zero: Zero = "none" if plan.contact else "first"
-        self._file, self._url = log, url
+        self._file, self._url = None if log is None else Path(log), url
         self._log: SessionLog | None = None
         self._args = (scene_step_functions(self._scene), url, requirements, settings)
         self._options: dict[str, Any] = {"reconnect_s": reconnect_s, "report": report}
@@ -107,6 +108,10 @@ class Session:
     def start(self) -> None:
         """Start the loop."""
         self.runner.start()
+
+    def wait(self, seconds: float | None = None) -> None:
+        """Sleep until the loop has ended by itself, or for so many seconds at most."""
+        self.runner.wait(seconds)
 
     def stop(self) -> None:
         """End with zero force."""
