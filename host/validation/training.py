@@ -1,8 +1,13 @@
 """What `springpot train` says of a fit, and the model's own error on other recordings."""
 
+from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import TypeAdapter, ValidationError
+
+from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.host.metrics import Accuracy, accuracy
 from springpot.trainer.models.compatibility import require_compatible
@@ -10,6 +15,21 @@ from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit, FitOptions
+
+
+def fit_options(options: Mapping[str, Any]) -> "FitOptions":
+    """Fields of FitOptions, checked. Raises UsageError naming one that is not as it must be."""
+    from springpot.trainer.models.fit import FitOptions
+
+    known = [field.name for field in fields(FitOptions)]
+    if unknown := options.keys() - set(known):
+        raise UsageError(f"no option {min(unknown)!r}: known are {', '.join(known)}")
+    try:
+        return TypeAdapter(FitOptions).validate_python(options)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        raise UsageError(f"option {key}: {first['msg']} (found {first['input']!r})") from None
 
 
 def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:

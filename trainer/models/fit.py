@@ -3,7 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version
-from typing import Any, Literal
+from math import inf
+from typing import Annotated, Any, Literal
+
+from annotated_types import Ge, Interval
 
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Hammerstein, Model
@@ -32,21 +35,21 @@ class FitOptions:
     within: the smallest forest whose error is at most this share above that of the one asked for.
     """
 
-    seed: int = 0
-    fraction: float | None = None
-    window_s: float | None = None
-    smooth_s: float = PAPER_SMOOTH_S
-    trees: int = PAPER_TREES
-    leaf: int = PAPER_LEAF
-    n_centers: int = PAPER_CENTERS
+    seed: Annotated[int, Interval(ge=0, lt=2**32)] = 0
+    fraction: Annotated[float, Interval(gt=0, le=1)] | None = None
+    window_s: Annotated[float, Interval(gt=0, lt=inf)] | None = None
+    smooth_s: Annotated[float, Interval(ge=0, lt=inf)] = PAPER_SMOOTH_S
+    trees: Annotated[int, Ge(1)] = PAPER_TREES
+    leaf: Annotated[int, Ge(1)] = PAPER_LEAF
+    n_centers: Annotated[int, Ge(1)] = PAPER_CENTERS
     centers: Literal["farthest", "greedy"] = "farthest"
     select: Literal["cv", "paper"] = "cv"
     monotone: bool = False
     engine: Engine | None = None
     round_features: bool = False
-    orders: tuple[float, ...] | None = None
-    within: float | None = None
-    poles: int = POLES
+    orders: tuple[Annotated[float, Interval(ge=0, le=1)], ...] | None = None
+    within: Annotated[float, Interval(ge=0, lt=inf)] | None = None
+    poles: Annotated[int, Ge(1)] = POLES
 
 
 @dataclass(frozen=True, eq=False)
