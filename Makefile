@@ -81,7 +81,8 @@ types: $(STAMP) ns
 
 # mypy and pyright do not see packages mapped by an editable install: a tree of links shows them.
 ns:
-	@mkdir -p build/ns/springpot
+	@mkdir -p build/ns/springpot && rm -f build/ns/springpot/*.py
+	@for file in host/api/*.py host/api/py.typed; do ln -sfn ../../../$$file build/ns/springpot/; done
 	@for floor in runtime_c codegen trainer host; do ln -sfn ../../../$$floor build/ns/springpot/$$floor; done
 
 C_BUILD ?= build/c

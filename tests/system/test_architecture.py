@@ -11,6 +11,7 @@ from support.paths import ROOT
 
 FLOORS = ["runtime_c", "codegen", "trainer", "host"]
 FITS = {"sklearn", "scipy", "joblib"}
+API = ROOT / "host" / "api"  # the modules of the package springpot itself
 
 
 def imports(file: Path) -> list[tuple[str, bool]]:
@@ -33,9 +34,11 @@ def test_a_floor_imports_only_from_floors_below(floor: str) -> None:
     files = sorted((ROOT / floor).rglob("*.py"))
     assert files
     for file in files:
+        own = {sibling.stem for sibling in API.glob("*.py")} if file.parent == API else set()
         for module, _ in imports(file):
+            assert module != "springpot", f"{file}: the rooms are below the package springpot"
             if module.startswith("springpot."):
-                assert module.split(".")[1] in allowed, f"{file} imports {module}"
+                assert module.split(".")[1] in allowed | own, f"{file} imports {module}"
 
 
 def test_only_the_trainer_imports_what_fits() -> None:
@@ -61,11 +64,12 @@ def test_replaying_and_logging_load_no_fit(name: str) -> None:
     assert result.stdout.strip() == "[]"
 
 
-def test_springpot_is_the_wheels_only_top_level_name(tmp_path: Path) -> None:
+def test_a_wheel_is_whole_and_has_one_name_only(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps",
                "--no-build-isolation", "--wheel-dir", str(tmp_path), str(ROOT)]  # fmt: skip
     subprocess.run(command, check=True, capture_output=True)
-    names = zipfile.ZipFile(next(tmp_path.glob("*.whl"))).namelist()
+    wheel = zipfile.ZipFile(next(tmp_path.glob("*.whl")))
+    names = wheel.namelist()
     tops = {name.split("/")[0] for name in names}
     assert {top for top in tops if not top.endswith(".dist-info")} == {"springpot"}
     for file in ROOT.glob("runtime_c/**/*"):
@@ -73,6 +77,22 @@ def test_springpot_is_the_wheels_only_top_level_name(tmp_path: Path) -> None:
             assert f"springpot/{file.relative_to(ROOT)}" in names, file
     for file in [*ROOT.glob("host/scenes/*"), *ROOT.glob("[ch]o*/**/templates/*")]:
         assert f"springpot/{file.relative_to(ROOT)}" in names, file
+    for folder in ("runtime_c", "codegen", "trainer", "host"):
+        for file in (ROOT / folder).rglob("*.py"):
+            place = file.relative_to(API if API in file.parents else ROOT)
+            assert f"springpot/{place}" in names, file
+    assert "springpot/py.typed" in names
+    assert not any(name.startswith("springpot/host/api") for name in names)
+    wheel.extractall(tmp_path / "installed")
+    script = (
+        "import springpot\n"
+        "for name in springpot.__all__: getattr(springpot, name)\n"
+        "print(springpot.__file__, springpot.load.__code__.co_filename)"
+    )
+    package = tmp_path / "installed" / "springpot"
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                            check=True, env={"PYTHONPATH": str(package.parent)})  # fmt: skip
+    assert result.stdout.split() == [str(package / "__init__.py"), str(package / "loaded.py")]
 
 
 def test_the_lock_holds_names_versions_and_hashes_only() -> None:

@@ -1,0 +1,81 @@
+"""Files from Python: recordings, models and scenes; paths are strings or Paths."""
+
+from os import PathLike
+from pathlib import Path
+
+from springpot.codegen.model import model_file
+from springpot.codegen.model.model import Model
+from springpot.codegen.scene import Scene
+from springpot.trainer.recordings import recording_file
+from springpot.trainer.recordings.formats.importing import ImportOptions
+from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.recording import Recording, Zero
+
+File = str | PathLike[str]
+
+
+def read_recordings(*paths: File) -> list[Recording]:
+    """Read files of recordings, and folders in the order of their files' names.
+
+    Raises DataError naming the file that cannot be used.
+    """
+    return recording_file.read_recordings(map(Path, paths))
+
+
+def write_recording(path: File, recording: Recording) -> None:
+    """Write one recording to a file ending in .h5; a reader never sees half of it."""
+    recording_file.write_recording(Path(path), recording)
+
+
+def import_recordings(
+    path: File,
+    columns: str = "",
+    zero: Zero = "none",
+    resample_hz: float | None = None,
+    options: ImportOptions | None = None,
+) -> list[Recording]:
+    """Read a CSV, MAT, HDF5 or Mach-1 file, a CAN log or a journal, in SI units.
+
+    columns: such as "time=COL:s,position=COL:mm,force=COL:N", COL a header or a number from 1;
+    where empty, guessed from the headers. A line on standard error says how it was understood.
+    zero: subtract nothing, the "first" sample or the "min" of each channel. resample_hz: rate, Hz,
+    to interpolate at. options: delays, mass, tare, contact force, CAN database, Mach-1 block.
+    Raises DataError naming file and row, UsageError for columns and options that do not fit it.
+    """
+    from springpot.host.console.quality import report_quality
+    from springpot.trainer.recordings.formats.column_map import parse_map
+    from springpot.trainer.recordings.formats.importing import import_file
+
+    mapping = parse_map(columns) if columns else None
+    found = import_file(Path(path), mapping, zero, resample_hz, options)
+    notice(found.guess)
+    report_quality(found.recordings)
+    return found.recordings
+
+
+def read_model(path: File) -> Model:
+    """Read a model file. Raises DataError where it is damaged, of a later schema, or none."""
+    return model_file.read_model(Path(path))
+
+
+def write_model(path: File, model: Model) -> str:
+    """Write a model to a file, by custom one ending in .spm, and return its hash."""
+    return model_file.write_model(Path(path), model)
+
+
+def read_scene(path: File) -> Scene:
+    """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
+    from springpot.host.emission import scene_file
+
+    return scene_file.read_scene(Path(path))
+
+
+def write_scene(path: File, scene: Scene) -> None:
+    """Write the keys of a scene that differ from their defaults, as TOML.
+
+    The scene's `model`, where it is no absolute path, counts from the file's folder.
+    Raises UsageError as `read_scene`.
+    """
+    from springpot.host.emission import scene_file
+
+    scene_file.write_scene(Path(path), scene)

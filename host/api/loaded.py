@@ -1,0 +1,71 @@
+"""The C of an emitted folder, built and loaded, on arrays."""
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import UsageError
+from springpot.files import File
+
+if TYPE_CHECKING:
+    from springpot.host.native.replay import Replay
+    from springpot.host.native.scene_library import SceneState
+
+
+def load(folder: File) -> "LoadedScene":
+    """Build the C of an emitted folder, or take it from the cache, and load it.
+
+    Raises DataError where the folder is none, or of another version.
+    """
+    return LoadedScene(Path(folder))
+
+
+class LoadedScene:
+    """What `load` returns. manifest: of the emission, as in manifest.json."""
+
+    def __init__(self, folder: Path) -> None:
+        from springpot.host.native.scene_library import SceneLibrary
+
+        self._library = SceneLibrary(folder)
+        self.manifest: dict[str, Any] = self._library.manifest
+
+    @property
+    def dt_s(self) -> float:
+        """Time between two ticks, s."""
+        return float(self.manifest["dt_s"])
+
+    def run(
+        self, position_m: ArrayLike, velocity_mps: ArrayLike | None = None
+    ) -> tuple[NDArray[Any], NDArray[np.int32]]:
+        """Forces (n,), N, and notes (n,) of a tick for each position (n,), m, from a fresh state.
+
+        velocity_mps: (n,), m/s; by default backward differences of the positions. Inputs are
+        rounded to the scene's number type, which the forces have. Notes are bits of sp_notes.h.
+        Raises UsageError for other shapes.
+        """
+        position = np.asarray(position_m, dtype=self._library.dtype)
+        if position.ndim != 1 or not len(position):
+            raise UsageError(f"positions of shape {position.shape}: give (n,), n above 0")
+        if velocity_mps is None:
+            velocity = backward_velocity(position, self.dt_s)
+        else:
+            velocity = np.asarray(velocity_mps, dtype=self._library.dtype)
+        if velocity.shape != position.shape:
+            raise UsageError(
+                f"velocities of shape {velocity.shape}, positions of {position.shape}: give as many"
+            )
+        return self._replay.run(position, velocity)
+
+    def new_state(self) -> "SceneState":
+        """Memory of one object, for single ticks: `step(position_m)` gives force, N, and notes."""
+        return self._library.new_state()
+
+    @cached_property
+    def _replay(self) -> "Replay":
+        from springpot.host.native.replay import Replay
+
+        return Replay(self._library)

@@ -1,0 +1,171 @@
+"""One call for each step of the job: record, train, predict, emit, validate, stability."""
+
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.model import Model
+from springpot.codegen.scene import Scene
+from springpot.files import File, read_model, read_recordings, write_model
+from springpot.trainer.recordings.recording import Recording, Zero
+
+if TYPE_CHECKING:
+    from springpot.host.emission.emission import Emission
+    from springpot.host.stability.check import Stability
+    from springpot.host.validation.validation import Validation
+    from springpot.trainer.models.fit import Fit
+
+
+def record(
+    url: str,
+    protocol: File,
+    folder: File,
+    seed: int = 0,
+    object_name: str = "object",
+    max_force_n: float | None = None,
+    max_depth_m: float = 0.03,
+) -> list[Recording]:
+    """Press an object with each force of a protocol; one recording of each, in `folder`, at 1 kHz.
+
+    url: of a device, "sim://ecoflex-00-30" a simulated one. protocol: "paper", "validation",
+    "extended" or a TOML file. seed: of random commands and of a simulated device's noise.
+    object_name: what lies under a real device. max_force_n, N (by default 1.3 x the command), and
+    max_depth_m, m: beyond them it stops.
+    Raises UsageError where files would be overwritten, DeviceError where the device fails.
+    """
+    from springpot.host.recording.indentation import Limits
+    from springpot.host.recording.protocols import load_protocol
+    from springpot.host.recording.session import open_device, record_session
+
+    profiles = load_protocol(str(protocol), seed)
+    device = open_device(url, seed, object_name, Limits(max_force_n, max_depth_m))
+    presses = record_session(device, url, str(protocol), profiles, Path(folder))
+    return read_recordings(*(press.file for press in presses))
+
+
+def train(
+    recordings: Iterable[Recording],
+    kind: str = "auto",
+    name: str = "",
+    validation: Iterable[Recording] = (),
+    **options: Any,
+) -> "Fit":
+    """Fit a model of a kind of `kind_names()`: the result's `model`.
+
+    name: of the model; by default its kind. validation: decides with select="paper" only.
+    options: fields of `FitOptions`, such as trees=50, engine="recursive", seed=1.
+    What is doubtful about the recordings is printed on standard error.
+    Raises UsageError for an unknown kind or option, DataError for recordings that cannot be
+    trusted or do not fit together.
+    """
+    from springpot.host.console.quality import report_quality
+    from springpot.host.validation.training import fit_options
+    from springpot.trainer.kinds import fit_model
+
+    checked, training = fit_options(options), _some(recordings)
+    report_quality(training)
+    return fit_model(kind, name or kind, training, checked, list(validation))
+
+
+def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
+    """Force of the model itself along positions (n,), m: (n,), N, in float64, without limits.
+
+    dt_s: time between samples, s, where it is known: another one than the model's is a DataError.
+    """
+    from springpot.trainer.models.compatibility import require_compatible
+    from springpot.trainer.models.predict import predict_n
+
+    positions = np.asarray(position_m, dtype=np.float64)
+    step_s = model.dt_s if dt_s is None else dt_s
+    zero: Zero = "first" if model.contact == "always" else "none"
+    recording = Recording("positions", positions, np.zeros_like(positions), step_s, zero)
+    require_compatible(recording, model)
+    return predict_n(model, recording)
+
+
+def emit(
+    folder: File,
+    *,
+    model: Model | File | None = None,
+    scene: Scene | File | None = None,
+    accept_unsafe: bool = False,
+) -> "Emission":
+    """Write C into `folder`, build it and run its self-test; an earlier emission is replaced.
+
+    model: itself or a file; by default the scene's. scene: itself or a file; by default all keys
+    have their defaults. Raises UsageError for either, UnsafeError where a hand would find the scene
+    unstable, unless that is accepted, BudgetError where the C does not fit the scene's budget,
+    MismatchError where it differs from its reference.
+    """
+    from springpot.host.emission.emission import emit as emit_folder
+
+    stated, chosen = _resolved(scene, model)
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
+        file = Path(scratch) / "model.spm"
+        write_model(file, chosen)
+        return emit_folder(stated, file, Path(folder), accept_unsafe)
+
+
+def validate(
+    folder: File,
+    recordings: Iterable[Recording],
+    *,
+    paced_s: float = 3.0,
+    device: str | None = None,
+) -> "Validation":
+    """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
+
+    paced_s: how long ticks are timed at the scene's rate, s. device: URL of a board that renders
+    the scene too. Raises DataError for recordings of another rate or zero than the model's.
+    """
+    from springpot.host.validation.validation import validate as validate_folder
+
+    return validate_folder(Path(folder), _some(recordings), paced_s, device)
+
+
+def stability(
+    *, model: Model | File | None = None, scene: Scene | File | None = None
+) -> "Stability":
+    """Linear loop, small-signal maps, and a closed loop with three hands, through the C.
+
+    model, scene: as of `emit`. `as_dict()["recommendation"]` of the result says it in words.
+    """
+    from springpot.codegen.plan.plan import make_plan
+    from springpot.host.stability.check import stability as check
+
+    stated, chosen = _resolved(scene, model)
+    return check(make_plan(chosen, stated, accept_unsafe=True))
+
+
+def _some(recordings: Iterable[Recording]) -> list[Recording]:
+    found = list(recordings)
+    if wrong := [item for item in found if not isinstance(item, Recording)]:
+        raise UsageError(f"{wrong[0]!r} is no recording: read_recordings reads files and folders")
+    if not found:
+        raise UsageError("no recordings: give at least one")
+    return found
+
+
+def _resolved(scene: Scene | File | None, model: Model | File | None) -> tuple[Scene, Model]:
+    """Both, each from the other where it is not given."""
+    from springpot.host.emission import scene_file
+
+    if scene is None and model is None:
+        raise UsageError("neither model nor scene: give one of them, or both")
+    if scene is None or isinstance(scene, Scene):
+        folder = Path()
+        stated = None if scene is None else scene_file.checked_scene(scene)
+    else:
+        folder = Path(scene).parent
+        stated = scene_file.read_scene(Path(scene))
+    if model is None:
+        assert stated is not None
+        model = folder / stated.model
+    chosen = model if isinstance(model, Model) else read_model(model)
+    return stated or Scene(schema=1, name=chosen.name, model="model.spm"), chosen

@@ -1,0 +1,170 @@
+"""Calls of `import springpot`: the same results as the rooms below, and refusals of one line."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.in_process import spring
+from support.small import DT_S, model_file, press, recording, scene, small_model, training
+
+import springpot
+from springpot.codegen.model.model_file import model_hash
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("emitted") / "c"
+    springpot.emit(folder, model=small_model(), scene=scene())
+    return folder
+
+
+def test_emit_writes_what_the_command_writes(tmp_path, folder):
+    model_file(tmp_path)
+    springpot.write_scene(tmp_path / "scene.toml", scene())
+    assert (
+        spring("emit", "--scene", tmp_path / "scene.toml", "--out", tmp_path / "c").returncode == 0
+    )
+    springpot.emit(tmp_path / "again", scene=str(tmp_path / "scene.toml"))
+    for other in (tmp_path / "c", tmp_path / "again"):
+        for file in ("sp_scene.c", "manifest.json", "from/model.spm"):
+            assert (other / file).read_bytes() == (folder / file).read_bytes()
+
+
+def test_a_model_alone_is_a_scene_of_defaults(tmp_path):
+    emission = springpot.emit(tmp_path / "c", model=small_model())
+    assert emission.plan.scene == springpot.Scene(1, "small", "model.spm")
+    assert emission.as_dict()["hash"] == emission.manifest["hash"]
+
+
+def test_run_is_what_validate_replays(folder):
+    rec = training()[-1]
+    force_n, notes = springpot.load(folder).run(rec.position_m)
+    found = springpot.validate(folder, [rec], paced_s=0.01)
+    np.testing.assert_array_equal(force_n, found.predicted_n[0].astype(np.float32))
+    assert force_n.dtype == np.float32
+    assert notes.shape == force_n.shape
+    assert found.as_dict()["mismatches"] == 0
+
+
+def test_run_takes_lists_and_velocities(folder):
+    loaded = springpot.load(folder)
+    position_m = [0.0, 1e-4, 3e-4]
+    by_default, _ = loaded.run(position_m)
+    given, _ = loaded.run(position_m, np.diff(position_m, prepend=0.0) / loaded.dt_s)
+    np.testing.assert_allclose(by_default, given, rtol=1e-6)
+    force_n, notes = loaded.new_state().step(position_m[0])
+    assert (force_n, notes) == (by_default[0], loaded.run(position_m)[1][0])
+
+
+def test_predict_is_the_model_without_limits():
+    rec = training()[-1]
+    force_n = springpot.predict(small_model(), list(rec.position_m), dt_s=DT_S)
+    assert force_n.shape == rec.force_n.shape
+    assert np.max(np.abs(force_n - rec.force_n)) < 1.0
+    moved = replace(small_model(), contact="always")
+    assert springpot.predict(moved, rec.position_m).shape == rec.force_n.shape
+
+
+def test_options_are_those_of_the_fit():
+    fit = springpot.train(training(), "rf-fd", trees=np.int64(3), leaf=20, seed=1)
+    assert (fit.model.kind, fit.model.name) == ("rf-fd", "rf-fd")
+    again = springpot.train(list(training()), "rf-fd", trees=3, leaf=20, seed=1)
+    assert model_hash(again.model) == model_hash(fit.model)
+
+
+def test_files_go_round(tmp_path):
+    springpot.write_model(str(tmp_path / "a.spm"), small_model())
+    assert model_hash(springpot.read_model(str(tmp_path / "a.spm"))) == model_hash(small_model())
+    springpot.write_recording(str(tmp_path / "a.h5"), training()[0])
+    (read,) = springpot.read_recordings(str(tmp_path))
+    np.testing.assert_array_equal(read.force_n, training()[0].force_n)
+
+
+def test_an_import_says_how_it_was_understood(tmp_path, capsys):
+    rec = recording("press", press(1.0))
+    rows = np.column_stack([np.arange(len(rec.force_n)) * DT_S, 1e3 * rec.position_m, rec.force_n])
+    file = tmp_path / "press.csv"
+    np.savetxt(file, rows, "%.9g", ",", header="t,x,f", comments="")
+    (found,) = springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
+    np.testing.assert_allclose(found.position_m, rec.position_m, atol=1e-9)
+    assert str(file) in capsys.readouterr().err
+
+
+def test_stability_is_that_of_the_command():
+    found = springpot.stability(model=small_model(), scene=scene(mode="proxy"))
+    assert found.as_dict()["stable"] is True
+    assert "stable" in found.as_dict()["recommendation"]
+
+
+def bad(**keys):
+    return replace(scene(), **keys)
+
+
+REFUSED = {
+    "no file of a recording": ("DataError", lambda: springpot.read_recordings("none.h5")),
+    "no file of a model": ("DataError", lambda: springpot.read_model("none.spm")),
+    "no file of a scene": ("UsageError", lambda: springpot.read_scene("none.toml")),
+    "no file to import": ("DataError", lambda: springpot.import_recordings("none.csv")),
+    "a map": ("UsageError", lambda: springpot.import_recordings("none.csv", "speed=v:mm")),
+    "no protocol": ("UsageError", lambda: springpot.record("sim://ecoflex-00-30", "x", "out")),
+    "no object": ("UsageError", lambda: springpot.record("sim://jelly", "paper", "out")),
+    "no recordings": ("UsageError", lambda: springpot.train([])),
+    "a file name": ("UsageError", lambda: springpot.train("training")),
+    "no kind": ("UsageError", lambda: springpot.train(training(), "forest")),
+    "no option": ("UsageError", lambda: springpot.train(training(), "rf-fd", tree=3)),
+    "an option's value": ("UsageError", lambda: springpot.train(training(), trees=0)),
+    "an option's word": ("UsageError", lambda: springpot.train(training(), engine="fast")),
+    "an order": ("UsageError", lambda: springpot.train(training(), orders=(0.1, 9.0))),
+    "another rate": ("DataError", lambda: springpot.predict(small_model(), [0.0, 0.1], 0.5)),
+    "no number": ("DataError", lambda: springpot.predict(small_model(), [0.0, np.nan])),
+    "a shape": ("DataError", lambda: springpot.predict(small_model(), [[0.0, 0.1]])),
+    "nothing": ("UsageError", lambda: springpot.emit("c")),
+    "a key": ("UsageError", lambda: springpot.emit("c", scene=bad(name="a\nb"))),
+    "a key's value": (
+        "UsageError",
+        lambda: springpot.emit("c", scene=bad(runtime=springpot.Runtime(rate_hz=1.0))),
+    ),
+    "a key's type": ("UsageError", lambda: springpot.emit("c", scene=bad(model=np.zeros(2)))),
+    "a hand": (
+        "UnsafeError",
+        lambda: springpot.emit(
+            "c",
+            model=small_model(),
+            scene=bad(coupling=springpot.Coupling("tool", 1e6, 1e-3, 1e-3)),
+        ),
+    ),
+    "a budget": (
+        "BudgetError",
+        lambda: springpot.emit(
+            "c", model=small_model(), scene=bad(budget=springpot.Budget(ram_bytes=1))
+        ),
+    ),
+    "no folder": ("DataError", lambda: springpot.load("none")),
+    "no folder to validate": ("DataError", lambda: springpot.validate("none", training())),
+    "no folder to feel": ("DataError", lambda: springpot.Session("none", "sim://ecoflex-00-30")),
+}
+
+
+@pytest.mark.parametrize(("error", "call"), REFUSED.values(), ids=REFUSED)
+def test_a_refusal_is_one_line(error, call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(springpot.SpringpotError) as refused:
+        call()
+    assert type(refused.value).__name__ == error
+    assert len(str(refused.value)) > 20
+    assert "\n" not in str(refused.value)
+    assert not (tmp_path / "c").exists()
+
+
+def test_wrong_use_of_an_emitted_folder_is_one_line(folder):
+    loaded = springpot.load(folder)
+    for position_m, velocity_mps in (([[0.0]], None), ([], None), ([0.0, 1e-3], [0.0])):
+        with pytest.raises(springpot.UsageError, match="give"):
+            loaded.run(position_m, velocity_mps)
+    with pytest.raises(springpot.UsageError, match="no recordings"):
+        springpot.validate(folder, [])
+    with (
+        pytest.raises(springpot.SpringpotError),
+        springpot.Session(folder, "nothing://here", report=list),
+    ):
+        pass

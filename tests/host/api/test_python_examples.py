@@ -1,0 +1,47 @@
+"""The code of README.md and docs/python.md, run as it stands there."""
+
+import re
+
+import numpy as np
+import pytest
+from support.paths import ROOT
+
+import springpot
+
+
+def example(file: str) -> str:
+    found = re.findall(r"^```python\n(.*?)^```", (ROOT / file).read_text(), re.M | re.S)
+    assert len(found) == 1, f"{file}: {len(found)} examples"
+    return str(found[0])
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_ten_lines_of_the_readme(capsys):
+    code = example("README.md")
+    assert len([line for line in code.splitlines() if line.strip()]) <= 10
+    names: dict = {}
+    exec(compile(code, "README.md", "exec"), names)
+    assert capsys.readouterr().out == "0\n"
+    assert names["force_n"].shape == names["training"][0].position_m.shape
+    assert np.max(np.abs(names["force_n"] - names["training"][0].force_n)) < 0.5
+
+
+def test_from_a_recording_to_a_felt_session(capsys):
+    names: dict = {}
+    exec(compile(example("docs/python.md"), "docs/python.md", "exec"), names)
+    assert "mN" in capsys.readouterr().out
+    assert names["session"].error is None
+    assert names["session"].result()["ticks"] == len(names["felt"][0].force_n)
+    assert names["felt"][0].force_n.max() > 0.5
+
+
+def test_docs_list_every_name():
+    listed = (ROOT / "docs" / "python.md").read_text()
+    tables = "\n".join(line for line in listed.splitlines() if line.startswith("|"))
+    for name in springpot.__all__:
+        if name != "SpringpotError":
+            assert f"`{name}`" in tables, name

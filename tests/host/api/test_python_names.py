@@ -1,0 +1,83 @@
+"""The names of `import springpot`: there, described, and loaded only when they are used."""
+
+import importlib
+import inspect
+import re
+import subprocess
+import sys
+
+import pytest
+from support.paths import ROOT
+
+import springpot
+
+FLOORS = {"codegen", "trainer", "host", "runtime_c"}
+
+
+def modules_after(statement: str) -> set[str]:
+    """Top-level modules of a fresh interpreter, and springpot's own."""
+    script = (
+        f"import sys\nbefore = set(sys.modules)\n{statement}\nprint(*set(sys.modules) - before)"
+    )
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                            check=True)  # fmt: skip
+    return set(result.stdout.split())
+
+
+def test_import_alone_loads_nothing() -> None:
+    loaded = modules_after("import springpot; dir(springpot)")
+    assert {name for name in loaded if name.startswith("springpot")} == {"springpot"}
+    assert not loaded & {"numpy", "click", "rich", "h5py", "pydantic", "cffi", "importlib.metadata"}
+
+
+@pytest.mark.parametrize("statement", ["springpot.read_recordings", "springpot.load",
+                                       "springpot.Session", "springpot.emit"])  # fmt: skip
+def test_rendering_loads_nothing_that_fits(statement: str) -> None:
+    assert not modules_after(f"import springpot; {statement}") & {"sklearn", "scipy", "joblib"}
+
+
+def test_every_name_is_there_and_says_what_it_is() -> None:
+    assert springpot.__all__ == sorted(springpot.__all__)
+    assert set(springpot.__all__) == set(springpot._HOMES)
+    assert set(dir(springpot)) == {*springpot.__all__, "__version__"}
+    assert re.fullmatch(r"\d+\.\d+\.\d+", springpot.__version__)
+    for name in springpot.__all__:
+        found = getattr(springpot, name)
+        assert found.__name__ == name
+        assert found.__doc__, name
+        assert not found.__doc__.startswith(f"{name}("), f"{name}: a dataclass without a docstring"
+        for method, member in inspect.getmembers(found, inspect.isfunction):
+            if (
+                inspect.isclass(found)
+                and not method.startswith("_")
+                and "springpot" in str(inspect.getmodule(member))
+            ):
+                assert inspect.getdoc(member), f"{name}.{method}"
+
+
+def test_the_functions_of_the_package_are_annotated() -> None:
+    for name in springpot.__all__:
+        found = getattr(springpot, name)
+        if inspect.isfunction(found):
+            signature = inspect.signature(found)
+            assert signature.return_annotation is not inspect.Signature.empty, name
+            for parameter in signature.parameters.values():
+                assert parameter.annotation is not inspect.Parameter.empty, f"{name}: {parameter}"
+
+
+def test_no_name_hides_a_folder_or_a_module() -> None:
+    modules = {file.stem for file in (ROOT / "host" / "api").glob("*.py")} - {"__init__"}
+    assert not {*springpot.__all__} & (modules | FLOORS)
+    assert not modules & FLOORS
+
+
+def test_an_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'trian'"):
+        getattr(springpot, "trian")  # noqa: B009 as a typing error would be
+    with pytest.raises(ImportError):
+        importlib.import_module("springpot.trian")
+
+
+def test_the_package_has_one_name() -> None:
+    with pytest.raises(ImportError, match="import springpot"):
+        importlib.import_module("springpot.host.api")
