@@ -46,7 +46,7 @@ def motion_m() -> np.ndarray:
 
 
 def force_hash(name: str, number: str, mode: str) -> str:
-    """SHA-256 of the forces and notes of one model in one scene, built by this machine's compiler."""
+    """SHA-256 of the forces and notes of one model in one scene, built here."""
     scene = Scene(
         schema=1,
         name="golden",

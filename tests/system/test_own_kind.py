@@ -77,7 +77,7 @@ class DepthStage(FeatureStage):
         return []
 
     def read(self) -> list[str]:
-        return ["features[0] = depth;"]
+        return ["features[0] = clipped;"]
 
     def reference(self, depth: Any, starts: Any) -> Any:
         return depth[:, None]

@@ -103,7 +103,7 @@ def _recovered(journal: Path) -> Recording:
         f"recovered {found.recording.duration_s:.3f} s from the journal of a recording that was "
         f"interrupted{found.lost}"
     )
-    notice(f"{journal}: {found}")
+    notice(f"{journal}: {message}")
     return replace(found.recording, details={**found.recording.details, "recovered": message})
 
 

@@ -16,7 +16,7 @@ from springpot.host.commands.models.reproduce import (
     rows,
     run_reproduce,
 )
-from springpot.host.paper.claims import Claim, evaluation
+from springpot.host.paper.claims import Claim, check_claims
 from springpot.host.paper.reproduce import (
     PAPER_KINDS,
     ObjectResult,
@@ -70,7 +70,7 @@ def little_result(folder: Path) -> ObjectResult:
 
 def judged(result: ObjectResult) -> dict[str, Claim]:
     sampled = resampled(result.models["rf-fd"], result.data.validation[0])
-    return {claim.claim: claim for claim in evaluation([result], sampled)}
+    return {claim.claim: claim for claim in check_claims([result], sampled)}
 
 
 def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:
