@@ -107,8 +107,10 @@ def test_a_replay_gives_the_forces_of_validation(tmp_path, folder):
         finish(session)
     assert "no more samples" in session.line
     read = assert_faithful(folder, log)
+    # What the scene returned: a period that began late sends nothing, and the last force stays.
     np.testing.assert_array_equal(
-        read.force_n, validate(folder, [recording("press", press(2.0))], 0.01).predicted_n[0]
+        read.channels["returned_n"],
+        validate(folder, [recording("press", press(2.0))], 0.01).predicted_n[0],
     )
     with pytest.raises(DataError, match="resample"):
         slow = recording("slow", press(2.0))
