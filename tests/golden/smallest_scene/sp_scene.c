@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59 */
+/* springpot 0.1.0 b6d900117281e6b199e38ac28abfb6644fc1914f01496b91fff19c6944fd7715 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -124,5 +124,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"b6d900117281e6b199e38ac28abfb6644fc1914f01496b91fff19c6944fd7715\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8510e2e7f8725b851b1b93eb516b97f2acd9c996fefbf368b5b42e0885121f59 */
+/* springpot 0.1.0 b6d900117281e6b199e38ac28abfb6644fc1914f01496b91fff19c6944fd7715 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 
