@@ -2,33 +2,61 @@
 
 import importlib
 import sys
+from typing import NamedTuple
 
 import click
 
 from springpot.codegen import errors
 from springpot.host.console.output import say
 
-# Command -> module and object. Loaded when used: replaying never loads what only training needs.
+
+class _Command(NamedTuple):
+    """path: "module:object" under host/commands. short_help: the first line of its own help."""
+
+    path: str
+    short_help: str
+
+
+# Each is loaded when it is used, none for the list of all: replaying never loads what only
+# training needs.
 _COMMANDS = {
-    "doctor": ("doctor", "doctor"),
-    "demo": ("scenes.demo", "demo"),
-    "record": ("recordings.record", "record"),
-    "import": ("recordings.import_", "import_"),
-    "check": ("recordings.check", "check"),
-    "plot": ("recordings.plot", "plot"),
-    "export": ("recordings.export", "export_"),
-    "train": ("models.train", "train"),
-    "emit": ("scenes.emit", "emit_"),
-    "build": ("scenes.emit", "build"),
-    "firmware": ("scenes.firmware", "firmware"),
-    "stability": ("scenes.stability", "stability_"),
-    "validate": ("scenes.validate", "validate_"),
-    "run": ("scenes.run", "run"),
-    "bench": ("models.bench", "bench"),
-    "report": ("scenes.report", "report"),
-    "reproduce": ("models.reproduce", "reproduce"),
-    "material": ("models.material", "material"),
-}
+    "doctor": _Command("doctor:doctor",
+        "Show what this machine offers, and what to do where something is missing."),
+    "demo": _Command("scenes.demo:demo",
+        "Do the whole job on a simulated object: record, train, emit, build, validate, report."),
+    "record": _Command("recordings.record:record",
+        "Drive a device under force control and write one recording for each profile."),
+    "import": _Command("recordings.import_:import_",
+        "Turn CSV, MAT, HDF5, Mach-1 text files, CAN logs and journals into recordings."),
+    "check": _Command("recordings.check:check_",
+        "Report the quality of RECORDINGS (files or folders); refusals end with status 3."),
+    "plot": _Command("recordings.plot:plot",
+        "Draw RECORDINGS: time series, loops by rate and amplitude, spectra, stiffness and loss."),
+    "export": _Command("recordings.export:export_",
+        "Write RECORDINGS (files or folders) as files that other programs read."),
+    "train": _Command("models.train:train",
+        "Fit a model on RECORDINGS (files or folders)."),
+    "emit": _Command("scenes.emit:emit_",
+        "Emit the C source of a scene, or of a benchmark's choice (a scene's keys then rule it)."),
+    "build": _Command("scenes.emit:build",
+        "Build an emitted FOLDER's shared library in the cache; print its path."),
+    "firmware": _Command("scenes.firmware:firmware",
+        "Build a board's firmware; all its sources lie beside it."),
+    "stability": _Command("scenes.stability:stability_",
+        "Spectral radius, small-signal maps, and a closed loop with three hands."),
+    "validate": _Command("scenes.validate:validate_",
+        "Replay recordings through the C of an emitted FOLDER."),
+    "run": _Command("scenes.run:run",
+        "Render a scene on a device."),
+    "bench": _Command("models.bench:bench",
+        "Measure every kind and size of model on your recordings; mark the front; pick."),
+    "report": _Command("scenes.report:report",
+        "Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."),
+    "reproduce": _Command("models.reproduce:reproduce",
+        "Repeat the paper's tables and figures, and say which of its claims hold here."),
+    "material": _Command("models.material:material",
+        "Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."),
+}  # fmt: skip
 
 _EXIT_STATUS: dict[type[Exception], int] = {
     errors.UsageError: 2,
@@ -52,10 +80,14 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        module, name = _COMMANDS[cmd_name]
+        module, _, name = _COMMANDS[cmd_name].path.partition(":")
         command = getattr(importlib.import_module(f"springpot.host.commands.{module}"), name)
         assert isinstance(command, click.Command)
         return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, found.short_help) for name, found in _COMMANDS.items()])
 
 
 @click.group(cls=_Commands)

@@ -6,11 +6,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from springpot.codegen.errors import UsageError
-from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit, FitOptions
     from springpot.trainer.models.training_set import TrainingSet
+    from springpot.trainer.recordings.recording import Recording
 
 WINDOWS = 3  # recordings shorter than this many windows cannot teach what the window holds
 
@@ -74,9 +74,9 @@ def kind_names() -> tuple[str, ...]:
 def fit_model(
     kind: str,
     name: str,
-    recordings: Sequence[Recording],
+    recordings: "Sequence[Recording]",
     options: "FitOptions",
-    validation: Sequence[Recording] = (),
+    validation: "Sequence[Recording]" = (),
 ) -> "Fit":
     """Fit one model. `validation` decides only for rbf-fd and --within with select "paper".
 
@@ -92,7 +92,7 @@ def fit_kind(
     name: str,
     data: "TrainingSet",
     options: "FitOptions",
-    validation: Sequence[Recording] = (),
+    validation: "Sequence[Recording]" = (),
 ) -> "Fit":
     """The same on recordings that are prepared: many fits on one set share what they can."""
     from threadpoolctl import threadpool_limits

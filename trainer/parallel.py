@@ -14,12 +14,12 @@ from springpot.codegen.errors import UsageError
 _CONNECT_S = 10
 _WATCH_S = 0.5
 Item = TypeVar("Item")
-Result = TypeVar("Result")
+_Result = TypeVar("_Result")
 
 
 def in_parallel(
-    work: Callable[[Item], Result], items: Sequence[Item], dask: str | None
-) -> Iterator[Result]:
+    work: Callable[[Item], _Result], items: Sequence[Item], dask: str | None
+) -> Iterator[_Result]:
     """Results as they come, in any order. dask: address of a scheduler.
 
     Raises UsageError where no scheduler answers there.
@@ -30,7 +30,7 @@ def in_parallel(
         )
 
 
-def _in_one_thread(work: Callable[[Item], Result], item: Item) -> Result:
+def _in_one_thread(work: Callable[[Item], _Result], item: Item) -> _Result:
     """Every core has a job already: the forests of one job do not start threads of their own."""
     with parallel_config(backend="sequential"):
         return work(item)

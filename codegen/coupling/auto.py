@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.codegen.coupling.linear_loop import HANDS, Hand, Loop
+from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.scene import Coupling
 
 # The loop must be stable with an object stiffer than this model by so much.
@@ -21,7 +21,7 @@ _MASSES_KG = (0.02, 0.05, 0.1)
 
 
 @dataclass(frozen=True)
-class Choice:
+class CouplingChoice:
     """A coupling and why; felt_npm: the stiffness that a hand feels on the object's stiffest."""
 
     coupling: Coupling
@@ -29,9 +29,9 @@ class Choice:
     felt_npm: float
 
 
-def choose(
+def choose_coupling(
     stiffness_npm: float, dt_s: float, delay_samples: int, smoothing: float, stated: Coupling
-) -> Choice:
+) -> CouplingChoice:
     """Pick for an object of that maximum tangent stiffness.
 
     `off` where the bare loop is stable with every hand at the stated delay, and with the mid and
@@ -39,22 +39,24 @@ def choose(
     stiffest proxy that is stable with every hand at both delays.
     """
 
-    def loop(coupling: Coupling, hand: Hand, more: int) -> Loop:
-        return Loop(dt_s, coupling, hand, delay_samples + more, smoothing)
+    def loop(coupling: Coupling, hand: Hand, more: int) -> LinearLoop:
+        return LinearLoop(dt_s, coupling, hand, delay_samples + more, smoothing)
 
     off = replace(stated, mode="off")
-    bare = [(hand, more) for hand in HANDS for more in (0, 1) if more == 0 or hand.name != "light"]
+    bare = [
+        (hand, more) for hand in HAND_MODELS for more in (0, 1) if more == 0 or hand.name != "light"
+    ]
     limits = [loop(off, hand, more).max_stiffness_npm() for hand, more in bare]
     found = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {delay_samples} samples late"
     if min(limits) > STIFFNESS_MARGIN_OFF * stiffness_npm:
         why = f"off: auto: {found}, are below the bare loop's limit of {_npmm(min(limits))}"
-        return Choice(off, why, stiffness_npm)
+        return CouplingChoice(off, why, stiffness_npm)
     loads = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
 
     def radius(coupling: Coupling) -> float:
         return max(
             float(loop(coupling, hand, more).spectral_radius(loads).max())
-            for hand in HANDS
+            for hand in HAND_MODELS
             for more in (0, 1)
         )
 
@@ -65,7 +67,7 @@ def choose(
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
     )
-    return Choice(proxy, why, felt)
+    return CouplingChoice(proxy, why, felt)
 
 
 def _stiffest(radius: Callable[[Coupling], float], maximum: float) -> Coupling:

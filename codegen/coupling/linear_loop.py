@@ -28,16 +28,16 @@ class Hand:
 
 
 # From a firm grip to two fingertips; the first one is the design hand.
-HANDS = (
+HAND_MODELS = (
     Hand("mid", 0.25, 400.0, 6.0),
     Hand("firm", 0.30, 1000.0, 10.0),
     Hand("light", 0.12, 300.0, 2.0),
 )
-DESIGN_HAND = HANDS[0]
+DESIGN_HAND = HAND_MODELS[0]
 
 
 @dataclass(frozen=True)
-class Loop:
+class LinearLoop:
     """All of the loop but the object's stiffness.
 
     coupling: its mode is "off", "tool" or "proxy". smoothing: weight of the newest force, 1 none.

@@ -18,14 +18,14 @@ from springpot.codegen.forest.tables import CompactForest
 from springpot.codegen.model.regressors import Forest
 
 # Metadata of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
-SLOT_BITS = 4
+COMPACT_SLOT_BITS = 4
 LEVELS = 4
 REST = 10  # the plain C traverses this many trees at once, or a multiple
 VECTOR = 16  # trees side by side in the widest vector unit
 
 ENTRIES = 1 << LEVELS
 _MAX_BIN = 2**16 - 1
-_MAX_STEP = 2 ** (16 - SLOT_BITS) - 1
+_MAX_STEP = 2 ** (16 - COMPACT_SLOT_BITS) - 1
 _TOGETHER = 3  # levels that lie together below the first ones
 
 Ints = NDArray[np.int64]
@@ -56,7 +56,7 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
     low = order.level >= LEVELS
     step = np.where(leaf | ~low, 0, order.place[forest.left] - order.place)
     if (
-        len(columns) >= 1 << SLOT_BITS
+        len(columns) >= 1 << COMPACT_SLOT_BITS
         or bin_index.max(initial=0) > _MAX_BIN
         or step.max(initial=0) > _MAX_STEP
     ):
@@ -64,7 +64,7 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
     quantised = quantised_leaves(forest)
     stored = low | leaf
     nodes = np.zeros((order.size, 2), dtype=np.uint16)
-    nodes[order.place[stored], 0] = (step << SLOT_BITS | slot)[stored]
+    nodes[order.place[stored], 0] = (step << COMPACT_SLOT_BITS | slot)[stored]
     nodes[order.place[stored], 1] = np.where(leaf, quantised.quantised, bin_index)[stored]
     n_padded = _padded(len(order.roots))
     top = np.zeros((ENTRIES - 1, n_padded, 2), dtype=np.uint16)  # zeros send everything to the left

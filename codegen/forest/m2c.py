@@ -7,7 +7,7 @@ from m2cgen.interpreters import CInterpreter
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.tables import ForestTable
-from springpot.codegen.forest.wide import LEAF_SLOT, SLOT_BITS
+from springpot.codegen.forest.wide import LEAF_SLOT, WIDE_SLOT_BITS
 from springpot.codegen.model.regressors import Forest
 
 MAX_NODES = 20_000
@@ -36,7 +36,7 @@ def score_source(forest: Forest, table: ForestTable) -> str:
 def _tree(table: ForestTable, row: int) -> ast.Expr:
     link = int(table.link[row])
     value = ast.NumVal(float(table.value[row]))
-    slot, left = link & LEAF_SLOT, link >> SLOT_BITS
+    slot, left = link & LEAF_SLOT, link >> WIDE_SLOT_BITS
     if slot == LEAF_SLOT:
         return value
     # The threshold is a float32 number written as a double; so is the feature: same decision.

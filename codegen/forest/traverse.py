@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.forest.compact import ENTRIES, LEVELS
-from springpot.codegen.forest.compact import SLOT_BITS as COMPACT_SLOT_BITS
+from springpot.codegen.forest.compact import COMPACT_SLOT_BITS, ENTRIES, LEVELS
 from springpot.codegen.forest.tables import CompactForest, ForestTable
-from springpot.codegen.forest.wide import LEAF_SLOT, SLOT_BITS
+from springpot.codegen.forest.wide import LEAF_SLOT
 
 _CHUNK = 4096  # samples whose traversal stays in the cache
 Bins = NDArray[np.int32]
@@ -55,7 +54,7 @@ def _compact_leaves(forest: CompactForest, tree: int, bins: Bins) -> NDArray[np.
 def forest_leaves(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.int64]:
     """Rows of the leaves reached: shape (n, padded trees)."""
     leaves = np.empty((len(features), len(table.roots)), dtype=np.int64)
-    left = (table.link >> SLOT_BITS).astype(np.int64)
+    left = (table.link >> COMPACT_SLOT_BITS).astype(np.int64)
     slot = (table.link & LEAF_SLOT).astype(np.int64)
     inner = slot != LEAF_SLOT
     n_columns = features.shape[1]

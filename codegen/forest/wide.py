@@ -16,9 +16,9 @@ from springpot.codegen.forest.tables import ForestTable
 from springpot.codegen.model.regressors import Forest
 
 # Metadata of sp_forest_wide.h; a test compares them with the header.
-SLOT_BITS = 4
-LEAF_SLOT = (1 << SLOT_BITS) - 1
-VECTOR_WIDTH = 16
+WIDE_SLOT_BITS = 4
+LEAF_SLOT = (1 << WIDE_SLOT_BITS) - 1
+WIDE_VECTOR_WIDTH = 16
 
 
 def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
@@ -31,7 +31,7 @@ def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
         raise UsageError(
             f"a forest on {len(columns)} features: the C table holds {LEAF_SLOT}: train on fewer"
         )
-    if len(forest.feature) >= 1 << (32 - SLOT_BITS):
+    if len(forest.feature) >= 1 << (32 - WIDE_SLOT_BITS):
         raise UsageError(f"a forest of {len(forest.feature)} nodes does not fit 28 bits")
     row, level = level_order(forest)
     leaf = forest.feature < 0
@@ -40,11 +40,11 @@ def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:
     quantised = quantised_leaves(forest)
     value = np.where(leaf, quantised.quantised, largest_float32_below(forest.threshold))
     n_nodes = len(row)
-    padding = -len(forest.roots) % VECTOR_WIDTH
+    padding = -len(forest.roots) % WIDE_VECTOR_WIDTH
     table_value = np.zeros(n_nodes + 1, dtype=np.float32)
-    table_link = np.full(n_nodes + 1, n_nodes << SLOT_BITS | LEAF_SLOT, dtype=np.uint32)
+    table_link = np.full(n_nodes + 1, n_nodes << WIDE_SLOT_BITS | LEAF_SLOT, dtype=np.uint32)
     table_value[row] = value.astype(np.float32)
-    table_link[row] = (left.astype(np.uint32) << SLOT_BITS) | slot.astype(np.uint32)
+    table_link[row] = (left.astype(np.uint32) << WIDE_SLOT_BITS) | slot.astype(np.uint32)
     roots = np.append(row[forest.roots], np.full(padding, n_nodes)).astype(np.uint32)
     if padding == 0:
         table_value, table_link = table_value[:-1], table_link[:-1]

@@ -25,9 +25,9 @@ from springpot.codegen.model.features import (
 from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 
-SCHEMA = 3  # 1: forests without quantisation; 2: other names of fields
-MAGIC = b"springpot-model"
-SUFFIX = ".spm"
+MODEL_SCHEMA = 3  # 1: forests without quantisation; 2: other names of fields
+MODEL_MAGIC = b"springpot-model"
+MODEL_SUFFIX = ".spm"
 # The only types that a file can name; a kind of one's own adds its own with `register_part`.
 _PARTS: dict[str, type[Any]] = {
     part.__name__: part
@@ -80,7 +80,10 @@ def model_bytes(model: Model) -> bytes:
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
     np.savez_compressed(payload, allow_pickle=False, header=text, **arrays)
     body = payload.getvalue()
-    return b"%s %d %s\n" % (MAGIC, SCHEMA, hashlib.sha256(body).hexdigest().encode()) + body
+    return (
+        b"%s %d %s\n" % (MODEL_MAGIC, MODEL_SCHEMA, hashlib.sha256(body).hexdigest().encode())
+        + body
+    )
 
 
 def read_model(path: Path) -> Model:
@@ -90,13 +93,13 @@ def read_model(path: Path) -> Model:
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror})") from None
     words = first_line.split(b" ")
-    if len(words) != 3 or words[0] != MAGIC or not words[1].isdigit():
+    if len(words) != 3 or words[0] != MODEL_MAGIC or not words[1].isdigit():
         raise DataError(
             f"{path}: not a springpot model: `springpot train --out FILE.spm` makes one"
         )
-    if int(words[1]) > SCHEMA:
+    if int(words[1]) > MODEL_SCHEMA:
         raise DataError(
-            f"{path}: model schema {int(words[1])}, this springpot reads up to {SCHEMA}: "
+            f"{path}: model schema {int(words[1])}, this springpot reads up to {MODEL_SCHEMA}: "
             "upgrade springpot, or train again with this one"
         )
     if words[2] != hashlib.sha256(body).hexdigest().encode():

@@ -11,7 +11,7 @@ from springpot.codegen.scene import Scene
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
 MIN_JUMP_MPS = 1.0
 JUMP_PER_TRAINED_SPEED = 8.0
-FREE_M = 10.0  # a tool may wait this far from the surface
+_FREE_M = 10.0  # a tool may wait this far from the surface
 MIN_BELIEVED_M = 0.1
 BELIEVED_PER_RANGE = 10.0
 RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
@@ -71,7 +71,7 @@ def guard_config(
     before_latch = int(watchdog_s / dt_s) - 1
     return GuardConfig(
         jump_m=real(dt_s * max_mps(model)),
-        min_m=real(-FREE_M if contact else -believed_m),
+        min_m=real(-_FREE_M if contact else -believed_m),
         max_m=real(believed_m),
         resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
     )

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 
 from springpot.codegen.arrays import Real
-from springpot.codegen.coupling.auto import Choice, choose, series
+from springpot.codegen.coupling.auto import CouplingChoice, choose_coupling, series
 from springpot.codegen.coupling.gains import CoupleConfig, couple_config, require_plausible_damping
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
@@ -56,7 +56,7 @@ class Plan:
     left_out: tuple[LeftOut, ...]
     accept_unsafe: bool
     stiffness_npm: float
-    coupling: Choice
+    coupling: CouplingChoice
     outside: str
 
     @property
@@ -194,15 +194,15 @@ def _onset_m(model: Model, scene: Scene) -> float:
     return 0.01 * model.trained.max_m
 
 
-def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> Choice:
+def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice:
     stated = scene.coupling
     if stated.mode == "auto":
         smoothing = _smooth_alpha(scene, dt_s) or 1.0
-        return choose(stiffness_npm, dt_s, scene.device.delay_samples, smoothing, stated)
+        return choose_coupling(stiffness_npm, dt_s, scene.device.delay_samples, smoothing, stated)
     felt_npm = stiffness_npm
     if stated.mode == "proxy":
         felt_npm = series(stated.stiffness_npm, stiffness_npm)
-    return Choice(stated, f"{stated.mode}: stated in the scene", felt_npm)
+    return CouplingChoice(stated, f"{stated.mode}: stated in the scene", felt_npm)
 
 
 def _fade_m(trained: RangeConfig) -> float:

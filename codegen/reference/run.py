@@ -8,11 +8,9 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.proxy import ContactTrace, proxy_motion
-from springpot.codegen.reference.tick import HELD, OUTSIDE, RESYNC, Guarding, OutputStage
+from springpot.codegen.reference.tick import HELD, OUTSIDE, RESYNC, Guarding, Notes, OutputStage
 from springpot.codegen.stages.model_force import clip, model_force
 from springpot.codegen.stages.stage import Starts
-
-Notes = NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import Columns, RegressorStage, padded, regressor_stage
 
-VECTOR_WIDTH = 8  # SP_RBF_WIDTH
+RBF_VECTOR_WIDTH = 8  # SP_RBF_WIDTH
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +65,9 @@ class RbfStage(RegressorStage):
             below = np.where(features[:, i] < feature_max, features[:, i], feature_max)
             inside = np.where(below > feature_min, below, feature_min)
             z.append((inside - mean) * per_scale)
-        sums = np.zeros((VECTOR_WIDTH, len(features)), dtype=features.dtype)
-        for block in range(0, len(self.weights_n), VECTOR_WIDTH):
-            for i in range(VECTOR_WIDTH):
+        sums = np.zeros((RBF_VECTOR_WIDTH, len(features)), dtype=features.dtype)
+        for block in range(0, len(self.weights_n), RBF_VECTOR_WIDTH):
+            for i in range(RBF_VECTOR_WIDTH):
                 d0 = z[0] - self.centers[0, block + i]
                 d1 = z[1] - self.centers[1, block + i]
                 square = d0 * d0 + d1 * d1
@@ -85,7 +85,7 @@ def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: type[Any]) -> Rb
     n, n_features = rbf.centers.shape
     if n_features != 2:
         raise UsageError(f"radial basis functions on {n_features} features: the C has two")
-    capacity = padded(n, VECTOR_WIDTH)
+    capacity = padded(n, RBF_VECTOR_WIDTH)
     centers: Reals = np.zeros((2, capacity), dtype=dtype)
     centers[:, :n] = rbf.centers.T
     weights: Reals = np.zeros(capacity, dtype=dtype)

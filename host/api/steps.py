@@ -41,10 +41,10 @@ def record(
     """
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
-    from springpot.host.recording.session import open_device, record_session
+    from springpot.host.recording.session import open_press_device, record_session
 
     profiles = load_protocol(str(protocol), seed)
-    device = open_device(url, seed, object_name, Limits(max_force_n, max_depth_m))
+    device = open_press_device(url, seed, object_name, Limits(max_force_n, max_depth_m))
     presses = record_session(device, url, str(protocol), profiles, Path(folder))
     return read_recordings(*(press.file for press in presses))
 

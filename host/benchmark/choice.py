@@ -1,22 +1,22 @@
 """A model and a scene from a benchmark: by the name of a pick, or by a budget of one's own."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from springpot.codegen.errors import BudgetError, DataError, UnsafeError, UsageError
-from springpot.codegen.scene import Budget as SceneBudget
-from springpot.codegen.scene import Scene, Target
+from springpot.codegen.scene import Budget, Scene, Target
 from springpot.host.benchmark.isolated import rendered_scene
 from springpot.host.benchmark.labels import point_line
-from springpot.host.benchmark.picks import Budget, misfit, pick, unmeasured
+from springpot.host.benchmark.picks import PlatformBudget, misfit, pick, unmeasured
+from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.store import Store, read_result
 from springpot.host.console.output import say
 
-Metadata = dict[str, Any]
 
-
-def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[Metadata, Budget]:
+def choose_pick(
+    folder: Path, name: str, accept_unsafe: bool = False
+) -> tuple[Point, PlatformBudget]:
     """The point of a pick, and its budget.
 
     Raises UsageError for an unknown name, BudgetError where no model fits it, UnsafeError where
@@ -27,30 +27,31 @@ def choose_pick(folder: Path, name: str, accept_unsafe: bool = False) -> tuple[M
     if found is None:
         known = ", ".join(result["picks"])
         raise UsageError(f"--pick {name}: no such pick in {folder}: it has {known}")
-    budget = Budget(**found["budget"])
+    budget = PlatformBudget(**found["budget"])
     if found["point"] is None:
         raise BudgetError(f"--pick {name}: {found['why']}: give --flash, --ram or --budget-us")
-    point: Metadata = next(p for p in result["points"] if p["key"] == found["point"])
-    if not point["bounded"] and not accept_unsafe:
+    point: Point = next(p for p in points_of(result) if p.key == found["point"])
+    if not point.bounded and not accept_unsafe:
         raise UnsafeError(
             f"--pick {name}: {found['why']}; or emit with --accept-unsafe, for replay"
         )
     return point, budget
 
 
-def choose_within(folder: Path, budget: Budget) -> tuple[Metadata, Budget]:
+def choose_within(folder: Path, budget: PlatformBudget) -> tuple[Point, PlatformBudget]:
     """The most accurate point that fits and is known to be stable: of the front and the picks.
 
     Raises BudgetError with the point that comes nearest, or where a limit cannot be checked.
     """
     result = read_result(folder)
-    _require_measured(result["points"], budget)
-    stable = [p for p in result["points"] if p["bounded"] and not p["active_cells"]]
+    points = points_of(result)
+    _require_measured(points, budget)
+    stable = [p for p in points if p.bounded and not p.active_cells]
     if not stable:
         raise BudgetError(f"{folder}: no stable model at all: record more, or sweep more kinds")
-    found = pick(stable, budget, result["rate_hz"], lambda _: True)
+    found = pick(stable, budget, result["rate_hz"], lambda point: point)
     if found is None:
-        nearest = min(stable, key=lambda p: (p["flash_bytes"] or 0, p["tick_ns_hot"]))
+        nearest = min(stable, key=lambda p: (p.flash_bytes or 0, p.tick_ns_hot))
         raise BudgetError(
             f"no stable model of {folder} fits; the smallest, {misfit(nearest, budget, 1.0)}, is "
             f"{point_line(nearest)}: raise the budget"
@@ -58,7 +59,7 @@ def choose_within(folder: Path, budget: Budget) -> tuple[Metadata, Budget]:
     return found, budget
 
 
-def _require_measured(points: list[Metadata], budget: Budget) -> None:
+def _require_measured(points: Sequence[Point], budget: PlatformBudget) -> None:
     """A limit that a person states is checked, or refused."""
     unknown = next((found for p in points if (found := unmeasured(p, budget))), None)
     if unknown is not None:
@@ -69,14 +70,14 @@ def _require_measured(points: list[Metadata], budget: Budget) -> None:
 
 
 def scene_of(
-    folder: Path, point: Metadata, budget: Budget, stated: Scene | None
+    folder: Path, point: Point, budget: PlatformBudget, stated: Scene | None
 ) -> tuple[Scene, Path]:
     """The scene to emit and its model file. stated: a scene file's keys, that rule.
 
     Raises DataError where the bench folder has lost the model.
     """
     result = read_result(folder)
-    model_file = Store(folder).model_file(point["key"])
+    model_file = Store(folder).model_file(point.key)
     if not model_file.exists():
         raise DataError(f"{model_file}: missing: run the command of {folder} again, it resumes")
     say(f"{budget.title}: {point_line(point)}")
@@ -86,8 +87,8 @@ def scene_of(
             f"{budget.rate_hz:g} Hz"
         )
     if stated is not None:
-        return replace(stated, runtime=replace(stated.runtime, number=point["number"])), model_file
+        return replace(stated, runtime=replace(stated.runtime, number=point.number)), model_file
     on_board = budget.flash_bytes is not None or budget.ram_bytes is not None
     target: Target = result["target"] if on_board else "host"
-    limits = SceneBudget(flash_bytes=budget.flash_bytes, ram_bytes=budget.ram_bytes)
-    return replace(rendered_scene(budget.name, point["number"], target), budget=limits), model_file
+    limits = Budget(flash_bytes=budget.flash_bytes, ram_bytes=budget.ram_bytes)
+    return replace(rendered_scene(budget.name, point.number, target), budget=limits), model_file

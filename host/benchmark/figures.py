@@ -3,7 +3,6 @@
 import re
 from collections.abc import Sequence
 from html import escape
-from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -13,10 +12,10 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from springpot.host.benchmark.labels import hover
+from springpot.host.benchmark.point import Metadata, Point, points_of
 from springpot.host.plot_style import STYLE, svg_text
 from springpot.trainer.kinds import KINDS
 
-Metadata = dict[str, Any]
 Places = NDArray[np.float64]
 Curves = dict[str, list[Metadata]]  # points of each family: name, time, error
 _FRONT, _OFF = 8.5, 5.5  # size of marks, points
@@ -30,7 +29,7 @@ _DASHES = ("-", "--", ":", "-.")
 
 def front_figure(result: Metadata) -> str:
     """Every point, error on the validation recordings against time of a tick; front and picks."""
-    points = result["points"]
+    points = points_of(result)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 5.6), layout="constrained")
         axes = figure.subplots()
@@ -39,25 +38,25 @@ def front_figure(result: Metadata) -> str:
         _envelope(axes, points)
         _noise_floor(axes, result["quality"]["noise_floor_n"])
         _log_axes(axes, "time of a tick, hot, ns", "RMSE on the validation recordings, N")
-        for kind in dict.fromkeys(point["model"] for point in points):
+        for kind in dict.fromkeys(point.model for point in points):
             shape, color = KINDS[kind].mark, KINDS[kind].colour
             axes.plot([], [], shape, color=color, ms=7, label=kind)
         axes.plot([], [], "o", color="white", mec="black", mew=1.6, ms=8, label="on the front")
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         figure.draw_without_rendering()  # or it is not known yet where on the page a point is
-        _name_picks(axes, result)
+        _name_picks(axes, points, result["picks"])
         return _labelled(svg_text(figure), [hover(point) for point in points])
 
 
-def family_figure(points: Sequence[Metadata]) -> str:
+def family_figure(points: Sequence[Point]) -> str:
     """Whole models: the best error of each kind within each time, one line a kind."""
     with mpl.rc_context(STYLE):
         figure, axes = _small()
-        for i, kind in enumerate(dict.fromkeys(point["model"] for point in points)):
-            family = _best([point for point in points if point["model"] == kind])
+        for i, kind in enumerate(dict.fromkeys(point.model for point in points)):
+            family = _best([point for point in points if point.model == kind])
             shape, color = KINDS[kind].mark, KINDS[kind].colour
             axes.plot(
-                [point["tick_ns_hot"] for point in family], [point["rmse_n"] for point in family],
+                [point.tick_ns_hot for point in family], [point.rmse_n for point in family],
                 marker=shape, color=color, ls=_DASHES[i % len(_DASHES)], lw=1.2, ms=6, label=kind,
             )  # fmt: skip
         _log_axes(axes, "time of a tick, hot, ns", "RMSE against measured force, N")
@@ -97,28 +96,28 @@ def _small() -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def _mark(axes: Axes, point: Metadata, gid: str) -> None:
-    kind = KINDS[point["model"]]
-    front = point["pareto"]
+def _mark(axes: Axes, point: Point, gid: str) -> None:
+    kind = KINDS[point.model]
+    front = point.pareto
     axes.plot(
-        [point["tick_ns_hot"]], [point["rmse_n"]], kind.mark, gid=gid, zorder=4 if front else 3,
+        [point.tick_ns_hot], [point.rmse_n], kind.mark, gid=gid, zorder=4 if front else 3,
         ms=_FRONT if front else _OFF, mfc=kind.colour if front else "none",
         mec="black" if front else kind.colour, mew=1.4 if front else 1.0,
     )  # fmt: skip
 
 
-def _envelope(axes: Axes, points: Sequence[Metadata]) -> None:
+def _envelope(axes: Axes, points: Sequence[Point]) -> None:
     """The steps under which no point of the front lies."""
-    best = _best([point for point in points if point["pareto"]])
-    axes.step([point["tick_ns_hot"] for point in best], [point["rmse_n"] for point in best],
+    best = _best([point for point in points if point.pareto])
+    axes.step([point.tick_ns_hot for point in best], [point.rmse_n for point in best],
               where="post", color="black", lw=1.0, ls="--", zorder=2)  # fmt: skip
 
 
-def _best(points: Sequence[Metadata]) -> list[Metadata]:
+def _best(points: Sequence[Point]) -> list[Point]:
     """Points that are more accurate than all faster ones, fastest first."""
-    found: list[Metadata] = []
-    for point in sorted(points, key=lambda p: (p["tick_ns_hot"], p["rmse_n"])):
-        if not found or point["rmse_n"] < found[-1]["rmse_n"]:
+    found: list[Point] = []
+    for point in sorted(points, key=lambda p: (p.tick_ns_hot, p.rmse_n)):
+        if not found or point.rmse_n < found[-1].rmse_n:
             found.append(point)
     return found
 
@@ -131,21 +130,21 @@ def _noise_floor(axes: Axes, floor_n: float | None) -> None:
                   xycoords=("axes fraction", "data"), fontsize=7.5, color="#555555")  # fmt: skip
 
 
-def _name_picks(axes: Axes, result: Metadata) -> None:
+def _name_picks(axes: Axes, points: Sequence[Point], picks: Metadata) -> None:
     """One label for each picked point, with the names of all budgets that pick it."""
-    by_key = {point["key"]: point for point in result["points"]}
+    by_key = {point.key: point for point in points}
     names: dict[str, list[str]] = {}
-    for name, found in result["picks"].items():
+    for name, found in picks.items():
         if found["point"]:
             names.setdefault(found["point"], []).append(name)
-    marks = _on_page(axes, result["points"])
+    marks = _on_page(axes, points)
     for key, budgets in names.items():
         text = "pick for " + ", ".join(budgets)
         at = _on_page(axes, [by_key[key]])
         places = [_inside(axes, at[0] + offset, text) for offset in _OFFSETS]
         place = min(places, key=lambda corner: int(_covered(corner, text, marks)))
         axes.annotate(
-            text, (by_key[key]["tick_ns_hot"], by_key[key]["rmse_n"]), xytext=place - at[0],
+            text, (by_key[key].tick_ns_hot, by_key[key].rmse_n), xytext=place - at[0],
             textcoords="offset points", fontsize=_PICK, fontweight="bold",
             arrowprops={"arrowstyle": "-", "lw": 0.9}, zorder=6,
         )  # fmt: skip
@@ -153,9 +152,9 @@ def _name_picks(axes: Axes, result: Metadata) -> None:
         marks = np.concatenate([marks, np.repeat(middle[None], len(marks), axis=0)])
 
 
-def _on_page(axes: Axes, points: Sequence[Metadata]) -> Places:
+def _on_page(axes: Axes, points: Sequence[Point]) -> Places:
     """Where points are, in typographic points, (n, 2)."""
-    values = np.array([(point["tick_ns_hot"], point["rmse_n"]) for point in points])
+    values = np.array([(point.tick_ns_hot, point.rmse_n) for point in points])
     page: Places = axes.transData.transform(values) * (72.0 / axes.figure.dpi)
     return page
 

@@ -10,7 +10,7 @@ from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.tick import RESYNC
 from springpot.codegen.scene import Number, Target
-from springpot.host.benchmark.point import bench_scene
+from springpot.host.benchmark.measure import bench_scene
 from springpot.host.boards.boards import Board, default_board, missing
 from springpot.host.boards.emulator import run_batch, steps
 from springpot.host.emission.emission import write_emission

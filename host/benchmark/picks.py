@@ -6,10 +6,10 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from springpot.codegen.scene import Target
+from springpot.host.benchmark.point import Point
 
-Metadata = dict[str, Any]
 ERROR_TOLERANCE = 1.005  # of the lowest error: of two within it, the faster is taken,
-FASTER = 0.9  # where its time is below this share of the other's: timing has noise
+_FASTER = 0.9  # where its time is below this share of the other's: timing has noise
 MAX_TRIED = 4  # closed loops that are not bounded: then it is the object, not the model
 SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")
 PERIOD_SHARE = 0.1  # of the period that a tick may take on a PC, that does other work too
@@ -17,7 +17,7 @@ _AXES = ("cv_rmse_n", "tick_ns_hot", "flash_bytes")
 
 
 @dataclass(frozen=True)
-class Budget:
+class PlatformBudget:
     """What a device has to spare; None is no limit.
 
     tick_us: on this machine, 99 of 100 ticks. target: None is this machine. instructions: of a
@@ -34,22 +34,22 @@ class Budget:
     instructions: int | None = None
     target: Target | None = None
 
-    def as_dict(self) -> Metadata:
+    def as_dict(self) -> dict[str, Any]:
         """JSON values."""
         return asdict(self)
 
 
-def pc_budget(rate_hz: float) -> Budget:
+def pc_budget(rate_hz: float) -> PlatformBudget:
     """A tenth of a period."""
     khz = f"{rate_hz / 1e3:g}"
-    return Budget(
+    return PlatformBudget(
         f"pc-{khz}khz", f"PC at {khz} kHz", rate_hz=rate_hz, tick_us=1e6 * PERIOD_SHARE / rate_hz
     )
 
 
-def board_budget(target: Target) -> Budget:
+def board_budget(target: Target) -> PlatformBudget:
     """A microcontroller of 256 kB of flash whose loop spares 8 000 instructions a tick."""
-    return Budget(
+    return PlatformBudget(
         target,
         f"board with a {target}",
         flash_bytes=256 * 1024,
@@ -59,18 +59,18 @@ def board_budget(target: Target) -> Budget:
     )
 
 
-def budgets(target: Target) -> tuple[Budget, ...]:
+def budgets(target: Target) -> tuple[PlatformBudget, ...]:
     """A PC at 1 and at 4 kHz, and the board."""
     boards = () if target == "host" else (board_budget(target),)
     return (pc_budget(1000.0), pc_budget(4000.0), *boards)
 
 
-def pareto(points: Sequence[Metadata]) -> set[str]:
+def pareto(points: Sequence[Point]) -> set[str]:
     """Keys of the points that no other beats in error, time and flash alike.
 
     The error is the cross-validated one: the validation recordings only report.
     """
-    rows = {p["key"]: tuple(p[axis] for axis in _AXES) for p in points}
+    rows = {p.key: tuple(getattr(p, axis) for axis in _AXES) for p in points}
     return {key for key, row in rows.items() if not any(_beats(o, row) for o in rows.values())}
 
 
@@ -80,57 +80,56 @@ def _beats(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
     return any(a < b for a, b in known) and all(a <= b for a, b in known)
 
 
-def misfit(point: Metadata, budget: Budget, recorded_hz: float) -> str | None:
+def misfit(point: Point, budget: PlatformBudget, recorded_hz: float) -> str | None:
     """Why a point does not fit a budget; None where it does, as far as its sizes are known."""
     rate_hz = budget.rate_hz
-    if rate_hz is not None and rate_hz > 1.001 * recorded_hz and not point["any_rate"]:
+    if rate_hz is not None and rate_hz > 1.001 * recorded_hz and not point.any_rate:
         return f"whose features hold at {recorded_hz:g} Hz only"
-    if budget.target in SOFT_DOUBLES and point["number"] == "float64":
+    if budget.target in SOFT_DOUBLES and point.number == "float64":
         return f"whose doubles would run in software on a {budget.target}"
-    tick_ns = point.get("tick_ns_p99") or point["tick_ns_hot"]
+    tick_ns = point.tick_ns_p99 or point.tick_ns_hot
     for what, has, may in (
         ("us a tick", 1e-3 * tick_ns, budget.tick_us),
-        ("bytes of flash", point["flash_bytes"], budget.flash_bytes),
-        ("bytes of RAM", point["ram_bytes"], budget.ram_bytes),
-        ("instructions a tick", point.get("instructions"), budget.instructions),
+        ("bytes of flash", point.flash_bytes, budget.flash_bytes),
+        ("bytes of RAM", point.ram_bytes, budget.ram_bytes),
+        ("instructions a tick", point.instructions, budget.instructions),
     ):
         if may is not None and has is not None and has > may:
             return f"above {may:g} {what}"
     return None
 
 
-def unmeasured(point: Metadata, budget: Budget) -> str | None:
+def unmeasured(point: Point, budget: PlatformBudget) -> str | None:
     """Which size of the budget is not known of a point, and why; None where all are."""
-    if budget.flash_bytes is None or point["flash_bytes"] is not None:
+    if budget.flash_bytes is None or point.flash_bytes is not None:
         return None
-    return f"flash could not be measured ({point['sizes_why']})"
+    return f"flash could not be measured ({point.why})"
 
 
 def pick(
-    points: Sequence[Metadata],
-    budget: Budget,
+    points: Sequence[Point],
+    budget: PlatformBudget,
     recorded_hz: float,
-    is_bounded: Callable[[Metadata], bool],
-) -> Metadata | None:
+    complete: Callable[[Point], Point],
+) -> Point | None:
     """The point of lowest cross-validated error that fits, is passive and bounded; None: none is.
 
-    Passive: no cell of its small-signal map is active. `is_bounded` runs the closed loop, and
-    completes the point with its isolated timing. Of points within half a per
-    cent of that error, the fastest that is bounded too. Where none is bounded, the point of lowest
-    error, which says so: some objects are too hard for a hand at their recordings' rate.
+    Passive: no cell of its small-signal map is active. `complete` returns the point with what is
+    measured alone on the machine. Of points within half a per cent of that error, the fastest that
+    is bounded too. Where none is bounded, the point of lowest error, which says so: some objects
+    are too hard for a hand at their recordings' rate.
     """
-    best: Metadata | None = None
-    listed = list(_candidates(points, budget, recorded_hz))
-    unbounded: list[Metadata] = []
-    for point in listed:
-        if best is not None and point["cv_rmse_n"] > ERROR_TOLERANCE * best["cv_rmse_n"]:
+    best: Point | None = None
+    unbounded: list[Point] = []
+    for swept in _candidates(points, budget, recorded_hz):
+        if best is not None and swept.cv_rmse_n > ERROR_TOLERANCE * best.cv_rmse_n:
             break
-        if best is not None and point["tick_ns_hot"] >= FASTER * best["tick_ns_hot"]:
+        if best is not None and swept.tick_ns_hot >= _FASTER * best.tick_ns_hot:
             continue
-        bounded = is_bounded(point)
+        point = complete(swept)
         if misfit(point, budget, recorded_hz) is not None:
             continue  # as its isolated measurement says
-        if bounded:
+        if point.bounded:
             best = point
             continue
         unbounded.append(point)
@@ -140,16 +139,16 @@ def pick(
 
 
 def _candidates(
-    points: Sequence[Metadata], budget: Budget, recorded_hz: float
-) -> Iterator[Metadata]:
+    points: Sequence[Point], budget: PlatformBudget, recorded_hz: float
+) -> Iterator[Point]:
     fitting = [p for p in points if misfit(p, budget, recorded_hz) is None]
-    yield from sorted((p for p in fitting if not p["active_cells"]), key=lambda p: p["cv_rmse_n"])
+    yield from sorted((p for p in fitting if not p.active_cells), key=lambda p: p.cv_rmse_n)
 
 
-def why(point: Metadata, points: Sequence[Metadata], budget: Budget, recorded_hz: float) -> str:
+def why(point: Point, points: Sequence[Point], budget: PlatformBudget, recorded_hz: float) -> str:
     """What was chosen, what it gains on the paper's forest, and why nothing more accurate was."""
     text = "lowest error on held-out training recordings of all that fit this budget"
-    if not point["bounded"]:
+    if not point.bounded:
         text = (
             f"{text} and give no energy back, for simulation only: no model that was tried is "
             f"bounded in every hand at {recorded_hz:g} Hz; record and render faster, or a softer "
@@ -157,14 +156,14 @@ def why(point: Metadata, points: Sequence[Metadata], budget: Budget, recorded_hz
         )
         return text + _unjudged(point, budget)
     text += ", give no energy back and stay bounded with every hand"
-    paper = next((p for p in points if p["model"] == "rf-fd" and not p["options"]), None)
-    if paper is not None and paper is not point:
-        error, time = (point[name] / paper[name] for name in ("rmse_n", "tick_ns_hot"))
+    paper = next((p for p in points if p.model == "rf-fd" and not p.options), None)
+    if paper is not None and paper.key != point.key:
+        error, time = point.rmse_n / paper.rmse_n, point.tick_ns_hot / paper.tick_ns_hot
         text += f"; {error:.0%} of the error of the paper's forest in {time:.0%} of its time"
     reasons = Counter(
         _rejected(other, budget, recorded_hz)
         for other in points
-        if other["cv_rmse_n"] < point["cv_rmse_n"]
+        if other.cv_rmse_n < point.cv_rmse_n
     )
     if reasons:
         listed = ", ".join(f"{count} {reason}" for reason, count in sorted(reasons.items()))
@@ -172,16 +171,16 @@ def why(point: Metadata, points: Sequence[Metadata], budget: Budget, recorded_hz
     return text + _unjudged(point, budget)
 
 
-def _unjudged(point: Metadata, budget: Budget) -> str:
+def _unjudged(point: Point, budget: PlatformBudget) -> str:
     unknown = unmeasured(point, budget)
     return "" if unknown is None else f". Its {unknown}, and did not decide"
 
 
-def _rejected(other: Metadata, budget: Budget, recorded_hz: float) -> str:
+def _rejected(other: Point, budget: PlatformBudget, recorded_hz: float) -> str:
     if (reason := misfit(other, budget, recorded_hz)) is not None:
         return reason
-    if other["active_cells"]:
+    if other.active_cells:
         return "that would give energy back"
-    if other.get("bounded") is False:
+    if other.bounded is False:
         return "not bounded in the closed loop"
     return "better by half a per cent at most, and slower or no faster"

@@ -1,216 +1,136 @@
-"""One point of the benchmark: a model fitted, built, and measured on recordings it has not seen."""
+"""A point of the benchmark: what is known of one model. Its fields are the keys of the JSON."""
 
-import os
-import tempfile
-import time
-from dataclasses import dataclass, field
-from functools import lru_cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from typing import Any, Self
 
-from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.errors import SpringpotError
-from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
-from springpot.codegen.plan.plan import Plan, make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
-from springpot.host.native.compiler import CompilerError, compiler_version
-from springpot.host.native.footprint import Footprint, measure_footprint
-from springpot.host.native.machine import cpu_s, machine_metadata
-from springpot.host.native.replay import Replay, replayed_accuracy
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.toolchain import missing_tools, toolchain
-from springpot.host.native.trial_build import built
-from springpot.host.stability.small_signal import small_signal_map
-from springpot.trainer.kinds import Kind, register
-from springpot.trainer.recordings.recording import Recording
+from springpot.codegen.scene import Number
 
-if TYPE_CHECKING:
-    from springpot.trainer.models.fit import Fit
-    from springpot.trainer.models.training_set import TrainingSet
-    from springpot.trainer.selection.cross_validation import Split
-    from springpot.trainer.selection.sweep import Candidate
-
-NAME = "bench"
-HOT_REPEATS = 5
-_SIZES = ("n_nodes", "n_centers", "n_parameters", "pairs", "basis")
+Metadata = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Data:
-    """Recordings to fit on, and to report on; the same ones wherever `key` is the same."""
+class Sizes:
+    """Bytes on the target; None where unknown, and why.
 
-    key: str
-    training: tuple[Recording, ...] = field(compare=False)
-    validation: tuple[Recording, ...] = field(compare=False)
+    sizes_compiler: version of the target's compiler that they are of; None where there is none.
+    """
 
-
-@dataclass(frozen=True, eq=False)
-class Job:
-    """What a worker needs for one point; `key` names its files. kind: may be a user's own."""
-
-    key: str
-    kind: Kind
-    candidate: "Candidate"
-    data: Data
-    target: Target
-
-
-@dataclass(frozen=True, eq=False)
-class Point:
-    """What a worker hands back: metadata as JSON values; the model's file, None where it failed."""
-
-    key: str
-    metadata: dict[str, Any]
-    model: bytes | None
+    flash_bytes: int | None = None
+    stack_bytes: int | None = None
+    why: str | None = None
+    sizes_compiler: str | None = None
 
 
 @dataclass(frozen=True)
-class SizeJob:
-    """What a worker needs to add the sizes of a kept point."""
+class Isolated:
+    """What is measured of the front and the picks alone on the machine; None of other points.
+
+    tick_ns_*: paced, caches cold. bounded: in the closed loop with every hand. instructions: of
+    the longest tick on the target's board; instructions_why: how they were counted, or why not.
+    """
+
+    tick_ns_p50: float | None = None
+    tick_ns_p99: float | None = None
+    tick_ns_p999: float | None = None
+    tick_ns_max: float | None = None
+    bounded: bool | None = None
+    instructions: int | None = None
+    instructions_why: str | None = None
+    spectral_radius: float | None = None
+    coupling: str | None = None
+    worst_fidelity_percent: float | None = None
+    verdict: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point(Isolated, Sizes):
+    """One model: how it was fitted, its errors, times and sizes.
+
+    options: those that are not the default's. cv_rmse_n: cross-validated on the training
+    recordings; rmse_n to ape_below_jnd: of the C on the validation recordings. tick_ns_hot: median
+    in a tight loop. cells: of the small-signal map; active ones give energy back.
+    n_nodes to basis: size of the model, those that its kind has.
+    """
 
     key: str
-    model_file: Path
+    model: str
+    options: Mapping[str, Any]
     number: Number
-    target: Target
+    engine: str
+    window_s: float
+    orders: Sequence[float]
+    any_rate: bool
+    rows: int
+    feature_s: float
+    fit_s: float
+    search_s: float
+    hash: str
+    cv_rmse_n: float
+    rmse_n: float
+    rmse_percent_of_peak: float
+    mean_recording_rmse_n: float
+    mean_recording_rmse_interval_n: Sequence[float] | None
+    p99_abs_error_n: float
+    max_abs_error_n: float
+    ape_below_jnd: float | None
+    tick_ns_hot: float
+    ram_bytes: int
+    left_out: Sequence[Mapping[str, Any]]
+    active_cells: int
+    cells: int
+    active_cells_outside: int
+    cells_outside: int
+    worst_sin_delta: float
+    point_s: float
+    point_cpu_s: float
+    worker: str
+    n_nodes: int | None = None
+    n_centers: int | None = None
+    n_parameters: int | None = None
+    pairs: Any = None
+    basis: Any = None
+    pareto: bool = False
+
+    @classmethod
+    def from_dict(cls, metadata: Mapping[str, Any]) -> Self:
+        """Read JSON values; None where a condensed file has left one out."""
+        empty = {f.name: None if f.default is MISSING else f.default for f in fields(cls)}
+        return cls(**{name: metadata.get(name, value) for name, value in empty.items()})
+
+    def swept(self) -> dict[str, Any]:
+        """JSON values of what the sweep measures."""
+        own = {name: value for name, value in vars(self).items() if name not in _LATER}
+        return {k: v for k, v in own.items() if v is not None or k not in MODEL_SIZES}
+
+    def as_dict(self) -> dict[str, Any]:
+        """JSON values of all."""
+        return self.swept() | {name: getattr(self, name) for name in _LATER}
 
 
-def measure_sizes(job: SizeJob) -> tuple[str, dict[str, Any]]:
-    """The key, and the sizes of the point's C on its target."""
-    return job.key, target_sizes(read_model(job.model_file), job.number, job.target)
+@dataclass(frozen=True)
+class Refused:
+    """A model that could not be made of these recordings, and why."""
+
+    key: str
+    model: str
+    options: Mapping[str, Any]
+    error: str
+
+    def swept(self) -> dict[str, Any]:
+        """JSON values."""
+        return dict(vars(self))
 
 
-def measure_point(job: Job) -> Point:
-    """Fit, cross-validate, build and measure. A refusal is a fact of the point, not an error."""
-    candidate = job.candidate
-    register(job.kind)
-    stated = {"key": job.key, "model": candidate.kind, "options": candidate.named_options()}
-    begin, cpu = time.perf_counter(), cpu_s()
-    try:
-        fit, metadata = _fitted(job)
-        metadata |= _measured(job, fit.model)
-    except SpringpotError as error:
-        return Point(job.key, stated | {"error": str(error)}, None)
-    spent = {
-        "point_s": time.perf_counter() - begin,
-        "point_cpu_s": cpu_s() - cpu,
-        "worker": f"{machine_metadata()['processor']}, process {os.getpid()}",
-    }
-    return Point(job.key, stated | metadata | spent, model_bytes(fit.model))
+MODEL_SIZES = ("n_nodes", "n_centers", "n_parameters", "pairs", "basis")
+_LATER = ("pareto", *(field.name for field in fields(Isolated)))
 
 
-def bench_scene(number: Number, target: Target = "host") -> Scene:
-    """The model and its guards, without a coupling: what the recordings can check."""
-    return Scene(
-        schema=1,
-        name=NAME,
-        model="model.spm",
-        runtime=Runtime(number=number, target=target),
-        coupling=Coupling(mode="off"),
-    )
+def read_point(metadata: Mapping[str, Any]) -> Point | Refused:
+    """A point of JSON values."""
+    return Refused(**metadata) if "error" in metadata else Point.from_dict(metadata)
 
 
-def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
-    from springpot.trainer.kinds import fit_kind
-    from springpot.trainer.selection.cross_validation import cross_validated_rmse_n
-
-    candidate, options = job.candidate, job.candidate.options
-    whole, folds = _prepared(job.data, options.smooth_s, options.seed)
-    fit = fit_kind(candidate.kind, NAME, whole, options)
-    metadata = {
-        "number": candidate.number,
-        "engine": fit.model.engine,
-        "window_s": fit.model.memory_s,
-        "orders": list(fit.model.orders),
-        "any_rate": fit.model.exact_at_any_rate,
-        "rows": fit.rows,
-        "feature_s": fit.feature_s,
-        "fit_s": fit.fit_s,
-        "search_s": fit.search_s,
-        "cv_rmse_n": cross_validated_rmse_n(candidate.kind, folds, options),
-        "hash": model_hash(fit.model),
-    }
-    return fit, metadata | {name: fit.metadata[name] for name in _SIZES if name in fit.metadata}
-
-
-@lru_cache(maxsize=1)
-def _prepared(data: Data, smooth_s: float, seed: int) -> tuple["TrainingSet", tuple["Split", ...]]:
-    """All training recordings and their folds: a worker's points share them, and what is found."""
-    from springpot.trainer.models.training_set import training_set
-    from springpot.trainer.selection.cross_validation import recording_splits
-
-    return training_set(data.training, smooth_s), recording_splits(data.training, smooth_s, seed)
-
-
-def _measured(job: Job, model: Model) -> dict[str, Any]:
-    number = job.candidate.number
-    plan = make_plan(model, bench_scene(number), accept_unsafe=True)
-    with built(plan) as library:
-        return {
-            **prediction(plan, library, job.data.validation),
-            "tick_ns_hot": hot_ns(plan, library, job.data.validation),
-            **target_sizes(model, number, job.target),
-            "ram_bytes": state_bytes(plan),
-            "left_out": [vars(item) for item in plan.left_out],
-            **small_signal_map(plan, library, 0).as_dict(),
-        }
-
-
-def prediction(
-    plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]
-) -> dict[str, Any]:
-    """Error of the C on recordings, each from a fresh state."""
-    found = replayed_accuracy(Replay(library), recordings)
-    return {
-        "rmse_n": found.rmse_n,
-        "rmse_percent_of_peak": found.rmse_percent_of_peak,
-        "mean_recording_rmse_n": found.mean_recording_rmse_n,
-        "mean_recording_rmse_interval_n": found.interval_n and list(found.interval_n),
-        "p99_abs_error_n": found.p99_abs_error_n,
-        "max_abs_error_n": found.max_abs_error_n,
-        "ape_below_jnd": found.ape_below_jnd,
-    }
-
-
-def hot_ns(plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]) -> float:
-    """Median time of a tick on the longest recording, in a tight loop; the lowest of five.
-
-    The sweep keeps all cores busy, and other programs may use them too.
-    """
-    longest = max(recordings, key=lambda recording: len(recording.position_m))
-    position = longest.position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
-    return min(Replay(library).hot_ns(position, velocity) for _ in range(HOT_REPEATS))
-
-
-def target_sizes(model: Model, number: Number, target: Target) -> dict[str, Any]:
-    """Flash and stack of the model's C on its target, bytes; null with `sizes_why` where unknown.
-
-    `sizes_compiler`: version of the target's compiler that they are of; null where there is none.
-    """
-    metadata: dict[str, Any] = dict.fromkeys(("flash_bytes", "stack_bytes", "sizes_why"))
-    metadata["sizes_compiler"] = target_compiler(target)
-    if why := missing_tools(target):
-        return metadata | {"sizes_why": why}
-    try:
-        size = _footprint(make_plan(model, bench_scene(number, target), accept_unsafe=True))
-    except CompilerError as error:
-        return metadata | {"sizes_why": str(error)}
-    return metadata | vars(size)
-
-
-def target_compiler(target: Target) -> str | None:
-    """Version of the target's compiler; None where it is not installed."""
-    tools = toolchain(target)
-    return None if tools is None else compiler_version(tools.compiler)
-
-
-def _footprint(plan: Plan) -> Footprint:
-    tools = toolchain(plan.scene.runtime.target)
-    assert tools is not None, "the caller has looked"
-    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
-        for name, text in emit_files(plan).items():
-            (Path(folder) / name).write_text(text)
-        return measure_footprint(Path(folder), f"{plan.scene.runtime.prefix}_scene.c", tools)
+def points_of(result: Mapping[str, Any]) -> list[Point]:
+    """All points of a benchmark's result."""
+    return [Point.from_dict(metadata) for metadata in result["points"]]

@@ -1,31 +1,32 @@
 """The front page: which model for which budget, and why; from a benchmark's result."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from springpot.host.benchmark import figures
 from springpot.host.benchmark.labels import flash_text, kilobytes, label, options_text
+from springpot.host.benchmark.point import Metadata, Point, Refused, points_of
 from springpot.host.benchmark.store import read_result
 from springpot.host.page import page_text, plain
 from springpot.host.paper.claims import PAPER_MODELLING_S, PAPER_RATES_HZ
 from springpot.trainer.kinds import KINDS
 
-Metadata = dict[str, Any]
-REPORT_NAME = "report.html"
+_REPORT_NAME = "report.html"
 
 
 def write_bench_report(folder: Path) -> Path:
     """Write folder/report.html. Raises DataError where the folder holds no benchmark."""
-    path = folder / REPORT_NAME
+    path = folder / _REPORT_NAME
     path.write_text(bench_page(read_result(folder), folder.name), encoding="utf-8")
     return path
 
 
 def bench_page(result: Metadata, folder: str) -> str:
     """The page: one text, nothing outside it."""
-    by_key = {point["key"]: point for point in result["points"]}
+    points = points_of(result)
+    by_key = {point.key: point for point in points}
     picks = [_pick(found, by_key) for found in result["picks"].values()]
-    front = sorted((p for p in result["points"] if p["pareto"]), key=lambda p: p["tick_ns_hot"])
+    front = sorted((p for p in points if p.pareto), key=lambda p: p.tick_ns_hot)
     context = {
         "result": result,
         "folder": folder,
@@ -34,12 +35,12 @@ def bench_page(result: Metadata, folder: str) -> str:
         "summary": _summary(picks),
         "defaults": options_text(result["defaults"]),
         "front": front,
-        "refused": result["refused"],
-        "sizes_why": sorted({p["sizes_why"] for p in result["points"] if p["sizes_why"]}),
-        "points": sorted(result["points"], key=lambda p: p["rmse_n"]),
+        "refused": [Refused(**facts) for facts in result["refused"]],
+        "sizes_why": sorted({p.why for p in points if p.why}),
+        "points": sorted(points, key=lambda p: p.rmse_n),
         "chart": figures.front_figure(result),
         "curves": [
-            (figures.family_figure(result["points"]), "Whole models against the measured force."),
+            (figures.family_figure(points), "Whole models against the measured force."),
             (
                 figures.curve_figure(
                     result["work_precision"]["filters"], "whole tick, hot, ns",
@@ -60,7 +61,7 @@ def bench_page(result: Metadata, folder: str) -> str:
         "verdicts": [
             (key, by_key[key], _cases(result["closed_loop"][key])) for key in _picked(picks)
         ],
-        "paper": paper_rows(result["points"]),
+        "paper": paper_rows(points),
         "quality": result["quality"],
     }  # fmt: skip
     return page_text(
@@ -68,20 +69,20 @@ def bench_page(result: Metadata, folder: str) -> str:
     )
 
 
-def paper_rows(points: list[Metadata]) -> list[dict[str, str]]:
+def paper_rows(points: Sequence[Point]) -> list[dict[str, str]]:
     """The paper's figures 9, 10 and Table 3 beside the same three models here.
 
     None where the sweep did not hold all three.
     """
-    plain = {p["model"]: p for p in points if not p["options"] and p["model"] in PAPER_RATES_HZ}
+    plain = {p.model: p for p in points if not p.options and p.model in PAPER_RATES_HZ}
     if len(plain) < len(PAPER_RATES_HZ):
         return []
-    baseline = plain["rbf-pv"]["mean_recording_rmse_n"]
+    baseline = plain["rbf-pv"].mean_recording_rmse_n
     rows = []
     for kind, point in plain.items():
-        own = point["mean_recording_rmse_n"]
-        fits_s = point["feature_s"] + point["fit_s"]
-        here_hz = 1e9 / point["tick_ns_hot"]
+        own = point.mean_recording_rmse_n
+        fits_s = point.feature_s + point.fit_s
+        here_hz = 1e9 / point.tick_ns_hot
         rows.append(
             {
                 "kind": kind,
@@ -99,25 +100,23 @@ def paper_rows(points: list[Metadata]) -> list[dict[str, str]]:
     return rows
 
 
-def _pick(found: Metadata, by_key: dict[str, Metadata]) -> Metadata:
+def _pick(found: Metadata, by_key: dict[str, Point]) -> Metadata:
     return {**found, "point": by_key[found["point"]] if found["point"] else None}
 
 
 def _picked(picks: list[Metadata]) -> list[str]:
-    return list(dict.fromkeys(pick["point"]["key"] for pick in picks if pick["point"]))
+    return list(dict.fromkeys(pick["point"].key for pick in picks if pick["point"]))
 
 
 def _summary(picks: list[Metadata]) -> list[str]:
     """What a reader asks first: which model for which budget, and whether a hand may hold it."""
     lines = []
     for key in _picked(picks):
-        its = [pick for pick in picks if pick["point"] and pick["point"]["key"] == key]
+        its = [pick for pick in picks if pick["point"] and pick["point"].key == key]
         titles = " and ".join(pick["budget"]["title"] for pick in its)
         line = f"{titles}: take {label(its[0]['point'])}"
         lines.append(
-            line
-            if its[0]["point"]["bounded"]
-            else f"{line}, for simulation only: no hand may hold it"
+            line if its[0]["point"].bounded else f"{line}, for simulation only: no hand may hold it"
         )
     missing = [pick["budget"]["title"] for pick in picks if not pick["point"]]
     return [*lines, f"{', '.join(missing)}: no model"] if missing else lines

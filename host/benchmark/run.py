@@ -4,10 +4,9 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from rich.progress import (
     BarColumn,
@@ -20,17 +19,19 @@ from rich.progress import (
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.scene import Number, Target
+from springpot.host.benchmark.code_hash import code_hash
 from springpot.host.benchmark.instructions import count_instructions, uncounted
 from springpot.host.benchmark.isolated import measure_isolated
-from springpot.host.benchmark.picks import Budget, budgets, pareto, pick, why
-from springpot.host.benchmark.point import (
-    Data,
+from springpot.host.benchmark.measure import (
+    BenchRecordings,
     Job,
     SizeJob,
     measure_point,
     measure_sizes,
     target_compiler,
 )
+from springpot.host.benchmark.picks import PlatformBudget, budgets, pareto, pick, why
+from springpot.host.benchmark.point import Isolated, Metadata, Point, Refused
 from springpot.host.benchmark.store import Store, data_key, key_of, measured_by, point_key
 from springpot.host.benchmark.work_precision import work_precision
 from springpot.host.console.output import progress_console
@@ -39,11 +40,7 @@ from springpot.trainer.kinds import KINDS
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 
-Metadata = dict[str, Any]
-# Null for points that are off the front and no pick.
-_ISOLATED = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "bounded",
-          "instructions", "instructions_why", "spectral_radius", "coupling",
-          "worst_fidelity_percent", "verdict")  # fmt: skip
+_MEASURING = (measure_point, measure_isolated, count_instructions, work_precision)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,30 +63,27 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
     store = Store(folder)
     store.prepare()
     begin, load = time.perf_counter(), os.getloadavg()[0]
-    measures = measured_by(bench.target)
-    found, computed, computed_sizes = _sweep(bench, store, measures)
-    points = [metadata for metadata in found if "error" not in metadata]
-    if not points:
-        raise DataError(f"no model can be made of these recordings: {found[0]['error']}")
-    front = pareto(points)
+    measures = measured_by(code_hash(tuple(work.__module__ for work in _MEASURING)), bench.target)
+    swept, refused, computed = _sweep(bench, store, measures)
+    if not swept:
+        raise DataError(f"no model can be made of these recordings: {refused[0].error}")
+    swept, computed_sizes = _with_sizes(swept, bench.target, store)
+    front = pareto(swept)
     recorded_hz = bench.training[0].rate_hz
-    isolated = _Isolated(bench, store)
-    for point in points:
-        point["pareto"] = point["key"] in front
-        point.update(dict.fromkeys(_ISOLATED))
+    isolated = _Isolated(bench, store, [replace(p, pareto=p.key in front) for p in swept])
     with progress_console.status("isolated timing of the front and the picks") as status:
-        for i, point in enumerate(point for point in points if point["pareto"]):
+        for i, point in enumerate(point for point in isolated.points if point.pareto):
             status.update(f"isolated timing: {i + 1} of {len(front)} on the front")
             isolated.complete(point)
-        picks = [_picked(points, budget, recorded_hz, isolated) for budget in budgets(bench.target)]
+        picks = [_picked(budget, recorded_hz, isolated) for budget in budgets(bench.target)]
         status.update("work-precision curves")
         curves_key = f"work-precision-{key_of(measures)}"
         curves = store.read("isolated", curves_key) or work_precision()
         store.write("isolated", curves_key, curves)
     metadata = machine_metadata()
     result = {
-        "points": points,
-        "refused": [point for point in found if "error" in point],
+        "points": [point.as_dict() for point in isolated.points],
+        "refused": [point.swept() for point in refused],
         "picks": {item["budget"]["name"]: item for item in picks},
         "machine": f"{metadata['processor']}, {metadata['system']}",
         "compiler": metadata["compiler"],
@@ -113,53 +107,62 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
         "computed_sizes": computed_sizes,
         "computed_isolated": isolated.computed,
         "wall_s": time.perf_counter() - begin,
-        "cpu_s": sum(p["point_cpu_s"] for p in points) + isolated.cpu_s,
+        "cpu_s": sum(p.point_cpu_s for p in swept) + isolated.cpu_s,
         "load": load,
     }
     store.write_result(result)
     return result
 
 
-def _sweep(bench: Bench, store: Store, measures: Metadata) -> tuple[list[Metadata], int, int]:
-    """Metadata of every candidate, in the sweep's order; how many were computed now, how many only
-    got their sizes."""
+def _sweep(
+    bench: Bench, store: Store, measures: Metadata
+) -> tuple[list[Point], list[Refused], int]:
+    """Every candidate, in the sweep's order, and how many were computed now."""
     from springpot.trainer.models.fit import FitOptions
     from springpot.trainer.parallel import in_parallel
     from springpot.trainer.selection.sweep import default_sweep
 
     dt_s = bench.training[0].dt_s
     candidates = default_sweep(dt_s, FitOptions(seed=bench.seed), bench.kinds)
-    data = Data(data_key(bench.training, bench.validation), bench.training, bench.validation)
+    data = BenchRecordings(
+        data_key(bench.training, bench.validation), bench.training, bench.validation
+    )
     keyed = {point_key(data.key, measures, candidate): candidate for candidate in candidates}
-    known = {key: store.read("points", key) for key in keyed}
-    missing = [key for key, metadata in known.items() if metadata is None]
+    known = {key: store.read_point(key) for key in keyed}
+    missing = [key for key, point in known.items() if point is None]
     jobs = [Job(key, KINDS[keyed[key].kind], keyed[key], data, bench.target) for key in missing]
     with _progress() as progress:
         task = progress.add_task("models", total=len(keyed), completed=len(keyed) - len(jobs))
-        for point in in_parallel(measure_point, jobs, bench.dask):
-            store.keep(point)
-            known[point.key] = point.metadata
+        for measured in in_parallel(measure_point, jobs, bench.dask):
+            store.keep(measured)
+            known[measured.point.key] = measured.point
             progress.advance(task)
-    found = [metadata for metadata in known.values() if metadata is not None]
-    return found, len(jobs), _complete_sizes(found, bench.target, store)
+    points: list[Point] = []
+    refused: list[Refused] = []
+    for point in known.values():
+        match point:
+            case Point():
+                points.append(point)
+            case Refused():
+                refused.append(point)
+    return points, refused, len(jobs)
 
 
-def _complete_sizes(found: Sequence[Metadata], target: Target, store: Store) -> int:
-    """Measure again the sizes of kept points that are of no compiler, or of another version.
+def _with_sizes(points: Sequence[Point], target: Target, store: Store) -> tuple[list[Point], int]:
+    """The points, sizes of no compiler or of another version of it measured again; how many were.
 
-    Returns how many. What an uninstalled compiler has measured stays.
+    What an uninstalled compiler has measured stays.
     """
     from springpot.trainer.parallel import in_parallel
 
     compiler = target_compiler(target)
-    points = {p["key"]: p for p in found if "error" not in p and p["sizes_compiler"] != compiler}
-    if compiler is None or not points:
-        return 0
-    jobs = [SizeJob(key, store.model_file(key), p["number"], target) for key, p in points.items()]
-    for key, sizes in in_parallel(measure_sizes, jobs, None):
-        points[key].update(sizes)
-        store.write("points", key, points[key])
-    return len(jobs)
+    found = {point.key: point for point in points}
+    stale = [p for p in points if compiler is not None and p.sizes_compiler != compiler]
+    jobs = [SizeJob(p.key, store.model_file(p.key), p.number, target) for p in stale]
+    for key, sizes in in_parallel(measure_sizes, jobs, None) if jobs else ():
+        found[key] = replace(found[key], **vars(sizes))
+        store.write_point(found[key])
+    return list(found.values()), len(jobs)
 
 
 def _progress() -> Progress:
@@ -171,24 +174,33 @@ def _progress() -> Progress:
 
 
 class _Isolated:
-    """Completes points with isolated timings; known ones are read."""
+    """The points, and what completes them: what is measured alone; known ones are read."""
 
-    def __init__(self, bench: Bench, store: Store) -> None:
+    def __init__(self, bench: Bench, store: Store, points: Sequence[Point]) -> None:
         self._bench, self._store = bench, store
         self._longest = max(bench.validation, key=lambda item: len(item.position_m))
+        self._points = {point.key: point for point in points}
         self.matrices: dict[str, list[Metadata]] = {}
         self.computed = 0
         self.cpu_s = 0.0
 
-    def complete(self, point: Metadata) -> Metadata:
-        key = point["key"]
+    @property
+    def points(self) -> list[Point]:
+        """All of them, as complete as they are now."""
+        return list(self._points.values())
+
+    def complete(self, point: Point) -> Point:
+        """The point with what is measured isolated."""
+        key = point.key
         if key not in self.matrices:
-            asked = (self._store.model_file(key), point["number"], self._longest)
+            asked = (self._store.model_file(key), point.number, self._longest)
             metadata = self._once("isolated", key, lambda: measure_isolated(*asked))
             metadata |= self._instructions(key, asked)
             self.matrices[key] = metadata["closed_loop"]
-            point.update({name: metadata.get(name) for name in _ISOLATED})
-        return point
+            names = {field.name for field in fields(Isolated)}
+            known = {name: value for name, value in metadata.items() if name in names}
+            self._points[key] = replace(point, **known)
+        return self._points[key]
 
     def _instructions(self, key: str, asked: tuple[Path, Number, Recording]) -> Metadata:
         target = self._bench.target
@@ -209,18 +221,13 @@ class _Isolated:
         self.cpu_s += metadata["spent_cpu_s"]
         return metadata
 
-    def is_bounded(self, point: Metadata) -> bool:
-        return bool(self.complete(point)["bounded"])
 
-
-def _picked(
-    points: Sequence[Metadata], budget: Budget, recorded_hz: float, isolated: _Isolated
-) -> Metadata:
-    chosen = pick(points, budget, recorded_hz, isolated.is_bounded)
+def _picked(budget: PlatformBudget, recorded_hz: float, isolated: _Isolated) -> Metadata:
+    chosen = pick(isolated.points, budget, recorded_hz, isolated.complete)
     return {
         "budget": budget.as_dict(),
-        "point": chosen and chosen["key"],
-        "why": why(chosen, points, budget, recorded_hz)
+        "point": chosen and chosen.key,
+        "why": why(chosen, isolated.points, budget, recorded_hz)
         if chosen
         else "no model fits this budget, gives no energy back and stays bounded",
     }

@@ -3,15 +3,14 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from functools import cache
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Target
-from springpot.host.benchmark.point import Point
+from springpot.host.benchmark.measure import MeasuredPoint
+from springpot.host.benchmark.point import Point, Refused, read_point
 from springpot.host.native.machine import machine_metadata
 from springpot.trainer.recordings.recording import Recording
 
@@ -20,10 +19,6 @@ if TYPE_CHECKING:
 
 RESULT = "bench.json"
 _MARK = ".springpot-bench"
-# Floors and rooms whose code decides a figure; what only shows them is left out.
-_MEASURING = ("runtime_c", "codegen", "trainer", "host/native", "host/simulation", "host/stability",
-              "host/emission", "host/boards", "host/benchmark")  # fmt: skip
-_SHOWING = ("figures.py", "labels.py", "report.py")
 
 
 class Store:
@@ -50,11 +45,20 @@ class Store:
         """Where the model of a point is kept."""
         return self.folder / "models" / f"{key}.spm"
 
-    def keep(self, point: Point) -> None:
-        """Write a point; its metadata last, so that a point with metadata has its model."""
-        if point.model is not None:
-            write_file(self.model_file(point.key), point.model)
-        self.write("points", point.key, point.metadata)
+    def keep(self, measured: MeasuredPoint) -> None:
+        """Write a point after its model: what has a point has its model."""
+        if measured.model is not None:
+            write_file(self.model_file(measured.point.key), measured.model)
+        self.write_point(measured.point)
+
+    def write_point(self, point: Point | Refused) -> None:
+        """Write what the sweep found."""
+        self.write("points", point.key, point.swept())
+
+    def read_point(self, key: str) -> Point | Refused | None:
+        """The point of a key; None where it is not there, or not whole."""
+        metadata = self.read("points", key)
+        return None if metadata is None else read_point(metadata)
 
     def read(self, kind: str, key: str) -> dict[str, Any] | None:
         """Metadata of a key; None where they are not there, or not whole."""
@@ -85,30 +89,12 @@ def read_result(folder: Path) -> dict[str, Any]:
     return result
 
 
-def measured_by(target: Target) -> dict[str, Any]:
-    """What measures: the machine, springpot's version and sources, the target.
+def measured_by(code: str, target: Target) -> dict[str, Any]:
+    """What measures: the machine, the hash of springpot's sources, the target.
 
     Not the target's compiler: what is measured with it is kept apart, or beside its version.
     """
-    return {"machine": machine_metadata(), "code": code_hash(), "target": target}
-
-
-@cache
-def code_hash() -> str:
-    """SHA-256 of every source that decides a figure: the floors below, and what measures here."""
-    root = Path(str(resources.files("springpot.host"))).parent
-    files = [
-        file
-        for room in _MEASURING
-        for file in sorted((root / room).rglob("*"))
-        if file.is_file() and "__pycache__" not in file.parts and file.name not in _SHOWING
-    ]
-    digest = hashlib.sha256()
-    for file in files:
-        content = file.read_bytes()
-        name = file.relative_to(root)
-        digest.update(f"{name}\n{len(content)}\n".encode() + content)
-    return digest.hexdigest()
+    return {"machine": machine_metadata(), "code": code, "target": target}
 
 
 def data_key(training: Sequence[Recording], validation: Sequence[Recording]) -> str:

@@ -19,11 +19,11 @@ from springpot.codegen.scene import Coupling, Guard, Scene
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 
-DT_S, ORDER, DEPTH_M, TURN = 1e-3, 0.5, 0.01, 2.0 * np.pi * 2.0
+_DT_S, ORDER, DEPTH_M, TURN = 1e-3, 0.5, 0.01, 2.0 * np.pi * 2.0
 PAPER = Coupling("tool", 1500.0, 20.0, 0.05)
 SPRING_NPM = 1000.0  # the model under the coupling
 TAP_M, TAP_TURN = 0.004, 37.0
-STEPS_S = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
+_STEPS_S = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
 
 Curve = list[dict[str, Any]]  # points of one family: name, time, error
 
@@ -40,7 +40,7 @@ def work_precision() -> dict[str, dict[str, Curve]]:
                     "time": 1.0 / step,
                     "error": abs(stepped_force(step, published) - truth_n),
                 }
-                for step in STEPS_S
+                for step in _STEPS_S
             ]
             for family, published in (
                 ("as published (semi-implicit Euler)", True),
@@ -56,12 +56,12 @@ def filter_curves() -> dict[str, Curve]:
     from springpot.trainer.features.fast_fir import fast_fir_bank
     from springpot.trainer.features.fractional import gl_taps
 
-    taps = {n: FirBank((ORDER,), gl_taps(ORDER, n, DT_S)[:, None])
+    taps = {n: FirBank((ORDER,), gl_taps(ORDER, n, _DT_S)[:, None])
             for n in (21, 43, 86, 171, 342, 684, 1368)}  # fmt: skip
     banks: dict[str, dict[str, Features]] = {
         "fir": {f"{n} taps": bank for n, bank in taps.items()},
         "fir-fast": {f"as {n} taps": fast_fir_bank(taps[n]) for n in (86, 171, 342, 684)},
-        "recursive": {f"{w:g} s": recursive_bank((ORDER,), DT_S, w) for w in (0.1, 1.0, 10.0)},
+        "recursive": {f"{w:g} s": recursive_bank((ORDER,), _DT_S, w) for w in (0.1, 1.0, 10.0)},
     }
     return {
         engine: [{"name": name, **filter_point(bank)} for name, bank in family.items()]
@@ -78,10 +78,10 @@ def filter_point(features: Features) -> dict[str, float]:
         bias_n=0.0,
     )  # fmt: skip
     trained = TrainedRange(0.0, DEPTH_M, 0.2, 0.0, 10.0)
-    model = Model("rf-fd", "x", DT_S, "surface", trained, features, leaf, None, False)
+    model = Model("rf-fd", "x", _DT_S, "surface", trained, features, leaf, None, False)
     scene = Scene(1, "x", "x", coupling=Coupling("off"), guard=Guard(outside="hold"))
     plan = make_plan(model, scene)
-    time_s = np.arange(8000) * DT_S
+    time_s = np.arange(8000) * _DT_S
     depth = (0.5 * DEPTH_M * (1.0 + np.sin(TURN * time_s))).astype(np.float32)
     assert plan.features is not None
     found = plan.features.reference(depth, np.array([0]))[6000:, 0].astype(np.float64)

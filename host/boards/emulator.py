@@ -13,7 +13,7 @@ from springpot.codegen.errors import MismatchError, SpringpotError
 from springpot.host.boards.boards import Board, emulator_of
 from springpot.host.boards.firmware import build_batch
 
-IDLE, RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
+CALL_IDLE, CALL_RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
 _SHIFT = 8  # an instruction takes 2^8 ns of the emulated time: several counts of every counter
 _OVERFLOWED = 0xFFFFFFFF  # OVERFLOWED of sp_batch.c
 _LONGEST_S = 600.0
@@ -30,7 +30,7 @@ class Batch:
 
 @dataclass(frozen=True, eq=False)
 class Calls:
-    """Calls to make: bits IDLE, RESET; inputs in the scene's type. Shapes (n,)."""
+    """Calls to make: bits CALL_IDLE, CALL_RESET; inputs in the scene's type. Shapes (n,)."""
 
     call: NDArray[np.uint32]
     position_m: Reals

@@ -21,7 +21,7 @@ _ANSWER_S = 1.0
 _POLL_S = 0.0001
 _TRIES = 5
 _NAMES = ("call", INPUT, "velocity_mps", "dt_s", "returned_n", "notes")
-Row = tuple[float, ...]
+_Row = tuple[float, ...]
 
 
 class BoardReplay:
@@ -47,9 +47,9 @@ class BoardReplay:
             "guard.watchdog_ms, check the cable"
         )
 
-    def _replayed(self, position_m: Reals, velocity_mps: Reals) -> list[Row] | None:
+    def _replayed(self, position_m: Reals, velocity_mps: Reals) -> list[_Row] | None:
         self._device.command("RESET")
-        lost, rows = self._lost(), list[Row]()
+        lost, rows = self._lost(), list[_Row]()
         for i, (position, velocity) in enumerate(
             zip(position_m.tolist(), velocity_mps.tolist(), strict=True)
         ):
@@ -66,10 +66,10 @@ class BoardReplay:
     def _lost(self) -> int:
         return self._device.receiver.crc_errors + self._device.receiver.gaps
 
-    def _answer(self, sample: int) -> list[Row]:
+    def _answer(self, sample: int) -> list[_Row]:
         """Calls up to the one that took the sample."""
         until = time.monotonic() + _ANSWER_S
-        rows: list[Row] = []
+        rows: list[_Row] = []
         while time.monotonic() < until:
             for frame in self._device.frames():
                 if frame.name != "rendered" or frame.old:

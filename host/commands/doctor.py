@@ -8,13 +8,14 @@ from rich.console import Console
 from rich.table import Table
 
 from springpot.host.console.output import json_option
-from springpot.host.devices.doctor import examine
 
 
 @click.command()
 @json_option
 def doctor(as_json: bool) -> None:
     """Show what this machine offers, and what to do where something is missing."""
+    from springpot.host.devices.doctor import examine
+
     findings = examine()
     if as_json:
         click.echo(json.dumps({"findings": [finding.as_dict() for finding in findings]}))

@@ -1,9 +1,13 @@
 """What every opened device offers to a session."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from springpot.host.native.c_library import CLibrary
+if TYPE_CHECKING:
+    from springpot.host.devices.serial_device import SerialDevice
+    from springpot.host.native.c_library import CLibrary
+
+RECONNECT_S = 10.0  # a device that was unplugged is waited for so long
 
 
 @dataclass(frozen=True)
@@ -27,13 +31,17 @@ class DeviceRequirements:
     max_torque_nm: float | None = None
 
 
-class Device(Protocol):
+class OpenedDevice(Protocol):
     """A device that was opened, checked and started: it sends samples and takes forces."""
 
     comes_back: bool  # can be unplugged and plugged in again
 
-    def link(self, library: CLibrary) -> Any:
+    def link(self, library: "CLibrary") -> Any:
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
+        ...
+
+    def rendering_board(self) -> "SerialDevice | None":
+        """The board, where it renders the scene itself and no loop runs here; else None."""
         ...
 
     def stop(self) -> None:

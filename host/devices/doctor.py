@@ -21,7 +21,7 @@ _LATENCY_MS = 1
 
 
 @dataclass(frozen=True)
-class Finding:
+class Diagnosis:
     """One row: what was looked for, whether it is fine, what was seen, and what to do if not."""
 
     what: str
@@ -34,9 +34,9 @@ class Finding:
         return asdict(self)
 
 
-def examine() -> list[Finding]:
+def examine() -> list[Diagnosis]:
     """Look at everything that springpot uses on this machine."""
-    checks: tuple[Callable[[], Finding], ...] = (_compiler, _cache, _scheduling, _locked, _timer)
+    checks: tuple[Callable[[], Diagnosis], ...] = (_compiler, _cache, _scheduling, _locked, _timer)
     findings = [check() for check in checks] + _serial_ports()
     for program, package, why in (
         ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
@@ -48,15 +48,15 @@ def examine() -> list[Finding]:
     return findings
 
 
-def _compiler() -> Finding:
+def _compiler() -> Diagnosis:
     try:
         path = find_compiler()
     except CompilerError as error:
-        return Finding("C compiler", False, "none", str(error))
-    return Finding("C compiler", True, f"{path}: {compiler_version(path)}")
+        return Diagnosis("C compiler", False, "none", str(error))
+    return Diagnosis("C compiler", True, f"{path}: {compiler_version(path)}")
 
 
-def _cache() -> Finding:
+def _cache() -> Diagnosis:
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -65,34 +65,36 @@ def _cache() -> Finding:
         probe.unlink()
     except OSError as error:
         do = "set XDG_CACHE_HOME to a folder that you can write"
-        return Finding("library cache", False, f"{folder}: {error.strerror}", do)
+        return Diagnosis("library cache", False, f"{folder}: {error.strerror}", do)
     libraries = list(folder.glob("*.so"))
     size = sum(library.stat().st_size for library in libraries)
-    return Finding("library cache", True, f"{folder}: {len(libraries)} built, {size / 1e6:.1f} MB")
+    return Diagnosis(
+        "library cache", True, f"{folder}: {len(libraries)} built, {size / 1e6:.1f} MB"
+    )
 
 
-def _scheduling() -> Finding:
+def _scheduling() -> Diagnosis:
     what = "real-time scheduling"
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     except (OSError, AttributeError) as error:
         do = "allow it: `rtprio 80` for your user in /etc/security/limits.conf, then log in again"
-        return Finding(what, False, f"SCHED_FIFO refused: {error}", do)
-    return Finding(what, True, "SCHED_FIFO allowed")
+        return Diagnosis(what, False, f"SCHED_FIFO refused: {error}", do)
+    return Diagnosis(what, True, "SCHED_FIFO allowed")
 
 
-def _locked() -> Finding:
+def _locked() -> Diagnosis:
     soft, _ = resource.getrlimit(resource.RLIMIT_MEMLOCK)
     enough = soft == resource.RLIM_INFINITY or soft >= 64 << 20
     if os.geteuid() == 0:
         enough = True
     seen = "no limit" if soft == resource.RLIM_INFINITY else f"{soft >> 10} KiB"
     do = "" if enough else "raise it: `memlock unlimited` in /etc/security/limits.conf"
-    return Finding("locked memory", enough, seen, do)
+    return Diagnosis("locked memory", enough, seen, do)
 
 
-def _timer() -> Finding:
+def _timer() -> Diagnosis:
     late_us = []
     for _ in range(50):
         begin = time.perf_counter()
@@ -101,31 +103,31 @@ def _timer() -> Finding:
     median = sorted(late_us)[len(late_us) // 2]
     fine = median < 300
     do = "" if fine else "use a kernel with high-resolution timers and less other load"
-    return Finding("timer", fine, f"1 ms sleeps wake {median:.0f} us late (median)", do)
+    return Diagnosis("timer", fine, f"1 ms sleeps wake {median:.0f} us late (median)", do)
 
 
-def _serial_ports() -> list[Finding]:
+def _serial_ports() -> list[Diagnosis]:
     ports = list(list_ports.comports())
     if not ports:
         do = "plug the device in; in a container, pass the device through"
-        return [Finding("serial ports", False, "none", do)]
+        return [Diagnosis("serial ports", False, "none", do)]
     return [_serial_port(port.device, port.description) for port in ports]
 
 
-def _serial_port(device: str, description: str) -> Finding:
+def _serial_port(device: str, description: str) -> Diagnosis:
     what = f"serial port {device}"
     if not os.access(device, os.R_OK | os.W_OK):
         do = "join the port's group (often `sudo usermod -aG dialout $USER`), then log in again"
-        return Finding(what, False, f"{description}: permission denied", do)
+        return Diagnosis(what, False, f"{description}: permission denied", do)
     found = latency_timer(device)
     if found is not None and (ms := found[1]) > _LATENCY_MS:
         do = f"`echo {_LATENCY_MS} | sudo tee {found[0]}`: {ms} ms: {1000 // ms} exchanges a second"
-        return Finding(what, False, f"{description}: latency timer {ms} ms", do)
-    return Finding(what, True, description)
+        return Diagnosis(what, False, f"{description}: latency timer {ms} ms", do)
+    return Diagnosis(what, True, description)
 
 
-def _program(program: str, package: str, why: str) -> Finding:
+def _program(program: str, package: str, why: str) -> Diagnosis:
     path = shutil.which(program)
     if path is None:
-        return Finding(program, False, f"not installed ({why})", f"`apt-get install {package}`")
-    return Finding(program, True, f"{path} ({why})")
+        return Diagnosis(program, False, f"not installed ({why})", f"`apt-get install {package}`")
+    return Diagnosis(program, True, f"{path} ({why})")

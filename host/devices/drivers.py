@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 
-from springpot.host.devices.device import Device, DeviceRequirements
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.odrive_device import OdriveDevice
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.url import Address, parse_device
 from springpot.host.devices.virtual import ReplayDevice, SimulatedDevice
 
-_DRIVERS: dict[str, Callable[[Address, DeviceRequirements], Device]] = {
+_DRIVERS: dict[str, Callable[[Address, DeviceRequirements], OpenedDevice]] = {
     "sim": SimulatedDevice,
     "replay": ReplayDevice,
     "serial": SerialDevice,
@@ -16,7 +16,7 @@ _DRIVERS: dict[str, Callable[[Address, DeviceRequirements], Device]] = {
 }
 
 
-def open_device(url: str, requirements: DeviceRequirements) -> Device:
+def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
     """Open, check and start a device; its motor gives no force yet.
 
     Raises UsageError for a wrong URL, DeviceError with one line for whatever else is wrong.

@@ -9,7 +9,7 @@ from springpot.host.devices.can_bus import CanBus
 
 VERSION, HEARTBEAT, AXIS_STATE, ENCODER, CONTROLLER_MODE = 0x00, 0x01, 0x07, 0x09, 0x0B
 INPUT_TORQUE, CLEAR_ERRORS, TORQUES = 0x0E, 0x18, 0x1C
-IDLE, CLOSED_LOOP = 1, 8
+AXIS_IDLE, CLOSED_LOOP = 1, 8
 _TORQUE_CONTROL, _PASSTHROUGH = 1, 1
 # Of the heartbeat's error word: the watchdog's bit in each family.
 _WATCHDOG = {"0.5": 0x800, "0.6": 0x1000000}
@@ -85,7 +85,7 @@ class Drive:
     def rest(self) -> None:
         """No torque, and the axis idle."""
         self.torque(0.0)
-        self.send(AXIS_STATE, struct.pack("<II", IDLE, 0))
+        self.send(AXIS_STATE, struct.pack("<II", AXIS_IDLE, 0))
 
     def torque(self, torque_nm: float) -> None:
         """Send a torque, Nm; it feeds the drive's watchdog."""

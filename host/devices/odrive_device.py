@@ -77,6 +77,9 @@ class OdriveDevice:
         self._kept = library.memory(library.c.sp_link_odrive_size())
         return library.c.sp_link_odrive_init(self._kept, self.bus.fd, settings)
 
+    def rendering_board(self) -> None:
+        """A device that only measures and pushes."""
+
     def stop(self) -> None:
         """No torque, axis idle."""
         with contextlib.suppress(DeviceError):  # gone: its watchdog does it

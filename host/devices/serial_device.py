@@ -3,7 +3,7 @@
 import contextlib
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Self
 
 import serial
 
@@ -47,6 +47,10 @@ class SerialDevice:
     def renders(self) -> bool:
         """Whether the board renders the scene itself."""
         return bool(self.hello["role"] == constant("RENDERS"))
+
+    def rendering_board(self) -> Self | None:
+        """Itself, where it renders."""
+        return self if self.renders else None
 
     def link(self, library: CLibrary) -> Any:
         """Return the C link; Python no longer reads the port."""

@@ -10,7 +10,8 @@ from springpot.codegen.errors import DataError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
-from springpot.host.simulation.bench import SimulatedHand, parse_url
+from springpot.host.simulation.bench import SimulatedHand
+from springpot.host.simulation.objects import parse_url
 from springpot.trainer.recordings.recording_file import read_recording
 
 # What the hand intends; its spring and the rendered force decide how deep it comes.
@@ -36,6 +37,9 @@ class SimulatedDevice:
         self._memory = library.memory(library.c.sp_link_sim_size())
         tool = library.pointer(self._hand.address)
         return library.c.sp_link_sim_init(self._memory, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
+
+    def rendering_board(self) -> None:
+        """A device that only measures and pushes."""
 
     def stop(self) -> None:
         """Nothing to do."""
@@ -74,6 +78,9 @@ class ReplayDevice:
             library.array(self._position_m),
             library.array(self._velocity_mps),
         )
+
+    def rendering_board(self) -> None:
+        """A device that only measures and pushes."""
 
     def stop(self) -> None:
         """Nothing to do."""

@@ -42,7 +42,7 @@ class Stop(IntEnum):
     MISUSE = 6
 
 
-Rows = NDArray[np.float64]  # shape (n, len(COLUMNS))
+LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 
 @cache
@@ -56,6 +56,6 @@ def loop_library(real: str) -> CLibrary:
     return library
 
 
-def empty_rows(count: int = 0) -> Rows:
+def empty_rows(count: int = 0) -> LoopRows:
     """Return a table of `count` rows, zero."""
     return np.zeros((count, len(COLUMNS)))

@@ -48,7 +48,7 @@ def error_figures(results: Sequence[ObjectResult], out: Path, data: str) -> list
     return files
 
 
-def typical(result: ObjectResult) -> int:
+def typical_recording(result: ObjectResult) -> int:
     """Validation recording whose RMSE with rf-fd is the median one."""
     pairs = zip(result.models["rf-fd"].validation.predicted_n, result.data.validation, strict=True)
     errors = [rms(predicted_n - recording.force_n) for predicted_n, recording in pairs]
@@ -60,7 +60,7 @@ def _predictions(results: Sequence[ObjectResult], out: Path, data: str) -> list[
     figure = Figure(figsize=(9.0, 0.5 + 2.0 * n), layout="constrained")
     panels = figure.subplots(2 * n, 1, sharex=True, squeeze=False, height_ratios=[2, 1] * n)[:, 0]
     for result, upper, lower in zip(results, panels[::2], panels[1::2], strict=True):
-        number = typical(result)
+        number = typical_recording(result)
         recording = result.data.validation[number]
         step = stride(len(recording.force_n), _POINTS)
         time_s = np.arange(len(recording.force_n))[::step] * recording.dt_s

@@ -12,7 +12,7 @@ from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling, Scene
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
-from springpot.host.recording.session import open_device
+from springpot.host.recording.session import open_press_device
 from springpot.host.validation.validation import Validation, validate
 from springpot.trainer.recordings.recording import Recording
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
 
 PAPER_KINDS = ("rf-fd", "rbf-fd", "rbf-pv")
-KINDS = (*PAPER_KINDS, "hammerstein", "hybrid")
+REPRODUCED_KINDS = (*PAPER_KINDS, "hammerstein", "hybrid")
 _TRAINING_SEED, _VALIDATION_SEED = 1, 2
 _BESIDE = 2  # compilers, and validations, at a time
 
@@ -32,7 +32,7 @@ class Work:
     presses: every so many training presses is used. signals: validation signals.
     """
 
-    kinds: tuple[str, ...] = KINDS
+    kinds: tuple[str, ...] = REPRODUCED_KINDS
     trees: int = 100
     presses: int = 1
     signals: int = 10
@@ -40,7 +40,7 @@ class Work:
 
 
 @dataclass(frozen=True, eq=False)
-class Data:
+class ObjectRecordings:
     """Recordings of one object. commands_n: the commanded force of each training recording."""
 
     name: str
@@ -67,7 +67,7 @@ class Modelled:
 class ObjectResult:
     """All models of one object, by kind."""
 
-    data: Data
+    data: ObjectRecordings
     models: Mapping[str, Modelled]
 
     @property
@@ -80,14 +80,14 @@ class ObjectResult:
         return self.models[kind].validation.accuracy.mean_recording_rmse_n
 
 
-def simulated(name: str, variant: str, work: Work) -> Data:
+def simulated(name: str, variant: str, work: Work) -> ObjectRecordings:
     """Record the paper's protocols on a simulated object. Raises UsageError for unknown names."""
     url = f"sim://{name}?variant={variant}"
     training = load_protocol("paper", _TRAINING_SEED)[:: work.presses]
     signals = load_protocol("validation", _VALIDATION_SEED)[: work.signals]
     recordings = []
     for seed, profiles in ((_TRAINING_SEED, training), (_VALIDATION_SEED, signals)):
-        device = open_device(url, seed)
+        device = open_press_device(url, seed)
         recordings.append(
             tuple(
                 Recording(f"{name}-{profile.name}", *device.press(profile.command_n), 1 / RATE_HZ,
@@ -96,14 +96,14 @@ def simulated(name: str, variant: str, work: Work) -> Data:
             )
         )  # fmt: skip
     commands_n = tuple(profile.command_n for profile in training)
-    return Data(name, recordings[0], recordings[1], commands_n)
+    return ObjectRecordings(name, recordings[0], recordings[1], commands_n)
 
 
 @dataclass(frozen=True, eq=False)
 class Checking:
     """An object whose models are fitted and built, while processes still validate them."""
 
-    data: Data
+    data: ObjectRecordings
     fits: Mapping[str, "Fit"]
     folders: Sequence[Path]
     validations: Sequence[Future[Validation]]
@@ -124,7 +124,9 @@ def validators() -> ProcessPoolExecutor:
     return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
 
 
-def begin_object(data: Data, folder: Path, work: Work, pool: ProcessPoolExecutor) -> Checking:
+def begin_object(
+    data: ObjectRecordings, folder: Path, work: Work, pool: ProcessPoolExecutor
+) -> Checking:
     """Fit every kind, emit and build its C into `folder`, and let `pool` validate that.
 
     Raises DataError where the recordings do not fit together.
@@ -174,7 +176,7 @@ def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
     return sorted(results, key=lambda result: -result.depth_m)
 
 
-def _fits(data: Data, work: Work) -> dict[str, "Fit"]:
+def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
     """All kinds, on one training set: what several hold is fitted once."""
     from springpot.trainer.kinds import fit_kind
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits

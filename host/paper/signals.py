@@ -7,7 +7,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from springpot.host.paper.figures import PAPER_STYLE, save, typical
+from springpot.host.paper.figures import PAPER_STYLE, save, typical_recording
 from springpot.host.paper.reproduce import ObjectResult, by_softness
 from springpot.host.paper.sampling import (
     SHOWN_ORDERS,
@@ -67,7 +67,7 @@ def _collected(result: ObjectResult, out: Path, data: str) -> list[str]:
 
 
 def _coupled(result: ObjectResult, out: Path, data: str) -> list[str]:
-    number = typical(result)
+    number = typical_recording(result)
     recording, model = result.data.validation[number], result.models["rf-fd"]
     n = min(len(recording.force_n), round(_SHOWN_S / recording.dt_s))
     time_s = np.arange(n) * recording.dt_s

@@ -1,6 +1,7 @@
 """Figures of recordings: time series, loops, spectra, stiffness and loss against frequency."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -8,8 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from springpot.host.plot_style import ERROR, MUTED, PREDICTED, stride
-from springpot.trainer.recordings.quality.report import QualityReport
+from springpot.codegen.errors import UsageError
+from springpot.host.plot_style import ERROR, MUTED, PREDICTED, STYLE, stride
+from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
 from springpot.trainer.recordings.recording import Recording
 
 POSITION, FORCE, DOUBT = ERROR, PREDICTED, MUTED
@@ -121,3 +123,23 @@ def _amplitudes(
     grouped = spectrum[1 : whole + 1].reshape(-1, step)
     kept = np.argmax(grouped, axis=1) + np.arange(len(grouped)) * step + 1
     return frequency_hz[kept], np.maximum(spectrum[kept], 1e-15)
+
+
+def write_figures(
+    folder: Path, recordings: Sequence[Recording], formats: Sequence[str]
+) -> list[str]:
+    """Write every figure in every format; return the files. Raises UsageError where it cannot."""
+    report = check_recordings(recordings)
+    files = []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with mpl.rc_context(STYLE):
+            for name, draw in FIGURES.items():
+                figure = draw(recordings, report)
+                for form in formats:
+                    path = folder / f"{name}.{form}"
+                    figure.savefig(path, dpi=150)
+                    files.append(str(path))
+    except OSError as error:
+        raise UsageError(f"{folder}: {error.strerror}: choose another --out") from None
+    return files

@@ -14,7 +14,7 @@ from springpot.codegen.reference.tick import LATCHED
 from springpot.host.console.keys import reading_keys
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.url import parse_device
-from springpot.host.native.loop_library import COLUMN, NONE, Rows, loop_library
+from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, loop_library
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, SessionRunner
@@ -40,10 +40,12 @@ class Limits:
 class PressedDevice:
     """Presses with commanded forces; each press starts the device anew."""
 
-    def __init__(self, url: str, object_name: str, limits: Limits) -> None:
+    def __init__(
+        self, url: str, object_name: str, limits: Limits, on_progress: Callable[[Progress], None]
+    ) -> None:
         self.object_name = object_name
         self._url, self._limits = url, limits
-        self.on_progress: Callable[[Progress], None] = lambda _progress: None
+        self._on_progress = on_progress
 
     def press(
         self,
@@ -83,7 +85,7 @@ class PressedDevice:
     def _watch(self, runner: SessionRunner, rows: "_Taken") -> None:
         with reading_keys() as keys:
             for progress in runner.watch(0.05):
-                self.on_progress(progress)
+                self._on_progress(progress)
                 if set(keys.pressed()) & set("q \x1b"):
                     raise KeyboardInterrupt
                 if rows.unmeasured:
@@ -125,7 +127,7 @@ class _Taken:
         """Whether every tick of the command is there."""
         return len(self.position_m) == self._n
 
-    def append(self, rows: Rows) -> None:
+    def append(self, rows: LoopRows) -> None:
         """Take the next rows."""
         rows = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
         rows = rows[: self._n - len(self.position_m)]

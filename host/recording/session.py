@@ -12,10 +12,12 @@ from springpot.codegen.errors import UsageError
 from springpot.host.devices.url import parse_device
 from springpot.host.recording.indentation import Limits, PressedDevice
 from springpot.host.recording.protocols import RATE_HZ, Profile
-from springpot.host.simulation.bench import SimulatedBench, parse_url
+from springpot.host.session.runner import Progress
+from springpot.host.simulation.bench import SimulatedBench
+from springpot.host.simulation.objects import parse_url
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.journal_reader import journal_of
-from springpot.trainer.recordings.recording import SUFFIX, Recording
+from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 
 
 class ForceControlled(Protocol):
@@ -50,12 +52,17 @@ class PressQuality:
     tracking_rms_n: float
 
 
-def open_device(
-    url: str, default_seed: int = 0, object_name: str = "object", limits: Limits | None = None
+def open_press_device(
+    url: str,
+    default_seed: int = 0,
+    object_name: str = "object",
+    limits: Limits | None = None,
+    on_progress: Callable[[Progress], None] = lambda _progress: None,
 ) -> ForceControlled:
     """Open the device of a URL; `default_seed` seeds a simulated one whose URL has no seed.
 
-    object_name, limits: of what lies under a device that is not simulated.
+    object_name, limits: of what lies under a device that is not simulated. on_progress: called
+    several times a second while such a device presses.
     Raises DeviceError for a scheme that no driver serves, UsageError for a wrong URL.
     """
     scheme = parse_device(url).scheme
@@ -63,7 +70,7 @@ def open_device(
         return SimulatedBench(parse_url(url, default_seed))
     if scheme == "replay":
         raise UsageError(f"{url}: a recording cannot be pressed: give a device, or sim://OBJECT")
-    return PressedDevice(url, object_name, limits or Limits())
+    return PressedDevice(url, object_name, limits or Limits(), on_progress)
 
 
 def record_session(
@@ -81,7 +88,7 @@ def record_session(
     """
     label = Path(protocol).stem
     names = [f"{device.object_name}-{label}-{profile.name}" for profile in profiles]
-    files = [out / f"{name}{SUFFIX}" for name in names]
+    files = [out / f"{name}{RECORDING_SUFFIX}" for name in names]
     for file in files:
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")

@@ -16,10 +16,18 @@ import numpy as np
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.reference.tick import LATCHED
-from springpot.host.devices.device import Device
+from springpot.host.devices.device import OpenedDevice
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.wire import Frame, constant
-from springpot.host.native.loop_library import COLUMN, COLUMNS, IDLE, RESET, Rows, Stop, empty_rows
+from springpot.host.native.loop_library import (
+    COLUMN,
+    COLUMNS,
+    IDLE,
+    RESET,
+    LoopRows,
+    Stop,
+    empty_rows,
+)
 from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -48,15 +56,15 @@ class BoardLoop:
         self._counts = dict.fromkeys(LinkCounts.__dataclass_fields__, 0)
         self._thread: threading.Thread | None = None
 
-    def start(self, device: Device) -> None:
+    def start(self, device: OpenedDevice) -> None:
         """Begin to listen, and to feed."""
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    def attach(self, device: Device) -> None:
+    def attach(self, device: OpenedDevice) -> None:
         """Go on with a board that came back: it has started anew, and so must the log."""
-        assert isinstance(device, SerialDevice)
-        self._next = device
+        self._next = device.rendering_board()
+        assert self._next is not None, "opened with the hash of the scene: a board that renders it"
 
     def ask_stop(self) -> None:
         """End; the session stops the board."""
@@ -84,14 +92,14 @@ class BoardLoop:
             sequence_gaps=self._counts["sequence_gaps"] + receiver.gaps,
         )
 
-    def drain(self) -> Rows:
+    def drain(self) -> LoopRows:
         """Rows since the last call."""
         with self._lock:
             rows, self._rows = self._rows, []
         self._kept = (self._kept + rows)[-(1 << 15) :]
         return np.array(rows) if rows else empty_rows()
 
-    def flight(self, seconds: float) -> Rows:
+    def flight(self, seconds: float) -> LoopRows:
         """The last rows again."""
         rows = self._kept[-int(seconds / self._settings.period_s) - 1 :]
         return np.array(rows) if rows else empty_rows()
@@ -100,6 +108,14 @@ class BoardLoop:
         """Wait for the end."""
         if self._thread is not None:
             self._thread.join()
+
+    def scheduler(self) -> str:
+        """The board keeps the time."""
+        return self.name
+
+    def refused(self) -> str:
+        """Nothing was asked of this system."""
+        return ""
 
     def _update(self, **changes: Any) -> None:
         self._state = LoopState(**{**self._state.__dict__, **changes})

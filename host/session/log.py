@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, Rows
+from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Zero
 
@@ -42,7 +42,7 @@ class SessionLog:
         self._last = np.zeros(2)
         self.rows = 0
 
-    def append(self, rows: Rows) -> None:
+    def append(self, rows: LoopRows) -> None:
         """Take the next rows. Raises DeviceError where the disk is full."""
         if not len(rows):
             return
@@ -84,7 +84,7 @@ class SessionLog:
         return result
 
 
-def write_flight(file: Path, rows: Rows, why: str) -> Path:
+def write_flight(file: Path, rows: LoopRows, why: str) -> Path:
     """Write the last seconds of a session as text beside its log, with why it stopped above."""
     path = file.with_suffix(".flight.csv")
     with path.open("w") as text:

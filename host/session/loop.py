@@ -1,17 +1,10 @@
-"""The loop as a session sees it: the C thread of runtime_c/port/posix."""
+"""The loop as a session sees it: what keeps the time, its settings and its counters."""
 
-import os
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
-from springpot.codegen.errors import DeviceError
-from springpot.codegen.reference.tick import LATCHED
-from springpot.host.devices.device import Device
-from springpot.host.native.loop_library import Rows, empty_rows
-from springpot.host.session.step_functions import StepFunctions
-
-_RING_S = 16.0  # of rows that wait while Python does something else
-_PRIORITY = 80
+from springpot.host.devices.device import OpenedDevice
+from springpot.host.native.loop_library import LoopRows
 
 
 @dataclass(frozen=True)
@@ -64,11 +57,11 @@ class Loop(Protocol):
 
     name: str
 
-    def start(self, device: Device) -> None:
+    def start(self, device: OpenedDevice) -> None:
         """Begin ticking on an opened device."""
         ...
 
-    def attach(self, device: Device) -> None:
+    def attach(self, device: OpenedDevice) -> None:
         """Go on with a device that came back."""
         ...
 
@@ -92,11 +85,11 @@ class Loop(Protocol):
         """Counters of the links."""
         ...
 
-    def drain(self) -> Rows:
+    def drain(self) -> LoopRows:
         """Rows since the last call."""
         ...
 
-    def flight(self, seconds: float) -> Rows:
+    def flight(self, seconds: float) -> LoopRows:
         """The last rows again, after the end."""
         ...
 
@@ -104,121 +97,10 @@ class Loop(Protocol):
         """Wait for the end."""
         ...
 
+    def scheduler(self) -> str:
+        """Who keeps the time, and what the system granted for it."""
+        ...
 
-class CLoop:
-    """A thread of C on absolute deadlines; Python only watches."""
-
-    name = "C thread"
-
-    def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
-        self._steps, self._settings = steps, settings
-        self._library = steps.library
-        self._c, self._ffi = steps.library.c, steps.library.ffi
-        self._loop = self._library.memory(self._c.sp_loop_size(), "sp_loop")
-        capacity = 1 << max(10, int(_RING_S / settings.period_s - 1).bit_length())
-        self._ring = empty_rows(capacity)
-        self._chunk = empty_rows(capacity)
-        self._state = self._ffi.new("sp_loop_state *")
-        self._links: list[Any] = []
-        self._kept: list[Any] = []
-        self._runner = False
-
-    def start(self, device: Device) -> None:
-        """Start the thread. Raises DeviceError where the system gives none."""
-        steps, settings = self._steps, self._settings
-        pointer = self._library.pointer
-        config = self._ffi.new(
-            "sp_loop_config *",
-            {
-                "step": pointer(steps.step),
-                "idle": pointer(steps.idle),
-                "reset": pointer(steps.reset),
-                "state": pointer(steps.state),
-                "measured_n": self._ffi.cast("double *", steps.measured_n),
-                "period_s": settings.period_s,
-                "seconds": settings.seconds,
-                "max_force_n": settings.max_force_n,
-                "max_depth_m": settings.max_depth_m,
-                "latched_note": LATCHED,
-                "priority": _PRIORITY if settings.real_time else 0,
-                "cpu": _spare_cpu(),
-                "rows": self._rows(self._ring),
-                "capacity": len(self._ring),
-            },
-        )
-        error = self._c.sp_loop_start(self._loop, config, self._adopt(device))
-        if error:
-            raise DeviceError(
-                f"no thread for the loop: {os.strerror(error)}: free memory or limits"
-            )
-        self._runner = True
-
-    def attach(self, device: Device) -> None:
-        """Go on with a device that came back; the scene is reset once."""
-        self._c.sp_loop_attach(self._loop, self._adopt(device))
-
-    def ask_stop(self) -> None:
-        """End with zero force."""
-        if self._runner:
-            self._c.sp_loop_ask_stop(self._loop)
-
-    def pause(self, paused: bool) -> None:
-        """Zero force, and no calls until it is resumed; then the scene is reset."""
-        self._c.sp_loop_pause(self._loop, int(paused))
-
-    def reset(self) -> None:
-        """Reset the scene, and a device that tripped."""
-        self._c.sp_loop_reset(self._loop)
-
-    def get_status(self) -> LoopState:
-        """Counters and flags."""
-        if not self._links:
-            return LoopState()
-        self._c.sp_loop_get_status(self._loop, self._state)
-        return LoopState(
-            **{name: getattr(self._state, name) for name in LoopState.__dataclass_fields__}
-        )
-
-    def counts(self) -> LinkCounts:
-        """Counters of all links that this session had."""
-        return LinkCounts(
-            **{
-                name: sum(getattr(link, name) for link in self._links)
-                for name in LinkCounts.__dataclass_fields__
-            }
-        )
-
-    def drain(self) -> Rows:
-        """Rows since the last call."""
-        if not self._links:
-            return empty_rows()
-        count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))
-        return self._chunk[:count].copy()
-
-    def flight(self, seconds: float) -> Rows:
-        """The last rows again, after the end."""
-        newest = self.get_status().newest_row
-        count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
-        places = [(newest - count + k) % len(self._ring) for k in range(count)]
-        return self._ring[places]
-
-    def join(self) -> None:
-        """Wait for the end of the thread: at most a period and what the device takes."""
-        if self._runner:
-            self._c.sp_loop_join(self._loop)
-            self._runner = False
-
-    def _rows(self, table: Rows) -> Any:
-        return self._ffi.from_buffer("sp_row[]", table)
-
-    def _adopt(self, device: Device) -> Any:
-        link = device.link(self._library)
-        self._links.append(link)
-        self._kept.append(device)
-        return link
-
-
-def _spare_cpu() -> int:
-    """The last processor that this process may use, or -1 where there is only one."""
-    cpus = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-    return cpus[-1] if len(cpus) > 1 else -1
+    def refused(self) -> str:
+        """What the system refused of it, and what to do; empty where nothing."""
+        ...

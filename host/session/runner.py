@@ -11,25 +11,23 @@ import numpy as np
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.console.output import say
-from springpot.host.devices.device import Device, DeviceRequirements
+from springpot.host.devices.device import RECONNECT_S, DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import open_device
-from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.native.loop_library import (
     COLUMN,
-    GOT_FIFO,
     IDLE,
     NONE,
-    Rows,
+    LoopRows,
     empty_rows,
 )
 from springpot.host.session.board_loop import BoardLoop
+from springpot.host.session.c_loop import CLoop
 from springpot.host.session.log import flight_seconds
-from springpot.host.session.loop import CLoop, LinkCounts, Loop, LoopSettings, LoopState
-from springpot.host.session.outcome import granted, why_stopped
+from springpot.host.session.loop import LinkCounts, Loop, LoopSettings, LoopState
+from springpot.host.session.outcome import why_stopped
 from springpot.host.session.step_functions import StepFunctions
 from springpot.host.session.supervisor import DeviceSupervisor
 
-RECONNECT_S = 10.0
 _DRAIN_S = 0.02
 
 
@@ -48,7 +46,7 @@ class Progress:
 class RowTaker(Protocol):
     """Where the rows of a loop go."""
 
-    def append(self, rows: Rows) -> None:
+    def append(self, rows: LoopRows) -> None:
         """Take the next rows."""
         ...
 
@@ -163,7 +161,7 @@ class SessionRunner:
             return str(self.error), self.error
         return why_stopped(self.state, self._latest[-1], self._settings)
 
-    def flight(self) -> Rows:
+    def flight(self) -> LoopRows:
         """The last seconds of rows, after the end."""
         return self._loop.flight(flight_seconds())
 
@@ -177,9 +175,7 @@ class SessionRunner:
 
     def scheduler(self) -> str:
         """Who keeps the time, and what the system granted for it."""
-        if isinstance(self._loop, CLoop):
-            return granted(self._loop.name, self.state.got)
-        return self._loop.name
+        return self._loop.scheduler()
 
     def _drain(self) -> None:
         reported = False
@@ -196,11 +192,12 @@ class SessionRunner:
             state = self._loop.get_status()
             if state.ticks and not reported:
                 reported = True
-                self._report_refused(state)
+                if refused := self._loop.refused():
+                    self._report(refused)
             self._supervisor.poll(state)
             time.sleep(_DRAIN_S)
 
-    def _take(self, rows: Rows) -> None:
+    def _take(self, rows: LoopRows) -> None:
         if not len(rows):
             return
         self._latest = rows[-1:]
@@ -217,16 +214,8 @@ class SessionRunner:
             self.error = error
         self._loop.ask_stop()
 
-    def _report_refused(self, state: LoopState) -> None:
-        if isinstance(self._loop, CLoop) and self._settings.real_time and not state.got & GOT_FIFO:
-            self._report(
-                "the system refused SCHED_FIFO, ticks may be late: `springpot doctor` says how to "
-                "allow it"
-            )
 
-
-def _loop_for(device: Device, steps: StepFunctions, settings: LoopSettings) -> Loop:
+def _loop_for(device: OpenedDevice, steps: StepFunctions, settings: LoopSettings) -> Loop:
     """A board that renders keeps its own time."""
-    if isinstance(device, SerialDevice) and device.renders:
-        return BoardLoop(device, settings)
-    return CLoop(steps, settings)
+    board = device.rendering_board()
+    return CLoop(steps, settings) if board is None else BoardLoop(board, settings)

@@ -11,16 +11,16 @@ from pathlib import Path
 from typing import Any, Self
 
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.scene import Device as DeviceKeys
+from springpot.codegen.scene import Device
 from springpot.host.console.output import say
-from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.outcome import spread_us, steal_ms
-from springpot.host.session.runner import RECONNECT_S, SessionRunner
+from springpot.host.session.runner import SessionRunner
 from springpot.host.session.step_functions import scene_step_functions
 from springpot.trainer.recordings.recording import Zero
 
@@ -176,7 +176,7 @@ class Session:
                 log.finish({"end": metadata})
 
 
-def requirements_of(keys: DeviceKeys, **requirements: Any) -> DeviceRequirements:
+def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
     """What the scene's [device] says, with what the scene itself wants."""
     return DeviceRequirements(
         surface_m=1e-3 * keys.surface_mm,

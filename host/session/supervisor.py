@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.host.devices.device import Device, DeviceRequirements
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import open_device
 from springpot.host.session.loop import Loop, LoopState
 
@@ -22,7 +22,7 @@ class DeviceSupervisor:
     def __init__(
         self,
         loop: Loop,
-        device: Device,
+        device: OpenedDevice,
         url: str,
         requirements: DeviceRequirements,
         reconnect_s: float,
@@ -87,7 +87,7 @@ class DeviceSupervisor:
             self._report(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
             self._returning = None
 
-    def _reopened(self, until_s: float) -> Device | None:
+    def _reopened(self, until_s: float) -> OpenedDevice | None:
         """Open the device again until the time for that is over; then the session ends."""
         last: SpringpotError = DeviceError("")
         while time.monotonic() < until_s and not self._loop.get_status().over:
@@ -104,7 +104,7 @@ class DeviceSupervisor:
         )
         return None
 
-    def _go_on(self, device: Device) -> LoopState:
+    def _go_on(self, device: OpenedDevice) -> LoopState:
         self._loop.attach(device)
         while not self._loop.get_status().connected and not self._loop.get_status().over:
             time.sleep(0.001)

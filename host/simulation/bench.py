@@ -1,72 +1,22 @@
 """The simulated bench: silicones, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
-from urllib.parse import parse_qsl, urlsplit
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import DeviceError
 from springpot.host.native.c_library import CLibrary, load
+from springpot.host.simulation.objects import HAND_NAMES, OBJECTS, VARIANTS, SimulatedObject
 from springpot.runtime_c import paths
 
-OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
-HANDS: tuple[HandName, ...] = ("mid", "firm", "light")
-VARIANTS = ("a", "b")
 MAX_COMMAND_N = 12.0
 DT_S = 0.001
 SUBSTEPS = 16
 _CHUNK = 250  # samples handed on at once
-
-
-@dataclass(frozen=True)
-class SimulatedObject:
-    """What a `sim://` URL says: the object, how it is changed, who presses it.
-
-    variant: "a" quasi-linear, "b" relaxation depends on stress. stiffer: factor on the force.
-    seed: of the sensors' noise. delay_samples: 1 where the motor force leaves one tick late.
-    """
-
-    name: str
-    variant: str = "a"
-    stiffer: float = 1.0
-    hand: HandName = "mid"
-    seed: int = 0
-    delay_samples: int = 0
-
-
-def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
-    """Read `sim://OBJECT?variant=b&stiffer=10&hand=mid&seed=1&delay=1`.
-
-    default_seed: where the URL has none.
-    Raises UsageError naming what is unknown and listing what exists.
-    """
-    parts = urlsplit(url)
-    if parts.netloc not in OBJECTS or parts.path not in ("", "/"):
-        known = ", ".join(OBJECTS)
-        raise UsageError(f"{url}: no object {parts.netloc + parts.path!r}: use one of {known}")
-    settings: dict[str, Any] = {"seed": default_seed}
-    for key, value in parse_qsl(parts.query, keep_blank_values=True):
-        match key:
-            case "variant":
-                settings["variant"] = _one_of(url, key, value, VARIANTS)
-            case "hand":
-                settings["hand"] = _one_of(url, key, value, HANDS)
-            case "stiffer":
-                settings["stiffer"] = _stiffer(url, value)
-            case "seed":
-                settings["seed"] = _seed(url, value)
-            case "delay":
-                settings["delay_samples"] = int(_one_of(url, key, value, ("0", "1")))
-            case _:
-                raise UsageError(
-                    f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay"
-                )
-    return SimulatedObject(name=parts.netloc, **settings)
 
 
 class ObjectMotion:
@@ -189,7 +139,7 @@ class SimulatedHand:
         _check(
             self._library.c.sim_tool_init(
                 self.state,
-                HANDS.index(hand),
+                HAND_NAMES.index(hand),
                 substeps,
                 delay_samples,
                 int(noisy),
@@ -236,7 +186,7 @@ class SimulatedHand:
 def _library() -> CLibrary:
     library = load([paths.SIM / "sim.h"], sorted(paths.SIM.glob("*.c")))
     _check_names(library, "object", OBJECTS)
-    _check_names(library, "hand", HANDS)
+    _check_names(library, "hand", HAND_NAMES)
     return library
 
 
@@ -256,25 +206,3 @@ def _check(status: int) -> None:
     """Raise ValueError for a negative status: our own wrong use of the C."""
     if status < 0:
         raise ValueError(f"the simulated bench refused its arguments (status {status})")
-
-
-def _one_of(url: str, key: str, value: str, known: Sequence[str]) -> str:
-    if value not in known:
-        raise UsageError(f"{url}: no {key} {value!r}: use one of {', '.join(known)}")
-    return value
-
-
-def _stiffer(url: str, value: str) -> float:
-    try:
-        stiffer = float(value)
-    except ValueError:
-        stiffer = np.nan
-    if not 0.01 <= stiffer <= 1000:
-        raise UsageError(f"{url}: stiffer={value}: give a factor between 0.01 and 1000")
-    return stiffer
-
-
-def _seed(url: str, value: str) -> int:
-    if not (value.isascii() and value.isdigit() and int(value) < 2**31):
-        raise UsageError(f"{url}: seed={value}: give a whole number below 2147483648")
-    return int(value)

@@ -12,10 +12,10 @@ from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.errors import SpringpotError
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.simulation.bench import HANDS
+from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 
-SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
+_SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,8 +129,8 @@ class HandLoop:
     def _tool(self, operator: Operator, start_m: float) -> Any:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
         _check(self._port.c.sim_tool_init(
-            tool, HANDS.index(operator.hand), SUBSTEPS, operator.delay_samples, 1, operator.seed,
-            start_m,
+            tool, HAND_NAMES.index(operator.hand), _SUBSTEPS, operator.delay_samples, 1,
+            operator.seed, start_m,
         ))  # fmt: skip
         return tool
 

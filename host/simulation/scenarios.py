@@ -12,12 +12,12 @@ from springpot.codegen.coupling.linear_loop import DEVICE_DAMPING_NSPM, DEVICE_M
 from springpot.codegen.plan.plan import Plan
 from springpot.host.simulation.hand_loop import Scenario
 
-FREE_M = 0.002  # start in free air, this far from the surface
+_FREE_M = 0.002  # start in free air, this far from the surface
 HOLDS = (0.2, 0.5, 0.8)  # of the trained depth
 HOLD_S, RISE_S, SETTLE_S = 1.5, 0.4, 0.5
 PUSH_OF_CLAMP = 11.5 / 12.0
 GLITCH_M = 0.005
-FASTER = 4.0  # than the maximum trained speed
+_FASTER = 4.0  # than the maximum trained speed
 JITTER, DROPPED = 0.3, 0.1
 
 Motion = Callable[[Samples], Samples]
@@ -34,7 +34,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Stage:
+class Workspace:
     """Where a case plays: surface and trained depth of the scene, its clock, and its clamp."""
 
     free_m: float
@@ -45,12 +45,12 @@ class Stage:
     max_n: float
 
     @staticmethod
-    def of(plan: Plan) -> "Stage":
-        """The stage of a plan."""
+    def of(plan: Plan) -> "Workspace":
+        """The workspace of a plan."""
         base_m = 0.0 if plan.contact else float(plan.range.min_m)
         span_m = float(plan.range.max_m) - base_m
-        free_m = -min(FREE_M, 0.2 * span_m) if plan.contact else base_m + 0.05 * span_m
-        return Stage(free_m, base_m, span_m, plan.dt_s, plan.model.trained.max_mps,
+        free_m = -min(_FREE_M, 0.2 * span_m) if plan.contact else base_m + 0.05 * span_m
+        return Workspace(free_m, base_m, span_m, plan.dt_s, plan.model.trained.max_mps,
                      float(plan.output.max_n))  # fmt: skip
 
     def at(self, share: float) -> float:
@@ -58,9 +58,9 @@ class Stage:
         return self.base_m + share * self.span_m
 
 
-def holding(stage: Stage, shares: tuple[float, ...], hold_s: float) -> tuple[Motion, float]:
+def holding(space: Workspace, shares: tuple[float, ...], hold_s: float) -> tuple[Motion, float]:
     """Rise to each depth and hold it; and how long that takes, s."""
-    stations = [stage.free_m, *(stage.at(share) for share in shares)]
+    stations = [space.free_m, *(space.at(share) for share in shares)]
     period_s = RISE_S + hold_s
 
     def motion(t: Samples) -> Samples:
@@ -72,33 +72,33 @@ def holding(stage: Stage, shares: tuple[float, ...], hold_s: float) -> tuple[Mot
     return motion, period_s * len(shares)
 
 
-def still_ticks(stage: Stage, shares: int, hold_s: float) -> tuple[slice, ...]:
+def still_ticks(space: Workspace, shares: int, hold_s: float) -> tuple[slice, ...]:
     """Ticks of each hold, once it has settled."""
     period_s = RISE_S + hold_s
     edges = [
         (i * period_s + RISE_S + SETTLE_S * min(1.0, hold_s / HOLD_S), (i + 1) * period_s)
         for i in range(shares)
     ]
-    return tuple(slice(round(a / stage.dt_s), round(b / stage.dt_s)) for a, b in edges)
+    return tuple(slice(round(a / space.dt_s), round(b / space.dt_s)) for a, b in edges)
 
 
-def tapping(stage: Stage, frequency_hz: float, share: float) -> Motion:
+def tapping(space: Workspace, frequency_hz: float, share: float) -> Motion:
     """In and out, from free air."""
-    top_m = stage.at(share)
+    top_m = space.at(share)
     return lambda t: (
-        stage.free_m + (top_m - stage.free_m) * 0.5 * (1.0 - np.cos(2.0 * np.pi * frequency_hz * t))
+        space.free_m + (top_m - space.free_m) * 0.5 * (1.0 - np.cos(2.0 * np.pi * frequency_hz * t))
     )
 
 
-def striking(stage: Stage) -> Motion:
+def striking(space: Workspace) -> Motion:
     """Strokes to 80 % at four times the trained speed, each held and left again."""
-    height_m = stage.at(0.8) - stage.free_m
-    stroke_s = 1.875 * height_m / (FASTER * stage.max_mps)
-    stroke_s = max(stroke_s, 4.0 * stage.dt_s)
+    height_m = space.at(0.8) - space.free_m
+    stroke_s = 1.875 * height_m / (_FASTER * space.max_mps)
+    stroke_s = max(stroke_s, 4.0 * space.dt_s)
 
     def motion(t: Samples) -> Samples:
         phase = t % 1.0
-        return stage.free_m + height_m * (
+        return space.free_m + height_m * (
             smooth((phase - 0.2) / stroke_s) - smooth((phase - 0.6) / stroke_s)
         )
 
@@ -112,18 +112,18 @@ def smooth(share: NDArray[Any]) -> Samples:
 
 
 def pressing(
-    stage: Stage, motion: Motion, force: Force, hand: Hand, seconds: float, jitter: float = 0.0
+    space: Workspace, motion: Motion, force: Force, hand: Hand, seconds: float, jitter: float = 0.0
 ) -> Scenario:
     """A hand that knows the object: its intention carries the tool along `motion`.
 
     intention = x + (f + B v + M a)/k, with the force f of the model alone on that motion.
     """
-    n = round(seconds / stage.dt_s)
+    n = round(seconds / space.dt_s)
     rng = np.random.default_rng(1)
-    dt_s = stage.dt_s * (1.0 + jitter * rng.uniform(-1.0, 1.0, n))
+    dt_s = space.dt_s * (1.0 + jitter * rng.uniform(-1.0, 1.0, n))
     end_s = np.cumsum(dt_s)
     x = motion(end_s)
-    v, a = _derivatives(motion, end_s, stage.dt_s)
+    v, a = _derivatives(motion, end_s, space.dt_s)
     mass_kg = hand.mass_kg + DEVICE_MASS_KG
     damping_nspm = hand.damping_nspm + DEVICE_DAMPING_NSPM
     needed_n = force(x) + damping_nspm * v + mass_kg * a
@@ -136,54 +136,54 @@ def pressing(
     )
 
 
-def pushing(stage: Stage) -> Scenario:
+def pushing(space: Workspace) -> Scenario:
     """A push that rises in half a second and stays for two, in place of the hand's spring."""
-    n = round(2.5 / stage.dt_s)
-    t = np.arange(1, n + 1) * stage.dt_s
+    n = round(2.5 / space.dt_s)
+    t = np.arange(1, n + 1) * space.dt_s
     return Scenario(
-        dt_s=np.full(n, stage.dt_s),
+        dt_s=np.full(n, space.dt_s),
         intended_m=np.zeros(n),
-        push_n=PUSH_OF_CLAMP * stage.max_n * smooth(t / 0.5),
+        push_n=PUSH_OF_CLAMP * space.max_n * smooth(t / 0.5),
         error_m=np.zeros(n),
         dropped=np.zeros(n, dtype=np.uint8),
     )
 
 
-def hold_case(name: str, stage: Stage, force: Force, hand: Hand) -> Case:
+def hold_case(name: str, space: Workspace, force: Force, hand: Hand) -> Case:
     """Holds at three depths."""
-    motion, seconds = holding(stage, HOLDS, HOLD_S)
-    scenario = pressing(stage, motion, force, hand, seconds)
-    return Case(name, scenario, still_ticks(stage, len(HOLDS), HOLD_S))
+    motion, seconds = holding(space, HOLDS, HOLD_S)
+    scenario = pressing(space, motion, force, hand, seconds)
+    return Case(name, scenario, still_ticks(space, len(HOLDS), HOLD_S))
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
     """All cases but `stiff`, which is `hold` of another scene. force: the model alone's."""
-    stage = Stage.of(plan)
+    space = Workspace.of(plan)
 
     def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Scenario:
-        return pressing(stage, motion, force, hand, seconds, jitter)
+        return pressing(space, motion, force, hand, seconds, jitter)
 
-    tap = tapping(stage, 4.0, 0.6)
-    single, seconds = holding(stage, (0.5,), 2.6)
-    longer, minute = holding(stage, (0.6,), 60.0)
+    tap = tapping(space, 4.0, 0.6)
+    single, seconds = holding(space, (0.5,), 2.6)
+    longer, minute = holding(space, (0.6,), 60.0)
     glitches = press(single, seconds)
-    at = np.arange(round(1.0 / stage.dt_s), len(glitches.dt_s), max(1, round(0.25 / stage.dt_s)))
+    at = np.arange(round(1.0 / space.dt_s), len(glitches.dt_s), max(1, round(0.25 / space.dt_s)))
     glitches.error_m[at] = GLITCH_M * np.where(np.arange(len(at)) % 2, -1.0, 1.0)
     lost = press(single, seconds)
     lost.error_m[_bursts(plan, at)] = np.nan
     drops = press(tap, 3.0)
     drops.dropped[:] = np.random.default_rng(2).uniform(size=len(drops.dropped)) < DROPPED
     return [
-        hold_case("hold", stage, force, hand),
+        hold_case("hold", space, force, hand),
         Case("tap-4hz", press(tap, 3.0)),
-        Case("tap-8hz", press(tapping(stage, 8.0, 0.4), 3.0)),
-        Case("fast", press(striking(stage), 3.0)),
-        Case("deep", pushing(stage)),
+        Case("tap-8hz", press(tapping(space, 8.0, 0.4), 3.0)),
+        Case("fast", press(striking(space), 3.0)),
+        Case("deep", pushing(space)),
         Case("jitter", press(tap, 3.0, JITTER)),
         Case("drops", drops),
-        Case("long-hold", press(longer, minute), still_ticks(stage, 1, 60.0)),
-        Case("glitch", glitches, still_ticks(stage, 1, 2.6)),
-        Case("nan", lost, still_ticks(stage, 1, 2.6)),
+        Case("long-hold", press(longer, minute), still_ticks(space, 1, 60.0)),
+        Case("glitch", glitches, still_ticks(space, 1, 2.6)),
+        Case("nan", lost, still_ticks(space, 1, 2.6)),
     ]
 
 

@@ -5,14 +5,14 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
-from springpot.codegen.coupling.auto import choose
+from springpot.codegen.coupling.auto import choose_coupling
 from springpot.codegen.coupling.gains import (
     is_unit_error,
     max_published_damping_nspm,
     published_step_is_stable,
     require_plausible_damping,
 )
-from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HANDS, Hand, Loop
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
@@ -74,11 +74,11 @@ class Stability:
         }
 
 
-def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> Loop:
+def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
     """The linear loop of a plan with a hand."""
     smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
     delay = plan.scene.device.delay_samples + more_delay
-    return Loop(plan.dt_s, plan.coupling.coupling, hand, delay, smoothing)
+    return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, delay, smoothing)
 
 
 def limits(plan: Plan) -> dict[str, Any]:
@@ -88,7 +88,7 @@ def limits(plan: Plan) -> dict[str, Any]:
         "object_stiffness_npm": plan.stiffness_npm,
         "max_stiffness_npm": {
             f"{hand.name}, {more} more samples": scene_loop(plan, hand, more).max_stiffness_npm()
-            for hand in HANDS
+            for hand in HAND_MODELS
             for more in (0, 1)
         },
         "published_step_is_stable": published_step_is_stable(coupling, plan.dt_s),
@@ -111,7 +111,7 @@ def require_stable(plan: Plan) -> None:
         return
     delay = plan.scene.device.delay_samples
     limit_npm = scene_loop(plan, DESIGN_HAND).max_stiffness_npm()
-    choice = choose(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
+    choice = choose_coupling(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
     raise UnsafeError(
         f"{plan.scene.name}: the loop is unstable (spectral radius {radius:.4g} with the "
         f"{DESIGN_HAND.name} hand, object {1e-3 * plan.stiffness_npm:.3g} N/mm, this coupling "

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.coupling.linear_loop import HANDS, Hand
+from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
-from springpot.host.simulation.scenarios import Case, Stage, cases, hold_case
+from springpot.host.simulation.scenarios import Case, Workspace, cases, hold_case
 
 HIGH_PASS_HZ = 15.0
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
@@ -61,9 +61,9 @@ class Rendered:
 
 def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
     """Every case with every hand and delay. stiff: the object ten times stiffer."""
-    for hand in HANDS:
+    for hand in HAND_MODELS:
         listed = [(scene, case) for case in cases(scene.plan, scene.force, hand)]
-        hold = hold_case("stiff", Stage.of(stiff.plan), stiff.force, hand)
+        hold = hold_case("stiff", Workspace.of(stiff.plan), stiff.force, hand)
         for delay_samples in DELAYS:
             for rendered, case in [*listed, (stiff, hold)]:
                 yield _outcome(rendered, case, hand, delay_samples)
@@ -85,15 +85,15 @@ def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:
 
 
 def _outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> Outcome:
-    plan, stage = rendered.plan, Stage.of(rendered.plan)
+    plan, space = rendered.plan, Workspace.of(rendered.plan)
     operator = Operator(hand.name, delay_samples)
-    trace = rendered.loop.run(case.scenario, operator, stage.free_m)
+    trace = rendered.loop.run(case.scenario, operator, space.free_m)
     model_only_n = rendered.force(trace.position_m)
     min_n, max_n = float(plan.output.min_n), float(plan.output.max_n)
     allowed = (trace.force_n >= min_n) & (trace.force_n <= max_n)
     deepest_m = float(trace.position_m.max())
     give_m = max_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
-    inside = deepest_m <= stage.base_m + DEEPEST * stage.span_m + give_m
+    inside = deepest_m <= space.base_m + DEEPEST * space.span_m + give_m
     still = case.still or (slice(0, len(trace.velocity_mps)),)
     error_n = np.sqrt(np.mean((trace.felt_n - model_only_n) ** 2))
     return Outcome(

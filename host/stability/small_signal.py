@@ -9,7 +9,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 
 INSIDE = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the trained depth
-OUTSIDE = (1.05, 1.15, 1.3)
+OUTSIDE_SHARES = (1.05, 1.15, 1.3)
 AMPLITUDES = (0.01, 0.05)
 ACTIVE = -0.005  # a cell below this sin(delta) gives energy to the hand
 _FREQUENCIES_HZ = np.geomspace(2.0, 80.0, 6)  # at 1 kHz and above
@@ -51,7 +51,7 @@ def small_signal_map(plan: Plan, library: SceneLibrary, delay_samples: int) -> M
     base_m = 0.0 if plan.contact else float(trained.min_m)
     span_m = float(trained.max_m) - base_m
     frequencies = _FREQUENCIES_HZ * min(1.0, 1e-3 / dt_s)
-    shares = np.array(INSIDE + OUTSIDE)
+    shares = np.array(INSIDE + OUTSIDE_SHARES)
     found = np.empty((len(shares), len(frequencies)))
     for i, share in enumerate(shares):
         for j, frequency_hz in enumerate(frequencies):

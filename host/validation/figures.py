@@ -12,13 +12,13 @@ from springpot.host.plot_style import ERROR, MEASURED, MUTED, PREDICTED, STYLE, 
 from springpot.host.validation.store import Series
 
 
-def typical(series: Sequence[Series]) -> Series:
+def typical_series(series: Sequence[Series]) -> Series:
     """Return the recording whose RMSE is the median one."""
     ranked = sorted(series, key=lambda item: rms(item.predicted_n - item.measured_n))
     return ranked[len(ranked) // 2]
 
 
-def prediction(item: Series) -> str:
+def prediction_figure(item: Series) -> str:
     """Measured and predicted force, and their difference, against time (figure 7)."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 4.2), layout="constrained")

@@ -10,7 +10,7 @@ from springpot.host.page import page_text
 from springpot.host.validation import figures
 from springpot.host.validation.store import Stored, read_validation
 
-REPORT_NAME = "report.html"
+_REPORT_NAME = "report.html"
 
 
 def write_report(folder: Path) -> Path:
@@ -20,7 +20,7 @@ def write_report(folder: Path) -> Path:
     manifest = json.loads((folder / "manifest.json").read_text())
     shares = model.provenance.get("importance", [])
     orders = getattr(model.features, "orders", ())
-    typical = figures.typical(stored.series)
+    typical = figures.typical_series(stored.series)
     context = {
         "title": plan.scene.name,
         "manifest": manifest,
@@ -28,7 +28,7 @@ def write_report(folder: Path) -> Path:
         "machine": stored.metadata["machine"],
         "recordings": stored.metadata["recordings"],
         "provenance": dict(model.provenance),
-        "prediction": figures.prediction(typical),
+        "prediction": figures.prediction_figure(typical),
         "hysteresis": figures.hysteresis(typical),
         "percentage_error": figures.percentage_error(stored.series),
         "importance": figures.importance(orders, shares) if orders and shares else "",
@@ -37,7 +37,7 @@ def write_report(folder: Path) -> Path:
         ),
         "commands": _commands(folder, stored, manifest),
     }
-    path = folder / REPORT_NAME
+    path = folder / _REPORT_NAME
     path.write_text(page_text("report.html", context), encoding="utf-8")
     return path
 

@@ -39,17 +39,12 @@ class Stored:
     tick_ns: NDArray[np.float64]
 
 
-def store_validation(
-    folder: Path,
-    validation: Validation,
-    recordings: Sequence[Recording],
-    result: dict[str, Any],
-) -> None:
+def store_validation(folder: Path, validation: Validation, recordings: Sequence[Recording]) -> None:
     """Write folder/validation, replacing an earlier one."""
     target = folder / _FOLDER
     target.mkdir(exist_ok=True)
     metadata = {
-        "result": result,
+        "result": validation.as_dict(),
         "machine": machine_metadata(),
         "recordings": [
             {"name": rec.name, "dt_s": rec.dt_s, "source": rec.source, "hash": rec.content_hash}

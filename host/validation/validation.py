@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import MismatchError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
 from springpot.codegen.reference.run import run_reference
@@ -91,6 +92,15 @@ def validate(
     )
     with opened as board:
         return _validated(plan, library, recordings, paced_s, board)
+
+
+def fail_on_mismatch(folder: Path, validation: Validation) -> None:
+    """Raise MismatchError where C and reference differed in a tick."""
+    if validation.mismatches:
+        raise MismatchError(
+            f"{folder}: C and its numpy reference differ in {validation.mismatches} of "
+            f"{validation.accuracy.samples} ticks: check the compiler (CC, `springpot doctor`)"
+        )
 
 
 def _validated(

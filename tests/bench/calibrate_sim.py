@@ -16,6 +16,7 @@ import numpy as np
 
 from springpot.host.recording import protocols
 from springpot.host.simulation import bench as simulated_bench
+from springpot.host.simulation.objects import VARIANTS, parse_url
 from springpot.runtime_c import paths
 
 TARGETS = {  # object: (maximum depth over the training protocol, m; loss per cycle at 1 Hz, 10 N)
@@ -58,7 +59,7 @@ def loss_per_cycle(position_m: np.ndarray, force_n: np.ndarray) -> float:
 
 def figures(url: str) -> tuple[float, float]:
     """Maximum recorded depth over the training protocol, m, and loss per cycle at 1 Hz, 10 N."""
-    bench = simulated_bench.SimulatedBench(simulated_bench.parse_url(url))
+    bench = simulated_bench.SimulatedBench(parse_url(url))
     depth_m, loss = 0.0, np.nan
     for profile in protocols.training():
         position_m, force_n = bench.press(profile.command_n)
@@ -83,7 +84,7 @@ def measure(folder: Path, constants: np.ndarray) -> np.ndarray:
     """Build the C of `folder` with the constants; return depths and losses, shaped like them."""
     write_constants(folder, constants)
     simulated_bench._library.cache_clear()
-    urls = [[f"sim://{name}?variant={v}" for v in simulated_bench.VARIANTS] for name in TARGETS]
+    urls = [[f"sim://{name}?variant={v}" for v in VARIANTS] for name in TARGETS]
     return np.array([[figures(url) for url in row] for row in urls])
 
 

@@ -3,8 +3,8 @@
 import sys
 from pathlib import Path
 
-from springpot.host.validation.figures import prediction, typical
+from springpot.host.validation.figures import prediction_figure, typical_series
 from springpot.host.validation.store import read_validation
 
 folder, picture = map(Path, sys.argv[1:])
-picture.write_text(prediction(typical(read_validation(folder).series)))
+picture.write_text(prediction_figure(typical_series(read_validation(folder).series)))

@@ -20,6 +20,7 @@ from typing import Any
 
 from springpot.host.benchmark.figures import front_figure
 from springpot.host.benchmark.labels import kilobytes, label
+from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import paper_rows, plain
 
 Metadata = dict[str, Any]
@@ -80,11 +81,12 @@ def results_page(results: list[Metadata]) -> str:
 
 def section(result: Metadata, picture: str) -> list[str]:
     """One data set."""
-    front = sorted((p for p in result["points"] if p["pareto"]), key=lambda p: p["tick_ns_hot"])
+    points = points_of(result)
+    front = sorted((p for p in points if p.pareto), key=lambda p: p.tick_ns_hot)
     parts = [
         f"## {result['name'][:1].upper()}{result['name'][1:]}\n",
         f"`{result['command']}`: {len(result['points'])} points of "
-        f"{len({p['model'] for p in result['points']})} kinds, {result['training']} training and "
+        f"{len({p.model for p in points})} kinds, {result['training']} training and "
         f"{result['validation']} validation recordings at {plain(result['rate_hz'], 6)} Hz; "
         f"{result['cpu_s']:.0f} s of processor time{elapsed(result)}. {result['machine']}; "
         f"{result['compiler']}, `{result['flags']}`; load average {result['load']:.1f} before it "
@@ -95,7 +97,7 @@ def section(result: Metadata, picture: str) -> list[str]:
         "\nThe front:\n",
         table(front, result["target"]),
     ]
-    if rows := paper_rows(result["points"]):
+    if rows := paper_rows(points):
         parts += ["\nThe paper's models beside the paper:\n", paper_table(rows), NOT_COMPARABLE]
     return parts
 
@@ -115,21 +117,21 @@ def elapsed(result: Metadata) -> str:
 
 def pick_row(result: Metadata, found: Metadata) -> str:
     """A row of the picks."""
-    chosen = next((p for p in result["points"] if p["key"] == found["point"]), None)
+    chosen = next((p for p in points_of(result) if p.key == found["point"]), None)
     name = label(chosen) if chosen else "none"
     return f"| {found['budget']['title']} | {name} | {found['why']} |"
 
 
-def table(points: list[Metadata], target: str) -> str:
+def table(points: list[Point], target: str) -> str:
     """Points, one a row."""
     head = (
         f"| model | RMSE, N | % of peak | tick, µs | flash, {target} | RAM, bytes | fit, s | "
         "active cells |\n| --- | --- | --- | --- | --- | --- | --- | --- |"
     )
     rows = [
-        f"| {label(p)} | {plain(p['rmse_n'])} | {plain(p['rmse_percent_of_peak'], 2)} | "
-        f"{plain(1e-3 * p['tick_ns_hot'], 2)} | {kilobytes(p['flash_bytes'])} | {p['ram_bytes']} | "
-        f"{plain(p['fit_s'], 2)} | {p['active_cells']} of {p['cells']} |"
+        f"| {label(p)} | {plain(p.rmse_n)} | {plain(p.rmse_percent_of_peak, 2)} | "
+        f"{plain(1e-3 * p.tick_ns_hot, 2)} | {kilobytes(p.flash_bytes)} | {p.ram_bytes} | "
+        f"{plain(p.fit_s, 2)} | {p.active_cells} of {p.cells} |"
         for p in points
     ]
     return "\n".join([head, *rows])
@@ -160,18 +162,19 @@ def readme(result: Metadata) -> str:
 def readme_results(result: Metadata) -> str:
     """The picks, and the paper's three models."""
     picked = dict.fromkeys(found["point"] for found in result["picks"].values())
-    points = [p for key in picked for p in result["points"] if p["key"] == key]
-    points += [p for p in result["points"] if not p["options"] and p["model"].startswith("r")]
+    swept = points_of(result)
+    points = [p for key in picked for p in swept if p.key == key]
+    points += [p for p in swept if not p.options and p.model.startswith("r")]
     names = [
         f"{', '.join(n for n, f in result['picks'].items() if f['point'] == key)}: "
-        f"{label(next(p for p in result['points'] if p['key'] == key))}"
+        f"{label(next(p for p in swept if p.key == key))}"
         for key in picked
         if key
     ]
     return (
         "![Error against the time of a tick of every model](docs/pareto-1.svg)\n\n"
         f"`springpot bench` on the recordings of the {result['name']}: "
-        f"{len(result['points'])} models in {result['cpu_s']:.0f} s of processor time. Picks: "
+        f"{len(swept)} models in {result['cpu_s']:.0f} s of processor time. Picks: "
         f"{'; '.join(names)}. The other rows are the paper's models and the negative control.\n\n"
         f"{table(points, result['target'])}\n\n"
         "More, and how it was measured: [docs/results.md](docs/results.md)."

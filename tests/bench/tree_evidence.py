@@ -21,7 +21,7 @@ from springpot.codegen.scene import Coupling, Scene
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 from springpot.host.paper.reproduce import Work, simulated
-from springpot.host.simulation.bench import OBJECTS
+from springpot.host.simulation.objects import OBJECTS
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

@@ -51,7 +51,7 @@ def small(sweep: Callable[..., list[Candidate]] = small_sweep) -> Iterator[None]
     """Few candidates, timed for a moment, any time allowed: other tests keep the cores busy."""
     with (
         mock.patch("springpot.trainer.selection.sweep.default_sweep", sweep),
-        mock.patch.object(isolated, "PACED_S", 0.2),
+        mock.patch.object(isolated, "ISOLATED_PACED_S", 0.2),
         mock.patch.object(picks, "PERIOD_SHARE", 1e4),
     ):
         yield

@@ -1,17 +1,29 @@
-"""The floors: imports only downwards, and nothing heavy where it is not used."""
+"""Floors and rooms: imports only downwards, and nothing heavy where it is not used."""
 
 import ast
 import subprocess
 import sys
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from support.paths import ROOT
+from support.sources import API, FLOORS, sources
 
-FLOORS = ["runtime_c", "codegen", "trainer", "host"]
 FITS = {"sklearn", "scipy", "joblib"}
-API = ROOT / "host" / "api"  # the modules of the package springpot itself
+# Folders and files of a floor, lowest first. Lazy imports, and those for checkers, count too.
+ROOMS = {
+    "runtime_c": ["paths"],
+    "codegen": ["errors", "arrays", "atomic_write", "scene", "literals", "model", "forest",
+                "stages", "coupling", "plan", "reference", "emit"],
+    "trainer": ["paper", "recordings", "features", "models", "kinds", "selection", "ensemble",
+                "estimator", "parallel"],
+    "host": ["console", "page", "plot_style", "metrics", "native", "simulation", "stability",
+             "emission", "devices", "session", "recording", "boards", "validation", "paper",
+             "benchmark", "material", "demo", "api", "commands", "cli"],
+}  # fmt: skip
+MAX_FILES = 15  # of a folder, its own name apart
 
 
 def imports(file: Path) -> list[tuple[str, bool]]:
@@ -39,6 +51,52 @@ def test_a_floor_imports_only_from_floors_below(floor: str) -> None:
             assert module != "springpot", f"{file}: the rooms are below the package springpot"
             if module.startswith("springpot."):
                 assert module.split(".")[1] in allowed | own, f"{file} imports {module}"
+
+
+def room_of(module: str, api: set[str]) -> tuple[str, str] | None:
+    """Floor and room of a module; None for what is none of springpot's, or a whole floor."""
+    package, *path = module.split(".")
+    if package != "springpot" or not path:
+        return None
+    if path[0] in api:
+        return "host", "api"
+    return (path[0], path[1]) if len(path) > 1 else None
+
+
+def imported(file: Path) -> Iterator[str]:
+    """Modules that a file imports; of `from package import name`, both readings."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            if node.module.count(".") < 2:
+                yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def test_rooms_import_only_from_rooms_below() -> None:
+    api = {file.stem for file in API.glob("*.py")}
+    wrong = []
+    for file, floor, room in sources(*FLOORS):
+        assert room in ROOMS[floor], f"{file}: a room that ROOMS does not place"
+        for module in imported(file):
+            found = room_of(module, api)
+            if found is not None and found[0] == floor and found[1] in ROOMS[floor]:
+                order = ROOMS[floor]
+                if order.index(found[1]) > order.index(room):
+                    wrong.append(f"{file.relative_to(ROOT)}: {module}")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_every_room_is_there() -> None:
+    for floor, rooms in ROOMS.items():
+        assert {room for _, its, room in sources(floor) if its == floor} == set(rooms)
+
+
+def test_no_folder_of_the_host_is_crowded() -> None:
+    for folder in {file.parent for file, _, _ in sources("host")}:
+        files = [file for file in folder.glob("*.py") if file.name != "__init__.py"]
+        assert len(files) <= MAX_FILES, f"{folder}: {len(files)} files"
 
 
 def test_only_the_trainer_imports_what_fits() -> None:

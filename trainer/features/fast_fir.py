@@ -6,7 +6,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.model.features import FastFirBank, FirBank
 
 DIRECT = 4
-POLES = 8
+FAST_FIR_POLES = 8
 _FASTEST_TICKS = (1.0, 1.5, 2.0, 3.0, 4.0)
 _SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
 
@@ -18,7 +18,7 @@ def fast_fir_bank(bank: FirBank) -> FastFirBank:
     """
     length = len(bank.taps)
     candidates = [
-        _fitted(bank, np.geomspace(fastest, slowest * length, POLES))
+        _fitted(bank, np.geomspace(fastest, slowest * length, FAST_FIR_POLES))
         for fastest in _FASTEST_TICKS
         for slowest in _SLOWEST_WINDOWS
     ]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.signal import lfilter
 
-from springpot.codegen.arrays import Rows, Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.features import (
     FastFirBank,
     Features,
@@ -23,7 +23,7 @@ _CHUNK = 8192  # rows whose windows are gathered at once
 
 
 @singledispatch
-def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
     """Features at `rows` of one recording, shape (rows, features), in float64.
 
     depth_m: (n,). Before its first sample the object has rested at that sample. Each kind of
@@ -33,17 +33,17 @@ def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Rows
 
 
 @feature_values.register
-def _fir_values(bank: FirBank, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+def _fir_values(bank: FirBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
     return _windowed(bank.taps, depth_m, rows)
 
 
 @feature_values.register
-def _fast_fir_values(bank: FastFirBank, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+def _fast_fir_values(bank: FastFirBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
     return _windowed(equivalent_taps(bank), depth_m, rows)
 
 
 @feature_values.register
-def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
     """Weighted states of the poles."""
     values = np.zeros((len(rows), len(bank.orders)))
     for tau_s, weights in zip(bank.tau_s, bank.weights, strict=True):
@@ -59,7 +59,7 @@ def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
     return filtered
 
 
-def _windowed(taps: Samples, depth_m: Samples, rows: Rows) -> Samples:
+def _windowed(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:
     held = np.concatenate([np.full(len(taps) - 1, depth_m[0]), depth_m])
     windows = sliding_window_view(held, len(taps))
     newest_last = taps[::-1]
@@ -70,7 +70,7 @@ def _windowed(taps: Samples, depth_m: Samples, rows: Rows) -> Samples:
 
 
 @feature_values.register
-def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
     past = [depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples]
     if lags.difference:
         past = [past[0], *(past[0] - values for values in past[1:])]
@@ -79,7 +79,7 @@ def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Rows) -> Sample
 
 @feature_values.register
 def _position_velocity_values(
-    features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Rows
+    features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Indices
 ) -> Samples:
     per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
     held = np.concatenate([np.full(features.length, depth_m[0]), depth_m])

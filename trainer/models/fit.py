@@ -11,7 +11,7 @@ from annotated_types import Ge, Interval
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Hammerstein, Model
 from springpot.codegen.model.regressors import Regressor
-from springpot.trainer.models.passive_terms import POLES
+from springpot.trainer.models.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
@@ -49,7 +49,7 @@ class FitOptions:
     round_features: bool = False
     orders: tuple[Annotated[float, Interval(ge=0, le=1)], ...] | None = None
     within: Annotated[float, Interval(ge=0, lt=inf)] | None = None
-    poles: Annotated[int, Ge(1)] = POLES
+    poles: Annotated[int, Ge(1)] = PASSIVE_POLES
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from sklearn.cluster import KMeans
 
-from springpot.codegen.arrays import Rows
+from springpot.codegen.arrays import Indices
 from springpot.trainer.models.training_set import TrainingSet
 
 N_FOLDS = 5
@@ -16,16 +16,16 @@ _CONDITIONS = 5
 class Folds:
     """A fold number for each row, shape (rows,); folds in `tested` are held out in turn."""
 
-    number: Rows
+    number: Indices
     tested: tuple[int, ...]
 
 
-def recording_numbers(n: int, folds: int, seed: int) -> Rows:
+def recording_numbers(n: int, folds: int, seed: int) -> Indices:
     """A fold for each of n recordings, shape (n,)."""
     return np.random.default_rng(seed).permutation(n) % folds
 
 
-def recording_folds(data: TrainingSet, rows: Rows, seed: int) -> Folds:
+def recording_folds(data: TrainingSet, rows: Indices, seed: int) -> Folds:
     """Five folds of whole recordings; of one recording, five contiguous blocks."""
     n = len(data.recordings)
     if n == 1:
@@ -35,7 +35,7 @@ def recording_folds(data: TrainingSet, rows: Rows, seed: int) -> Folds:
     return Folds(recording_numbers(n, count, seed)[data.owner(rows)], tuple(range(count)))
 
 
-def condition_numbers(data: TrainingSet, seed: int) -> tuple[Rows, tuple[int, ...]]:
+def condition_numbers(data: TrainingSet, seed: int) -> tuple[Indices, tuple[int, ...]]:
     """Recordings clustered on range and speed: each one's cluster, shape (n,), and those to test.
 
     The cluster with the maximum force is never held out: that measures extrapolation only. None
@@ -60,7 +60,7 @@ def condition_numbers(data: TrainingSet, seed: int) -> tuple[Rows, tuple[int, ..
     return fold.astype(np.intp), tested
 
 
-def condition_folds(data: TrainingSet, rows: Rows, seed: int) -> Folds | None:
+def condition_folds(data: TrainingSet, rows: Indices, seed: int) -> Folds | None:
     """The same for rows; None where no cluster can be held out."""
     number, tested = condition_numbers(data, seed)
     return Folds(number[data.owner(rows)], tested) if tested else None

@@ -39,10 +39,10 @@ def term_columns(terms: Terms, data: TrainingSet, rows: np.ndarray) -> Samples:
     return np.concatenate([columns(terms, depth, data.dt_s, local) for depth, local in parts])
 
 
-Choice = tuple[Basis, bool]  # basis, and whether a bias is fitted
+BasisChoice = tuple[Basis, bool]  # basis, and whether a bias is fitted
 
 
-def choices(data: TrainingSet) -> tuple[Choice, ...]:
+def choices(data: TrainingSet) -> tuple[BasisChoice, ...]:
     """Every basis, with and without a bias; at a surface the force is 0 by itself: no bias."""
     biases = (False,) if data.contact == "surface" else (False, True)
     return tuple((kind, bias) for kind in BASES for bias in biases)

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Rows, Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.model import Basis, Hammerstein
 from springpot.codegen.stages.hammerstein import BASIS_SIZE, basis
 from springpot.trainer.features.values import highpass
 from springpot.trainer.models.training_set import TrainingSet
 
-POLES = 12
+PASSIVE_POLES = 12
 RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
 _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
 
@@ -44,7 +44,7 @@ class Terms:
         return self.n_basis * blocks + 2 * self.bias
 
 
-def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = POLES) -> Terms:
+def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = PASSIVE_POLES) -> Terms:
     """Twelve poles, or as many as asked for, from two samples to the longest recording,
     and four radii.
     """
@@ -61,7 +61,7 @@ def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = POLE
     )
 
 
-def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
     """Values of all terms along one recording, at rows: shape (rows, terms).
 
     One function of the basis at a time: a day's recording has 1e8 samples.
@@ -93,7 +93,7 @@ def play(u: Samples, radius: float) -> Samples:
     return out
 
 
-def hammerstein_force(model: Hammerstein, depth_m: Samples, dt_s: float, rows: Rows) -> Samples:
+def hammerstein_force(model: Hammerstein, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
     """Force of a fitted model along one recording, at rows, N, in float64."""
     terms, weights = _terms_and_weights(model)
     force_n: Samples = columns(terms, depth_m, dt_s, rows) @ weights

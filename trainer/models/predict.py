@@ -5,7 +5,7 @@ from functools import singledispatch
 
 import numpy as np
 
-from springpot.codegen.arrays import Rows, Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.forest.leaves import used_features
 from springpot.codegen.forest.quantisation import rounded
 from springpot.codegen.forest.traverse import forest_force, table_sums
@@ -19,13 +19,13 @@ from springpot.trainer.models.training_set import depth_m
 from springpot.trainer.recordings.recording import Recording
 
 
-def predict_n(model: Model, recording: Recording, rows: Rows | None = None) -> Samples:
+def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -> Samples:
     """Force of the model along a recording's positions, N; at all samples, or at `rows` of it."""
     rows = np.arange(len(recording.position_m)) if rows is None else rows
     return predict_each_n(model, [(recording, rows)])
 
 
-def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Rows]]) -> Samples:
+def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> Samples:
     """The same at rows of several recordings, end to end: a forest's table is made once."""
     depths = [(depth_m(recording, model.contact), rows) for recording, rows in pieces]
     force_n = np.zeros(sum(len(rows) for _, rows in pieces))

@@ -20,7 +20,7 @@ from springpot.trainer.recordings.smoothing import smoothed
 
 _STEP_TOLERANCE = 1e-3
 MAX_SMOOTHED = 0.25  # of the shortest recording
-Result = TypeVar("Result")
+_Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class TrainingSet:
     trained: TrainedRange
     _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
 
-    def once(self, key: Hashable, work: Callable[[], Result]) -> tuple[Result, float]:
+    def once(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
         """Result of `work` and the seconds that it took, done once for a key.
 
         What fits of many options on the same data have in common: the passive part, the orders.

@@ -24,7 +24,7 @@ PAIRS: Final = PAYLOAD_BYTES // (2 * _NUMBER_BYTES)
 
 METADATA, LAST_METADATA, SAMPLES = 0, 1, 2
 
-Rows = NDArray[np.float64]
+JournalRows = NDArray[np.float64]
 
 
 def max_rows(width: int) -> int:
@@ -41,7 +41,7 @@ class Block:
     kind: int
     payload: bytes
 
-    def rows(self, width: int) -> Rows:
+    def rows(self, width: int) -> JournalRows:
         """Samples of a block of them, shape (n, width): position m, force N, more channels."""
         return np.frombuffer(self.payload, dtype="<f8").reshape(-1, width)
 

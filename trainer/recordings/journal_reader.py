@@ -19,7 +19,7 @@ from springpot.trainer.recordings.journal_blocks import (
     Block,
     decode,
 )
-from springpot.trainer.recordings.recording import SUFFIX, Recording
+from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 
 JOURNAL_SUFFIX = ".journal"
 MAX_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
@@ -50,7 +50,7 @@ class _Journal:
 
 def journal_of(file: Path) -> Path:
     """Path of the journal of the recording `file`."""
-    return file.with_name(file.name.removesuffix(SUFFIX) + JOURNAL_SUFFIX)
+    return file.with_name(file.name.removesuffix(RECORDING_SUFFIX) + JOURNAL_SUFFIX)
 
 
 def is_being_recorded(journal: Path) -> bool:

@@ -12,7 +12,7 @@ from springpot.codegen.errors import DataError
 
 Zero = Literal["none", "first", "min"]
 
-SUFFIX = ".h5"
+RECORDING_SUFFIX = ".h5"
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
     "force: positive pushes the tool out of the object"

@@ -20,9 +20,9 @@ from springpot.trainer.recordings.journal_reader import (
     read_journal,
 )
 from springpot.trainer.recordings.notices import notice
-from springpot.trainer.recordings.recording import SIGN_RULE, SUFFIX, Recording
+from springpot.trainer.recordings.recording import RECORDING_SUFFIX, SIGN_RULE, Recording
 
-SCHEMA = 1
+RECORDING_SCHEMA = 1
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
 # flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
 _CHECKSUM = b"springpot sha256"
@@ -53,7 +53,7 @@ def _hdf5(recording: Recording) -> bytes:
     """Lay the file out in memory: on a full disk, HDF5 itself leaves ruins and dies on closing."""
     memory = io.BytesIO()
     with h5py.File(memory, "w", track_order=True) as file:
-        file.attrs["schema"] = SCHEMA
+        file.attrs["schema"] = RECORDING_SCHEMA
         file.attrs["name"] = recording.name
         file.attrs["dt_s"] = recording.dt_s
         file.attrs["sign_rule"] = SIGN_RULE
@@ -88,7 +88,7 @@ def read_recording(path: Path) -> Recording:
     """
     if path.suffix == JOURNAL_SUFFIX:
         return _recovered(path)
-    if not path.exists() and path.suffix == SUFFIX and journal_of(path).exists():
+    if not path.exists() and path.suffix == RECORDING_SUFFIX and journal_of(path).exists():
         return _recovered(journal_of(path))
     return _read_hdf5(path)
 
@@ -112,10 +112,10 @@ def _read_hdf5(path: Path) -> Recording:
         _verify_checksum(path)
         with h5py.File(path, "r") as file:
             schema = int(file.attrs["schema"])
-            if schema > SCHEMA:
+            if schema > RECORDING_SCHEMA:
                 raise DataError(
-                    f"{path}: recording schema {schema}, this springpot reads up to {SCHEMA}: "
-                    "upgrade springpot"
+                    f"{path}: recording schema {schema}, this springpot reads up to "
+                    f"{RECORDING_SCHEMA}: upgrade springpot"
                 )
             for channel, unit in _CHANNEL_UNITS.items():
                 found = file[channel].attrs["unit"]
@@ -193,13 +193,15 @@ def recording_files(paths: Iterable[Path]) -> list[Path]:
 
 
 def _in_folder(folder: Path) -> list[Path]:
-    files = list(folder.glob(f"*{SUFFIX}"))
+    files = list(folder.glob(f"*{RECORDING_SUFFIX}"))
     for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
-        finished = journal.with_name(journal.name.removesuffix(JOURNAL_SUFFIX) + SUFFIX)
+        finished = journal.with_name(journal.name.removesuffix(JOURNAL_SUFFIX) + RECORDING_SUFFIX)
         if finished in files:
             notice(f"{journal}: left out, its recording was finished in {finished.name}: remove it")
         else:
             files.append(journal)
     if not files:
-        raise DataError(f"{folder}: no {SUFFIX} file in this folder: `springpot import` makes them")
+        raise DataError(
+            f"{folder}: no {RECORDING_SUFFIX} file in this folder: `springpot import` makes them"
+        )
     return sorted(files)

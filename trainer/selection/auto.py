@@ -15,13 +15,13 @@ from springpot.trainer.selection.cross_validation import (
     recording_splits,
 )
 
-ERROR_TOLERANCE = 1.005  # of the lowest error: the cheaper of two within it is taken
+_ERROR_TOLERANCE = 1.005  # of the lowest error: the cheaper of two within it is taken
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
 _ROWS = 6_000  # of each fit under cross-validation
 
 
 @dataclass(frozen=True)
-class Candidate:
+class AutoCandidate:
     """One fit that a user could ask for; cost: rank of its time in C, the lower the cheaper."""
 
     name: str
@@ -59,7 +59,7 @@ def fit_auto(
         scores.append(
             Score(candidate.name, candidate.cost, means[0], means[-1], geometric_mean(means))
         )
-    best = choose(scores, max(abs(data.trained.max_n), abs(data.trained.min_n)))
+    best = choose_score(scores, max(abs(data.trained.max_n), abs(data.trained.min_n)))
     search_s = time.perf_counter() - begin
     chosen = next(candidate for candidate in known if candidate.name == best.name)
     fit = fit_kind(chosen.kind, name, data, chosen.options)
@@ -67,23 +67,23 @@ def fit_auto(
     return replace(fit, search_s=search_s, metadata=metadata)
 
 
-def choose(scores: list[Score], peak_n: float) -> Score:
+def choose_score(scores: list[Score], peak_n: float) -> Score:
     """The cheapest of those within half a per cent of the lowest error, or of a felt nothing."""
     minimum = min(score.mean_n for score in scores)
-    most = max(ERROR_TOLERANCE * minimum, minimum + FORCE_TOLERANCE * peak_n)
+    most = max(_ERROR_TOLERANCE * minimum, minimum + FORCE_TOLERANCE * peak_n)
     near = [score for score in scores if score.mean_n <= most]
     return min(near, key=lambda score: (score.cost, score.mean_n))
 
 
-def candidates(data: TrainingSet, options: FitOptions) -> list[Candidate]:
+def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
     """The passive model, hybrids on both kinds of features, and the paper's models."""
     long = replace(options, engine="recursive", window_s=data.longest_s)
     return [
-        Candidate("hammerstein", 1, "hammerstein", options),
-        Candidate("hybrid lags", 4, "hybrid", options),
-        Candidate("hybrid derivatives", 4, "hybrid", long),
-        Candidate("rf-fd", 5, "rf-fd", options),
-        Candidate("rf-fd long", 6, "rf-fd", long),
-        Candidate("boosted", 3, "boosted", options),
-        Candidate("rbf-fd", 2, "rbf-fd", options),
+        AutoCandidate("hammerstein", 1, "hammerstein", options),
+        AutoCandidate("hybrid lags", 4, "hybrid", options),
+        AutoCandidate("hybrid derivatives", 4, "hybrid", long),
+        AutoCandidate("rf-fd", 5, "rf-fd", options),
+        AutoCandidate("rf-fd long", 6, "rf-fd", long),
+        AutoCandidate("boosted", 3, "boosted", options),
+        AutoCandidate("rbf-fd", 2, "rbf-fd", options),
     ]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.codegen.arrays import Rows
+from springpot.codegen.arrays import Indices
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import condition_numbers, geometric_mean, recording_numbers
@@ -45,7 +45,7 @@ def condition_splits(data: TrainingSet, seed: int) -> tuple[Split, ...]:
 
 
 def _splits(
-    pieces: Sequence[Recording], numbers: Rows, tested: Sequence[int], smooth_s: float
+    pieces: Sequence[Recording], numbers: Indices, tested: Sequence[int], smooth_s: float
 ) -> tuple[Split, ...]:
     found = []
     for number in tested:

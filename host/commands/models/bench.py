@@ -8,13 +8,9 @@ from typing import Any
 import click
 
 from springpot.codegen.scene import Target
-from springpot.host.benchmark.labels import label, point_line
-from springpot.host.benchmark.store import RESULT
 from springpot.host.console.options import SEED
 from springpot.host.console.output import json_option, print_result, say
-from springpot.host.console.quality import report_quality
 from springpot.trainer.kinds import KINDS
-from springpot.trainer.recordings.recording_file import read_recordings
 
 
 @click.command()
@@ -53,6 +49,8 @@ def bench(
 ) -> None:
     """Measure every kind and size of model on your recordings; mark the front; pick."""
     from springpot.host.benchmark.run import Bench, run_bench
+    from springpot.host.console.quality import report_quality
+    from springpot.trainer.recordings.recording_file import read_recordings
     from springpot.trainer.selection.cross_validation import holdout
 
     training = read_recordings(map(Path, recordings))
@@ -69,7 +67,12 @@ def bench(
 
 def bench_rows(result: dict[str, Any], out: Path) -> dict[str, str]:
     """A person's view: the picks, the front, and where the rest is."""
-    by_key = {point["key"]: point for point in result["points"]}
+    from springpot.host.benchmark.labels import label, point_line
+    from springpot.host.benchmark.point import Refused, points_of
+    from springpot.host.benchmark.store import RESULT
+
+    points = points_of(result)
+    by_key = {point.key: point for point in points}
     rows = {}
     for name, found in result["picks"].items():
         rows[f"pick {name}"] = (
@@ -77,14 +80,12 @@ def bench_rows(result: dict[str, Any], out: Path) -> dict[str, str]:
             if found["point"]
             else found["why"]
         )
-    front = [point for point in result["points"] if point["pareto"]]
-    for point in sorted(front, key=lambda p: p["tick_ns_hot"]):
-        rows.setdefault(f"front {point['tick_ns_hot']:.0f} ns", point_line(point))
-    for point in result["refused"]:
-        rows[f"refused {label(point)}"] = point["error"]
+    for point in sorted((p for p in points if p.pareto), key=lambda p: p.tick_ns_hot):
+        rows.setdefault(f"front {point.tick_ns_hot:.0f} ns", point_line(point))
+    for refused in (Refused(**facts) for facts in result["refused"]):
+        rows[f"refused {label(refused)}"] = refused.error
     rows["points"] = (
-        f"{len(result['points'])}, {result['computed']} of them computed now in "
-        f"{result['wall_s']:.0f} s"
+        f"{len(points)}, {result['computed']} of them computed now in {result['wall_s']:.0f} s"
     )
     rows["written"] = f"{out / RESULT}; `springpot report {out}` makes the page"
     return rows

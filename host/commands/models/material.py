@@ -1,22 +1,18 @@
 """`springpot material`: moduli, relaxation and a Prony series of a fitted springpot."""
 
-import csv
-from collections.abc import Sequence
+from __future__ import annotations
+
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.model_file import read_model
 from springpot.host.console.options import POSITIVE
 from springpot.host.console.output import json_option, print_result
-from springpot.trainer.models.material import Law, Prony, law_of, prony_of, shear_pa_per_npm
 
-_FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 31)
-_NAMED_HZ = (0.2, 1.0, 5.0)
-_DECADES = 3  # of relaxation, below the slowest branch
+if TYPE_CHECKING:
+    from springpot.trainer.models.material import Law
 
 
 @click.command()
@@ -29,6 +25,10 @@ def material(
     model: Path, tip_mm: float | None, height_mm: float | None, out: Path | None, as_json: bool
 ) -> None:
     """Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."""
+    from springpot.codegen.model.model_file import read_model
+    from springpot.host.material.result import material_result, write_material
+    from springpot.trainer.models.material import law_of, prony_of, shear_pa_per_npm
+
     if height_mm is not None and tip_mm is None:
         raise UsageError("--height-mm: give --tip-mm as well")
     fitted = read_model(model)
@@ -39,65 +39,6 @@ def material(
     result = material_result(law, prony, scale)
     files = [] if out is None else write_material(out, law, prony, scale)
     print_result(result | {"files": files}, as_json, material_rows(result, law, out))
-
-
-def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, Any]:
-    """Keys of `material --json`; moduli (Pa) where a scale (1/m) is known, else stiffness."""
-    by, unit = (1.0, "n_per_m") if scale is None else (scale, "pa")
-    dynamic, discretised = (what.dynamic_npm(_FREQUENCIES_HZ) for what in (law, prony))
-    named = law.dynamic_npm(np.array(_NAMED_HZ))
-    result: dict[str, Any] = {
-        "stiffness_npm": law.stiffness_npm,
-        "coefficient": law.coefficient,
-        "order": law.order,
-        "time_s": law.time_s,
-        "intervals_95": law.intervals,
-        "unit": unit,
-        "frequency_hz": _FREQUENCIES_HZ.tolist(),
-        "storage": (by * dynamic.real).tolist(),
-        "loss": (by * dynamic.imag).tolist(),
-        "loss_factor": {
-            f"{hz:g}": float(value.imag / value.real)
-            for hz, value in zip(_NAMED_HZ, named, strict=True)
-        },
-        "prony": {
-            "long_term": by * prony.long_term_npm,
-            "instant": by * prony.instant_npm,
-            "tau_s": prony.tau_s.tolist(),
-            "share": (prony.branch_npm / prony.instant_npm).tolist(),
-            "max_error": float(np.max(np.abs(discretised / dynamic - 1.0))),
-        },
-    }
-    if scale is not None:
-        result["shear_modulus_pa"] = scale * law.stiffness_npm
-    return result
-
-
-def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> list[str]:
-    """Write moduli.csv, relaxation.csv, prony.csv and moduli.svg; return their names."""
-    from springpot.host.material.figure import moduli_figure
-
-    by, unit = (1.0, "npm") if scale is None else (scale, "pa")
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
-    dynamic = by * law.dynamic_npm(_FREQUENCIES_HZ)
-    columns = [_FREQUENCIES_HZ, dynamic.real, dynamic.imag]
-    _table(out / "moduli.csv", ["frequency_hz", f"storage_{unit}", f"loss_{unit}"], columns)
-    slowest_s = float(prony.tau_s.max()) if len(prony.tau_s) else 1.0
-    time_s = np.geomspace(slowest_s * 10.0**-_DECADES, slowest_s, 20 * _DECADES + 1)
-    relaxing = by * law.relaxing_npm(time_s)
-    _table(out / "relaxation.csv", ["time_s", f"relaxation_{unit}"], [time_s, relaxing])
-    # The order of columns that finite-element programs read: shear share, bulk share, time.
-    shares = prony.branch_npm / prony.instant_npm
-    header = ["shear_share", "bulk_share", "tau_s"]
-    _table(out / "prony.csv", header, [shares, np.zeros_like(shares), prony.tau_s])
-    discretised = by * prony.dynamic_npm(_FREQUENCIES_HZ)
-    (out / "moduli.svg").write_text(
-        moduli_figure(_FREQUENCIES_HZ, dynamic, discretised, (time_s, relaxing), unit)
-    )
-    return ["moduli.csv", "relaxation.csv", "prony.csv", "moduli.svg"]
 
 
 def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[str, str]:
@@ -113,18 +54,11 @@ def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[st
         rows["shear modulus"] = f"{result['shear_modulus_pa'] / 1e3:.4g} kPa (small depths)"
     losses = [f"{value:.3f} at {hz} Hz" for hz, value in result["loss_factor"].items()]
     rows["loss factor"] = ", ".join(losses)
-    prony = result["prony"]
+    prony, (low_hz, *_, high_hz) = result["prony"], result["frequency_hz"]
     rows["Prony series"] = (
         f"{len(prony['tau_s'])} branches, within {100 * prony['max_error']:.2g} % of the law "
-        f"from {_FREQUENCIES_HZ[0]:g} to {_FREQUENCIES_HZ[-1]:g} Hz"
+        f"from {low_hz:g} to {high_hz:g} Hz"
     )
     if out is not None:
         rows["written"] = str(out)
     return rows
-
-
-def _table(file: Path, header: Sequence[str], columns: Sequence[Any]) -> None:
-    with file.open("w", newline="") as text:
-        writer = csv.writer(text)
-        writer.writerow(header)
-        writer.writerows(np.stack(columns, axis=1).tolist())

@@ -1,9 +1,7 @@
 """`springpot reproduce`: the paper's tables, figures and claims, with what was found here."""
 
-import json
-import shutil
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,31 +9,7 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.host.console.output import json_option, print_result, say
-from springpot.host.native.machine import machine_metadata
-from springpot.host.paper.claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, Claim, check_claims
-from springpot.host.paper.reproduce import (
-    Data,
-    ObjectResult,
-    Work,
-    begin_object,
-    by_softness,
-    in_a_line,
-    model_metadata,
-    simulated,
-    validators,
-)
-from springpot.host.simulation.bench import OBJECTS, VARIANTS, parse_url
-from springpot.trainer.recordings.recording_file import read_recordings
-
-RESULT = "reproduce.json"
-_MARK = ".springpot-reproduce"
-_PAPER_PAIRS = {
-    "ecoflex-00-10": [0.3, 0.35],
-    "ecoflex-00-30": [0.15, 0.2],
-    "ecoflex-00-50": [0.1, 0.15],
-    "dragon-skin-fx": [0.1, 0.15],
-    "dragon-skin-10": [0.1, 0.15],
-}
+from springpot.host.simulation.objects import VARIANTS
 
 
 @click.command()
@@ -64,11 +38,14 @@ def reproduce(
     as_json: bool,
 ) -> None:
     """Repeat the paper's tables and figures, and say which of its claims hold here."""
+    from springpot.host.paper.evidence import object_names, recorded, run_reproduce
+    from springpot.host.paper.reproduce import ObjectRecordings, Work, simulated
+
     if recordings and objects:
         raise UsageError("--recordings and --objects: give one of them")
     begin = time.perf_counter()
     work = Work()
-    data: Iterable[Data]
+    data: Iterable[ObjectRecordings]
     if recordings:
         data = [recorded(*recordings)]
         origin = f"Data: recordings in {recordings[0].name} and {recordings[1].name}."
@@ -81,109 +58,19 @@ def reproduce(
     print_result(result, as_json, rows(result, out))
 
 
-def object_names(objects: str | None) -> list[str]:
-    """Names from the command line. Raises UsageError naming an unknown one."""
-    names = list(OBJECTS) if objects is None else [name.strip() for name in objects.split(",")]
-    for name in names:
-        parse_url(f"sim://{name}")
-    return list(dict.fromkeys(names))
-
-
-def recorded(training: Path, validation: Path) -> Data:
-    """Recordings of one real object, named after the training folder."""
-    return Data(
-        training.stem, tuple(read_recordings([training])), tuple(read_recordings([validation]))
-    )
-
-
-def run_reproduce(out: Path, data: Iterable[Data], origin: str, work: Work) -> dict[str, Any]:
-    """Do everything into `out`, replacing an earlier result there; returns `reproduce.json`.
-
-    Raises UsageError where `out` holds anything else.
-    """
-    from springpot.host.paper.figures import error_figures, typical
-    from springpot.host.paper.sampling import resampled
-    from springpot.host.paper.signals import shown_object, signal_figures
-
-    if out.is_file() or (out.exists() and any(out.iterdir()) and not (out / _MARK).exists()):
-        raise UsageError(f"{out}: not empty and no earlier result: give --out a new folder")
-    out.mkdir(parents=True, exist_ok=True)
-    (out / _MARK).touch()
-    shutil.rmtree(out / "models", ignore_errors=True)
-    results = _results(data, out / "models", work)
-    shown = shown_object(results)
-    sampled = resampled(shown.models["rf-fd"], shown.data.validation[typical(shown)])
-    say("figures ...")
-    figures = error_figures(results, out, origin) + signal_figures(results, sampled, out, origin)
-    claims = check_claims(results, sampled)
-    result = {
-        "data": origin,
-        "tables": tables(results),
-        "figures": sorted(figures),
-        "models": {
-            item.data.name: {kind: model_metadata(model) for kind, model in item.models.items()}
-            for item in results
-        },
-        "claims": [claim.as_dict() for claim in claims],
-        "machine": machine_metadata(),
-    }
-    (out / RESULT).write_text(json.dumps(result, indent=2, allow_nan=False) + "\n")
-    return result
-
-
-def _results(data: Iterable[Data], folder: Path, work: Work) -> list[ObjectResult]:
-    """Of every object; one is fitted while the one before is validated."""
-    with validators() as pool:
-        begun = []
-        for item in data:
-            begun.append(begin_object(item, folder / item.name, work, pool))
-            say(f"{item.name}: fitted and built")
-        results = [checking.result() for checking in begun]
-    for result in results:
-        say(in_a_line(result))
-    return results
-
-
-def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
-    """Tables 1 to 3, the paper's numbers beside those found here."""
-    return {
-        "table1": {
-            r.data.name: {"paper_mm": PAPER_DEPTHS_MM.get(r.data.name), "here_mm": 1e3 * r.depth_m}
-            for r in by_softness(results)
-        },
-        "table2": {
-            r.data.name: {
-                "paper": _PAPER_PAIRS.get(r.data.name),
-                "here_on_validation": r.models["rbf-fd"].fit.metadata["pairs"]["paper"],
-                "here_cross_validated": r.models["rbf-fd"].fit.metadata["pairs"]["cv"],
-            }
-            for r in by_softness(results)
-        },
-        "table3": {
-            r.data.name: {
-                kind: {
-                    "paper_mean_hz": PAPER_RATES_HZ.get(kind),
-                    "here_hz": 1e9 / model.validation.ticks.hot_median,
-                    "here_paced_cold_hz": 1e9 / model.validation.ticks.p50,
-                }
-                for kind, model in r.models.items()
-            }
-            for r in by_softness(results)
-        },
-    }
-
-
 def rows(result: dict[str, Any], out: Path) -> dict[str, str]:
     """A person's view: errors of every model, then every claim, failing ones marked."""
+    from springpot.host.paper.evidence import EVIDENCE
+
     found = {"data": result["data"]}
     for name, models in result["models"].items():
         found[name] = ", ".join(
             f"{kind} {metadata['rmse_n']:.3f}" for kind, metadata in models.items()
         )
-    for claim in (Claim(**item) for item in result["claims"]):
-        verdict = {True: "holds", False: "FAILS", None: "open"}[claim.holds]
-        found[f"{verdict}: {claim.claim}"] = f"{claim.here} (paper: {claim.paper})"
+    for claim in result["claims"]:
+        verdict = {True: "holds", False: "FAILS", None: "open"}[claim["holds"]]
+        found[f"{verdict}: {claim['claim']}"] = f"{claim['here']} (paper: {claim['paper']})"
     failing = sum(claim["holds"] is False for claim in result["claims"])
     found["claims"] = f"{failing} of {len(result['claims'])} fail"
-    found["written"] = f"{out}: {len(result['figures'])} figures, {RESULT}"
+    found["written"] = f"{out}: {len(result['figures'])} figures, {EVIDENCE}"
     return found

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.model_file import SUFFIX, write_model
 from springpot.host.console.options import NOT_NEGATIVE, PERCENT, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
     json_option,
@@ -15,11 +14,8 @@ from springpot.host.console.output import (
     progress_console,
     say,
 )
-from springpot.host.console.quality import report_quality
-from springpot.host.validation.training import training_result, training_rows, validated
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.recordings.recording_file import read_recordings
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Engine
@@ -117,8 +113,15 @@ def train(
     as_json: bool,
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
-    if out.suffix != SUFFIX:
-        raise UsageError(f"--out {out}: model files end in {SUFFIX}: give a name like x{SUFFIX}")
+    from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
+    from springpot.host.console.quality import report_quality
+    from springpot.host.validation.training import training_result, training_rows, validated
+    from springpot.trainer.recordings.recording_file import read_recordings
+
+    if out.suffix != MODEL_SUFFIX:
+        raise UsageError(
+            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
+        )
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
 
     options = FitOptions(

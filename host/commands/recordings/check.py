@@ -1,23 +1,29 @@
 """`springpot check`: what is wrong with recordings, and what that means for a model."""
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 from rich.console import Console
 from rich.table import Table
 
 from springpot.host.console.output import json_option, paths_argument
-from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
-from springpot.trainer.recordings.recording_file import read_recordings
+
+if TYPE_CHECKING:
+    from springpot.trainer.recordings.quality.report import QualityReport
 
 
-@click.command()
+@click.command("check")
 @paths_argument("recordings")
 @json_option
-def check(recordings: tuple[str, ...], as_json: bool) -> None:
+def check_(recordings: tuple[str, ...], as_json: bool) -> None:
     """Report the quality of RECORDINGS (files or folders); refusals end with status 3."""
+    from springpot.trainer.recordings.quality.report import check_recordings
+    from springpot.trainer.recordings.recording_file import read_recordings
+
     report = check_recordings(read_recordings(map(Path, recordings)))
     if as_json:
         click.echo(json.dumps(report.as_dict(), allow_nan=False))

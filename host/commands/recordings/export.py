@@ -1,13 +1,17 @@
 """`springpot export`: recordings as CSV or MAT files."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from springpot.codegen.errors import UsageError
 from springpot.host.console.output import json_option, paths_argument, print_result
-from springpot.trainer.recordings.formats.exporting import ExportFormat, export_recording
-from springpot.trainer.recordings.recording_file import read_recordings
+
+if TYPE_CHECKING:
+    from springpot.trainer.recordings.formats.exporting import ExportFormat
 
 
 @click.command("export")
@@ -17,6 +21,9 @@ from springpot.trainer.recordings.recording_file import read_recordings
 @json_option
 def export_(recordings: tuple[str, ...], form: ExportFormat, out: Path, as_json: bool) -> None:
     """Write RECORDINGS (files or folders) as files that other programs read."""
+    from springpot.trainer.recordings.formats.exporting import export_recording
+    from springpot.trainer.recordings.recording_file import read_recordings
+
     found = read_recordings(map(Path, recordings))
     names = [recording.name for recording in found]
     twice = sorted({name for name in names if names.count(name) > 1})

@@ -1,22 +1,22 @@
 """`springpot import`: files from outside -> a folder of recordings."""
 
+from __future__ import annotations
+
 import json
+import math
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
-import numpy as np
 
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import NOT_NEGATIVE, FiniteRange
 from springpot.host.console.output import say
-from springpot.host.console.quality import report_quality
-from springpot.trainer.recordings.conditioning import Conditioning
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.decimals import DecimalMark
-from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-from springpot.trainer.recordings.recording import SUFFIX, Recording, Zero
-from springpot.trainer.recordings.recording_file import store_recording
+
+if TYPE_CHECKING:
+    from springpot.trainer.recordings.recording import Recording, Zero
 
 
 class _AutoOrNumber(click.ParamType[Any]):
@@ -30,8 +30,8 @@ class _AutoOrNumber(click.ParamType[Any]):
         try:
             number = float(value)
         except ValueError:
-            number = np.nan
-        if not np.isfinite(number):
+            number = math.nan
+        if not math.isfinite(number):
             self.fail(f"{value!r} is neither auto nor a force in N", param, ctx)
         return number
 
@@ -94,6 +94,10 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
+    from springpot.host.console.quality import report_quality
+    from springpot.trainer.recordings.conditioning import Conditioning
+    from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+
     mapping = parse_map(map_text) if map_text else None
     conditioning = Conditioning(
         position_delay_s, force_delay_s, align, mass_kg, tare, contact_force
@@ -123,9 +127,12 @@ def import_(
 
 def _write(out: Path, recordings: list[Recording]) -> list[tuple[Path, Recording]]:
     """Write all recordings, or none of them where one file exists already."""
+    from springpot.trainer.recordings.recording import RECORDING_SUFFIX
+    from springpot.trainer.recordings.recording_file import store_recording
+
     files: dict[Path, Recording] = {}
     for recording in recordings:
-        path = out / f"{recording.name}{SUFFIX}"
+        path = out / f"{recording.name}{RECORDING_SUFFIX}"
         if path in files:
             raise UsageError(
                 f"{path}: both {files[path].source} and {recording.source} would be written there: "

@@ -1,8 +1,11 @@
 """The command `springpot record`: an object's protocol on a device, one recording a press."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from rich.console import Console
@@ -10,10 +13,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from springpot.host.console.options import POSITIVE
-from springpot.host.recording.indentation import Limits, PressedDevice
-from springpot.host.recording.protocols import load_protocol
-from springpot.host.recording.session import PressQuality, open_device, record_session
-from springpot.host.session.terminal import progress_line, stopping_on_sigterm
+
+if TYPE_CHECKING:
+    from springpot.host.recording.session import PressQuality
+    from springpot.host.session.runner import Progress as SessionProgress
 
 
 @click.command()
@@ -48,29 +51,34 @@ def record(
 
     On a real device, the key q and Ctrl-C stop with zero force.
     """
-    limits = Limits(max_force_n, max_depth_mm / 1e3)
-    device = open_device(url, seed, object_name or "object", limits)
-    profiles = load_protocol(protocol, seed)
-    with Progress(
+    from springpot.host.recording.indentation import Limits
+    from springpot.host.recording.protocols import load_protocol
+    from springpot.host.recording.session import open_press_device, record_session
+    from springpot.host.session.terminal import progress_line, stopping_on_sigterm
+
+    progress = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.completed:.0f}/{task.total:.0f} s"),
         TimeRemainingColumn(),
         console=Console(stderr=True),
         transient=True,
-    ) as progress:
-        total_s = sum(len(profile.command_n) for profile in profiles) / 1000
-        task = progress.add_task(device.object_name, total=total_s)
+    )
+    task = progress.add_task("")
 
-        def on_press(quality: PressQuality) -> None:
-            progress.update(task, description=quality.name, advance=quality.duration_s)
+    def on_progress(now: SessionProgress) -> None:
+        progress.update(task, description=progress_line(now, "q stop"))
 
-        if isinstance(device, PressedDevice):
-            device.on_progress = lambda now: progress.update(
-                task, description=progress_line(now, "q stop")
-            )
-        with stopping_on_sigterm():
-            qualities = record_session(device, url, protocol, profiles, out, on_press)
+    def on_press(quality: PressQuality) -> None:
+        progress.update(task, description=quality.name, advance=quality.duration_s)
+
+    limits = Limits(max_force_n, max_depth_mm / 1e3)
+    device = open_press_device(url, seed, object_name or "object", limits, on_progress)
+    profiles = load_protocol(protocol, seed)
+    total_s = sum(len(profile.command_n) for profile in profiles) / 1000
+    progress.update(task, description=device.object_name, total=total_s)
+    with progress, stopping_on_sigterm():
+        qualities = record_session(device, url, protocol, profiles, out, on_press)
     click.echo(_as_json(out, qualities) if as_json else _as_text(out, qualities), nl=False)
 
 

@@ -4,13 +4,6 @@ from pathlib import Path
 
 import click
 
-from springpot.host.commands.scenes.demo_job import run_demo
-from springpot.host.commands.scenes.emit import emission_result, emission_rows
-from springpot.host.commands.scenes.validate import (
-    fail_on_mismatch,
-    validation_result,
-    validation_rows,
-)
 from springpot.host.console.output import json_option, print_result
 
 
@@ -20,13 +13,18 @@ from springpot.host.console.output import json_option, print_result
 @json_option
 def demo(out: Path, object_name: str, as_json: bool) -> None:
     """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
+    from springpot.host.commands.scenes.emit import emission_rows
+    from springpot.host.commands.scenes.validate import validation_rows
+    from springpot.host.demo import run_demo
+    from springpot.host.validation.validation import fail_on_mismatch
+
     done = run_demo(out, object_name)
     result = {
         "object": object_name,
         "report": str(done.report),
         "seconds": done.seconds,
-        "emit": emission_result(done.emission),
-        "validate": validation_result(done.validation),
+        "emit": done.emission.as_dict(),
+        "validate": done.validation.as_dict(),
     }
     rows = {
         "object": f"{object_name}, simulated",

@@ -1,20 +1,18 @@
 """`springpot emit` and `springpot build`: C source, and the library made of it."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
-from springpot.host.benchmark.picks import Budget
 from springpot.host.console.options import POSITIVE
 from springpot.host.console.output import json_option, print_result, say
-from springpot.host.emission.budget_fit import emit_fitting
-from springpot.host.emission.emission import Emission
-from springpot.host.emission.scene_file import model_path, read_scene
-from springpot.host.native.scene_library import build_scene
-from springpot.trainer.recordings.recording_file import read_recordings
+
+if TYPE_CHECKING:
+    from springpot.host.emission.emission import Emission
 
 
 @click.command(name="emit")
@@ -64,8 +62,14 @@ def emit_(
     as_json: bool,
 ) -> None:
     """Emit the C source of a scene, or of a benchmark's choice (a scene's keys then rule it)."""
+    from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
+    from springpot.host.benchmark.picks import PlatformBudget
+    from springpot.host.emission.budget_fit import emit_fitting
+    from springpot.host.emission.scene_file import model_path, read_scene
+    from springpot.trainer.recordings.recording_file import read_recordings
+
     scene = None if scene_file is None else read_scene(scene_file)
-    budget = Budget("chosen", "chosen", tick_us=budget_us, flash_bytes=flash, ram_bytes=ram)
+    budget = PlatformBudget("chosen", "chosen", tick_us=budget_us, flash_bytes=flash, ram_bytes=ram)
     stated = budget_us is not None or flash is not None or ram is not None
     if picked is not None or stated:
         if (picked is not None and stated) or model_file is not None:
@@ -85,29 +89,7 @@ def emit_(
     emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
     for notice in emission.notices:
         say(notice)
-    print_result(emission_result(emission), as_json, emission_rows(emission))
-
-
-def emission_result(emission: Emission) -> dict[str, Any]:
-    """Keys of `emit --json`."""
-    manifest, footprint = emission.manifest, emission.footprint
-    return {
-        "out": str(emission.folder),
-        "hash": emission.hash,
-        "flash_bytes": footprint.flash_bytes if footprint else None,
-        "ram_bytes": emission.ram_bytes,
-        "stack_bytes": footprint.stack_bytes if footprint else None,
-        "instructions": manifest.get("instructions"),
-        "units": manifest["units"],
-        "left_out": manifest["left_out"],
-        "orders": manifest["orders"],
-        "coupling": manifest["coupling"],
-        "outside": manifest["outside"],
-        "accept_unsafe": manifest["accept_unsafe"],
-        "stability": emission.check.as_dict() if emission.check else None,
-        "write_s": emission.write_s,
-        "compile_s": emission.compile_s,
-    }
+    print_result(emission.as_dict(), as_json, emission_rows(emission))
 
 
 def emission_rows(emission: Emission) -> dict[str, str]:
@@ -146,6 +128,8 @@ def _stability(emission: Emission) -> str:
 @json_option
 def build(folder: Path, as_json: bool) -> None:
     """Build an emitted FOLDER's shared library in the cache; print its path."""
+    from springpot.host.native.scene_library import build_scene
+
     library = build_scene(folder)
     if as_json:
         print_result({"library": str(library)}, True, {})

@@ -5,8 +5,6 @@ from pathlib import Path
 import click
 
 from springpot.host.boards.boards import BOARDS, board_of
-from springpot.host.boards.firmware import build_firmware
-from springpot.host.commands.scenes.run import emitted_folder
 from springpot.host.console.output import json_option, print_result
 
 
@@ -22,6 +20,9 @@ from springpot.host.console.output import json_option, print_result
 @json_option
 def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""
+    from springpot.host.boards.firmware import build_firmware
+    from springpot.host.emission.folder import emitted_folder
+
     board = board_of(name)
     with emitted_folder(scene) as folder:
         program = build_firmware(folder, board, out)

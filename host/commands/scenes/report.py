@@ -4,16 +4,17 @@ from pathlib import Path
 
 import click
 
-from springpot.host.benchmark.report import write_bench_report
-from springpot.host.benchmark.store import RESULT
 from springpot.host.console.output import json_option, print_result
-from springpot.host.validation.report import write_report
 
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @json_option
 def report(folder: Path, as_json: bool) -> None:
-    """Write one self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
+    """Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
+    from springpot.host.benchmark.report import write_bench_report
+    from springpot.host.benchmark.store import RESULT
+    from springpot.host.validation.report import write_report
+
     path = write_bench_report(folder) if (folder / RESULT).exists() else write_report(folder)
     print_result({"report": str(path)}, as_json, {"report": str(path)})

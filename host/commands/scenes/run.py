@@ -1,8 +1,5 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +8,7 @@ import click
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import POSITIVE
 from springpot.host.console.output import json_option, print_result, progress_console, say
-from springpot.host.emission.emission import SCENE_COPY, emit
-from springpot.host.emission.scene_file import model_path, read_scene
-from springpot.host.session.runner import RECONNECT_S
-from springpot.host.session.session import Session
-from springpot.host.session.terminal import stopping_on_sigterm, watch
-from springpot.trainer.recordings.recording import SUFFIX
+from springpot.host.devices.device import RECONNECT_S
 
 
 @click.command()
@@ -29,7 +21,7 @@ from springpot.trainer.recordings.recording import SUFFIX
 )
 @click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
 @click.option("--seconds", type=POSITIVE, help="How long; by default until q or Ctrl-C.")
-@click.option("--log", type=click.Path(path_type=Path), help=f"File to write, ending in {SUFFIX}.")
+@click.option("--log", type=click.Path(path_type=Path), help="File to write, ending in .h5.")
 @click.option("--max-force-n", type=POSITIVE, help="End the session beyond this force, N.")
 @click.option("--max-depth-mm", type=POSITIVE, help="End the session beyond this depth, mm.")
 @click.option(
@@ -51,8 +43,15 @@ def run(
     as_json: bool,
 ) -> None:
     """Render a scene on a device. Keys: q stop, p pause, r reset; Ctrl-C stops too."""
-    if log is not None and log.suffix != SUFFIX:
-        raise UsageError(f"{log}: a log is a recording: give it a name ending in {SUFFIX}")
+    from springpot.host.emission.folder import emitted_folder
+    from springpot.host.session.session import Session
+    from springpot.host.session.terminal import stopping_on_sigterm, watch
+    from springpot.trainer.recordings.recording import RECORDING_SUFFIX
+
+    if log is not None and log.suffix != RECORDING_SUFFIX:
+        raise UsageError(
+            f"{log}: a log is a recording: give it a name ending in {RECORDING_SUFFIX}"
+        )
     with emitted_folder(scene) as folder, stopping_on_sigterm():
         session = Session(
             folder,
@@ -78,22 +77,6 @@ def run(
 
 def _say_above(line: str) -> None:
     progress_console.print(line, highlight=False, markup=False, soft_wrap=True)
-
-
-@contextmanager
-def emitted_folder(scene: Path) -> Iterator[Path]:
-    """The folder itself, or that of a scene file emitted for this session."""
-    if (scene / SCENE_COPY).exists():
-        yield scene
-        return
-    if scene.is_dir():
-        raise UsageError(f"{scene}: not an emitted folder: `springpot emit --out` makes one")
-    described = read_scene(scene)
-    with tempfile.TemporaryDirectory(prefix="springpot-run-") as scratch:
-        folder = Path(scratch) / "c"
-        for found in emit(described, model_path(described, scene), folder).notices:
-            say(found)
-        yield folder
 
 
 def _rows(result: dict[str, Any]) -> dict[str, str]:

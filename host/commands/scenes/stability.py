@@ -1,14 +1,16 @@
 """`springpot stability`: will a hand find the scene stable, and faithful."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.plan import make_plan
 from springpot.host.console.output import json_option, print_result, progress_console
-from springpot.host.emission.scene_file import model_path, read_scene
-from springpot.host.stability.check import Stability, require_stable, stability
+
+if TYPE_CHECKING:
+    from springpot.host.stability.check import Stability
 
 
 @click.command(name="stability")
@@ -27,6 +29,11 @@ def stability_(
     scene_file: Path, model_file: Path | None, report: Path | None, as_json: bool
 ) -> None:
     """Spectral radius, small-signal maps, and a closed loop with three hands."""
+    from springpot.codegen.model.model_file import read_model
+    from springpot.codegen.plan.plan import make_plan
+    from springpot.host.emission.scene_file import model_path, read_scene
+    from springpot.host.stability.check import require_stable, stability
+
     scene = read_scene(scene_file)
     model = read_model(model_file or model_path(scene, scene_file))
     plan = make_plan(model, scene, accept_unsafe=True)

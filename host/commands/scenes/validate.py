@@ -1,15 +1,16 @@
 """`springpot validate`: replay recordings through the C."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.errors import MismatchError
 from springpot.host.console.output import json_option, print_result, progress_console
-from springpot.host.validation.store import store_validation
-from springpot.host.validation.validation import Validation, validate
-from springpot.trainer.recordings.recording_file import read_recordings
+
+if TYPE_CHECKING:
+    from springpot.host.validation.validation import Validation
 
 
 @click.command(name="validate")
@@ -29,42 +30,16 @@ from springpot.trainer.recordings.recording_file import read_recordings
 @json_option
 def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_json: bool) -> None:
     """Replay recordings through the C of an emitted FOLDER."""
+    from springpot.host.validation.store import store_validation
+    from springpot.host.validation.validation import fail_on_mismatch, validate
+    from springpot.trainer.recordings.recording_file import read_recordings
+
     found = read_recordings(map(Path, recordings))
     with progress_console.status(f"replaying {len(found)} recordings"):
         validation = validate(folder, found, device=url)
-    result = validation_result(validation)
-    store_validation(folder, validation, found, result)
-    print_result(result, as_json, validation_rows(validation))
+    store_validation(folder, validation, found)
+    print_result(validation.as_dict(), as_json, validation_rows(validation))
     fail_on_mismatch(folder, validation)
-
-
-def fail_on_mismatch(folder: Path, validation: Validation) -> None:
-    """Raise MismatchError where C and reference differed in a tick."""
-    if validation.mismatches:
-        raise MismatchError(
-            f"{folder}: C and its numpy reference differ in {validation.mismatches} of "
-            f"{validation.accuracy.samples} ticks: check the compiler (CC, `springpot doctor`)"
-        )
-
-
-def validation_result(validation: Validation) -> dict[str, Any]:
-    """Keys of `validate --json`."""
-    found = validation.accuracy
-    return {
-        "samples": found.samples,
-        "ramped_samples": found.ramped,
-        "rmse_n": found.rmse_n,
-        "rmse_percent_of_peak": found.rmse_percent_of_peak,
-        "mean_recording_rmse_n": found.mean_recording_rmse_n,
-        "mean_recording_rmse_interval_n": found.interval_n,
-        "max_abs_error_n": found.max_abs_error_n,
-        "p99_abs_error_n": found.p99_abs_error_n,
-        "ape_below_jnd": found.ape_below_jnd,
-        "mismatches": validation.mismatches,
-        "notes": validation.notes,
-        "tick_ns": validation.ticks.as_dict(),
-        "hash": validation.manifest["hash"],
-    }
 
 
 def validation_rows(validation: Validation) -> dict[str, str]:

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from springpot.codegen.coupling.auto import choose
+from springpot.codegen.coupling.auto import choose_coupling
 from springpot.codegen.coupling.gains import couple_config, published_step_is_stable
 from springpot.codegen.coupling.gains import transition as exact_step
 from springpot.codegen.coupling.linear_loop import (
     DESIGN_HAND,
     DEVICE_DAMPING_NSPM,
     DEVICE_MASS_KG,
-    HANDS,
-    Loop,
+    HAND_MODELS,
+    LinearLoop,
 )
 from springpot.codegen.reference.tick import Coupled
 from springpot.codegen.scene import Coupling
@@ -92,7 +92,7 @@ def test_the_formula_is_the_one_that_judges() -> None:
 def test_hands_are_the_simulated_ones() -> None:
     text = (SIM / "sim_hand.c").read_text()
     found = re.findall(r'\{"(\w+)", ([\d.]+), ([\d.]+), ([\d.]+)\}', text)
-    assert [(h.name, h.mass_kg, h.stiffness_npm, h.damping_nspm) for h in HANDS] == [
+    assert [(h.name, h.mass_kg, h.stiffness_npm, h.damping_nspm) for h in HAND_MODELS] == [
         (name, *map(float, rest)) for name, *rest in found
     ]
     device = (SIM / "sim_device.h").read_text()
@@ -106,7 +106,7 @@ def test_hands_are_the_simulated_ones() -> None:
 def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: float) -> None:
     # Within 15 %: there the loop was simulated, with an average of 0.7 behind the tool's coupling.
     smoothing = 0.7 if mode == "tool" else 1.0
-    loop = Loop(1e-3, Coupling(mode), DESIGN_HAND, delay, smoothing)  # type: ignore[arg-type]
+    loop = LinearLoop(1e-3, Coupling(mode), DESIGN_HAND, delay, smoothing)  # type: ignore[arg-type]
     assert 1e-3 * loop.max_stiffness_npm() == pytest.approx(npmm, rel=0.15)
 
 
@@ -116,11 +116,11 @@ def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: fl
 def test_what_auto_picks_is_stable_with_every_hand(
     stiffness_npm: float, rate_hz: float, delay: int
 ) -> None:
-    choice = choose(stiffness_npm, 1.0 / rate_hz, delay, 1.0, Coupling())
+    choice = choose_coupling(stiffness_npm, 1.0 / rate_hz, delay, 1.0, Coupling())
     assert choice.why.startswith(f"{choice.coupling.mode}: auto: ")
     assert choice.felt_npm <= stiffness_npm
-    for hand in HANDS:
-        loop = Loop(1.0 / rate_hz, choice.coupling, hand, delay)
+    for hand in HAND_MODELS:
+        loop = LinearLoop(1.0 / rate_hz, choice.coupling, hand, delay)
         assert loop.spectral_radius(stiffness_npm)[0] < 1.0
 
 

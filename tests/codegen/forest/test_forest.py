@@ -213,11 +213,11 @@ def test_float32_thresholds_round_down() -> None:
 
 def test_facts_of_the_headers() -> None:
     compact, wide = ((SOURCE / name).read_text() for name in ("sp_forest.h", "sp_forest_wide.h"))
-    assert f"SP_FOREST_SLOT_BITS = {compact_layout.SLOT_BITS}" in compact
+    assert f"SP_FOREST_SLOT_BITS = {compact_layout.COMPACT_SLOT_BITS}" in compact
     assert f"SP_FOREST_LEVELS = {compact_layout.LEVELS}" in compact
     assert f"SP_FOREST_REST = {compact_layout.REST}" in compact
-    assert f"SP_WIDE_SLOT_BITS = {wide_layout.SLOT_BITS}" in wide
-    assert f"SP_WIDE_WIDTH = {wide_layout.VECTOR_WIDTH}" in wide
+    assert f"SP_WIDE_SLOT_BITS = {wide_layout.WIDE_SLOT_BITS}" in wide
+    assert f"SP_WIDE_WIDTH = {wide_layout.WIDE_VECTOR_WIDTH}" in wide
 
 
 def one_leaf() -> Forest:

@@ -1,6 +1,7 @@
 """The benchmark: points, front and picks; resumed after a kill; emission from its choice."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,9 @@ from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.benchmark.choice import choose_within
 from springpot.host.benchmark.instructions import uncounted
-from springpot.host.benchmark.picks import Budget, budgets, misfit, pareto, pick, why
-from springpot.host.benchmark.point import bench_scene
+from springpot.host.benchmark.measure import bench_scene
+from springpot.host.benchmark.picks import PlatformBudget, budgets, misfit, pareto, pick, why
+from springpot.host.benchmark.point import Point
 from springpot.host.benchmark.store import Store, read_result
 from springpot.host.native.toolchain import missing_tools
 from springpot.trainer.kinds import fit_kind, fit_model
@@ -101,10 +103,10 @@ def test_fits_that_share_are_the_fits_by_themselves() -> None:
             assert shared.fit_s > 0.0
 
 
-def point(key: str, error: float, tick: float, flash: int, **others: Any) -> dict[str, Any]:
+def point(key: str, error: float, tick: float, flash: int | None, **others: Any) -> Point:
     metadata: dict[str, Any] = {"key": key, "cv_rmse_n": error, "tick_ns_hot": tick}
     metadata |= {"flash_bytes": flash, "ram_bytes": 100, "active_cells": 0, "any_rate": True}
-    return metadata | {"tick_ns_p99": None, "number": "float32"} | others
+    return Point.from_dict(metadata | {"number": "float32"} | others)
 
 
 def test_the_front_is_what_nothing_beats() -> None:
@@ -114,7 +116,7 @@ def test_the_front_is_what_nothing_beats() -> None:
 
 
 def test_a_pick_fits_is_passive_and_bounded() -> None:
-    budget = Budget("board", "board", flash_bytes=5000)
+    budget = PlatformBudget("board", "board", flash_bytes=5000)
     points = [
         point("large", 1.0, 50.0, 9000),
         point("active", 1.1, 50.0, 500, active_cells=2),
@@ -125,26 +127,26 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
         point("plain", 1.4, 10.0, 500),
     ]
 
-    def bounded(candidate: dict[str, Any]) -> bool:
-        return candidate["key"] != "wild"
+    def bounded(candidate: Point) -> Point:
+        return replace(candidate, bounded=candidate.key != "wild")
 
     found = pick(points, budget, 1000.0, bounded)
     assert found is not None
-    assert found["key"] == "good"
+    assert found.key == "good"
     only_unbounded = pick(points[:3], budget, 1000.0, bounded)
     assert only_unbounded is not None
-    assert only_unbounded["key"] == "wild"  # and it says so
+    assert only_unbounded.key == "wild"  # and it says so
 
-    def counted(candidate: dict[str, Any]) -> bool:
-        candidate["instructions"] = 9000 if candidate["key"] in {"wild", "slow"} else 700
-        return bounded(candidate)
+    def counted(candidate: Point) -> Point:
+        instructions = 9000 if candidate.key in {"wild", "slow"} else 700
+        return replace(bounded(candidate), instructions=instructions)
 
-    tight = Budget("board", "board", flash_bytes=5000, instructions=8000)
+    tight = PlatformBudget("board", "board", flash_bytes=5000, instructions=8000)
     found = pick(points, tight, 1000.0, counted)
     assert found is not None
-    assert found["key"] == "good"
-    assert pick([points[2] | {"instructions": None}], tight, 1000.0, counted) is None
-    told = why(only_unbounded | {"bounded": False}, points, budget, 1000.0)
+    assert found.key == "good"
+    assert pick([points[2]], tight, 1000.0, counted) is None
+    told = why(only_unbounded, points, budget, 1000.0)
     assert "simulation only" in told
     assert pick(points[:2], budget, 1000.0, bounded) is None
 
@@ -158,7 +160,7 @@ def test_what_does_not_fit_and_why() -> None:
     assert "hold at 1000 Hz only" in str(misfit(windowed, fast, 1000.0))
     assert misfit(windowed, fast, 4000.0) is None
     assert "of flash" in str(misfit(point("x", 1.0, 1.0, 300_000), board, 1000.0))
-    assert misfit(point("x", 1.0, 1.0, 1) | {"flash_bytes": None}, board, 1e3) is None
+    assert misfit(point("x", 1.0, 1.0, None), board, 1e3) is None
     doubles = point("x", 1.0, 1.0, 1, number="float64")
     assert "in software" in str(misfit(doubles, board, 1000.0))
     assert misfit(doubles, pc, 1000.0) is None
@@ -202,12 +204,12 @@ def test_emission_of_a_pick_is_the_points_model(tmp_path: Path) -> None:
 
 
 def test_emission_within_a_budget() -> None:
-    best, _ = choose_within(bench_folder(), Budget("mine", "mine", tick_us=100.0))
+    best, _ = choose_within(bench_folder(), PlatformBudget("mine", "mine", tick_us=100.0))
     stable = [item for item in read_result(bench_folder())["points"] if item["bounded"]]
-    assert best["cv_rmse_n"] <= 1.005 * min(item["cv_rmse_n"] for item in stable)
+    assert best.cv_rmse_n <= 1.005 * min(item["cv_rmse_n"] for item in stable)
     told = "flash could not be measured" if UNMEASURED else "the smallest, above 100 bytes of flash"
     with pytest.raises(BudgetError, match=told):
-        choose_within(bench_folder(), Budget("mine", "mine", flash_bytes=100))
+        choose_within(bench_folder(), PlatformBudget("mine", "mine", flash_bytes=100))
 
 
 def test_wrong_use_is_one_line(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from support.bench_folder import CANDIDATES, bench_folder
 
 from springpot.host.benchmark import figures as bench_figures
 from springpot.host.benchmark.labels import label
+from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import bench_page, paper_rows, write_bench_report
 from springpot.host.benchmark.store import read_result
 
@@ -100,21 +101,23 @@ def test_printed_nothing_is_cut(tmp_path: Path) -> None:
 
 def test_the_label_of_a_pick_covers_no_point() -> None:
     cloud = [
-        {"key": f"{x} {y}", "tick_ns_hot": x, "rmse_n": y}
+        (f"{x} {y}", x, y)
         for x in np.geomspace(25.0, 400.0, 20) for y in np.geomspace(1.1, 4.0, 8)
     ]  # fmt: skip
-    points = [{"key": "best", "tick_ns_hot": 20.0, "rmse_n": 1.0}, *cloud,
-              {"key": "low", "tick_ns_hot": 30.0, "rmse_n": 0.1}]  # fmt: skip
+    points = [
+        Point.from_dict({"key": key, "tick_ns_hot": tick, "rmse_n": error})
+        for key, tick, error in (("best", 20.0, 1.0), *cloud, ("low", 30.0, 0.1))
+    ]
     figure = Figure(layout="constrained")
     axes = figure.subplots()
-    axes.loglog([p["tick_ns_hot"] for p in points], [p["rmse_n"] for p in points], "o")
+    axes.loglog([p.tick_ns_hot for p in points], [p.rmse_n for p in points], "o")
     figure.draw_without_rendering()
     picks = {"pc-1khz": {"point": "best"}, "pc-4khz": {"point": "best"}}
-    bench_figures._name_picks(axes, {"points": points, "picks": picks})
+    bench_figures._name_picks(axes, points, picks)
     figure.draw_without_rendering()
     (told,) = axes.texts
     box = told.get_window_extent()
-    places = axes.transData.transform([(p["tick_ns_hot"], p["rmse_n"]) for p in points])
+    places = axes.transData.transform([(p.tick_ns_hot, p.rmse_n) for p in points])
     inside = [box.contains(*place) for place in places[1:]]
     assert told.get_text() == "pick for pc-1khz, pc-4khz"
     assert not any(inside)
@@ -143,7 +146,7 @@ def test_the_page_stands_alone_and_says_why() -> None:
     assert "http" not in without_namespaces
     short = re.search('<p id="summary">.*?</p>', text)
     assert short
-    by_key = {point["key"]: point for point in result["points"]}
+    by_key = {point.key: point for point in points_of(result)}
     for name, found in result["picks"].items():
         assert f"--pick {name}" in text
         assert found["budget"]["title"] in short[0]
@@ -157,9 +160,9 @@ def test_the_page_stands_alone_and_says_why() -> None:
 
 def test_without_the_papers_models_there_is_nothing_to_compare() -> None:
     result = read_result(bench_folder())
-    assert {row["kind"] for row in paper_rows(result["points"])} == {"rf-fd", "rbf-fd", "rbf-pv"}
+    assert {row["kind"] for row in paper_rows(points_of(result))} == {"rf-fd", "rbf-fd", "rbf-pv"}
     kept = [point for point in result["points"] if point["model"] != "rbf-pv"]
-    assert paper_rows(kept) == []
+    assert paper_rows(points_of({"points": kept})) == []
     assert "nothing to compare" in bench_page(result | {"points": kept}, "bench")
 
 

@@ -14,7 +14,8 @@ from support.bench_folder import CANDIDATES, asked, bench_folder, command, small
 from support.in_process import spring
 from support.paths import ROOT
 
-from springpot.host.benchmark import store as bench_store
+from springpot.host.benchmark import run as bench_run
+from springpot.host.benchmark.code_hash import code_hash
 from springpot.host.benchmark.instructions import uncounted
 from springpot.host.benchmark.run import run_bench
 from springpot.host.benchmark.store import read_result
@@ -50,28 +51,37 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
     assert again["points"] == read_result(bench_folder())["points"]
 
 
-def test_other_code_measures_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    root = ROOT
+def test_other_code_measures_again(tmp_path: Path) -> None:
     for floor in ("runtime_c", "codegen", "trainer", "host"):
-        shutil.copytree(root / floor, tmp_path / floor)
-    monkeypatch.setattr(bench_store.resources, "files", lambda _: tmp_path / "host")
-    hashed = bench_store.code_hash.__wrapped__
-    assert hashed() == bench_store.code_hash()
+        shutil.copytree(ROOT / floor, tmp_path / floor)
+    measuring = tuple(work.__module__ for work in bench_run._MEASURING)
+    before = code_hash(measuring)
+    assert hashed(measuring, tmp_path) == before
     for name in ("runtime_c/src/sp_guard.h", "runtime_c/flags.mk", "codegen/plan/plan.py",
-                 "trainer/models/rf_fd.py", "host/benchmark/point.py"):  # fmt: skip
+                 "trainer/models/rf_fd.py", "host/benchmark/measure.py", "host/native/replay.py",
+                 "host/stability/check.py", "host/boards/emulator.py",
+                 "host/simulation/hand_loop.py"):  # fmt: skip
         file = tmp_path / name
-        before = file.read_text()
-        file.write_text(before + "\n")
-        assert hashed() != bench_store.code_hash(), name
-        file.write_text(before)
-    page = tmp_path / "host/benchmark/report.py"
-    page.write_text(page.read_text() + "\n")  # measures nothing
-    assert hashed() == bench_store.code_hash()
+        text = file.read_text()
+        file.write_text(text + "\n")
+        assert hashed(measuring, tmp_path) != before, name
+        file.write_text(text)
+    for name in ("benchmark/report.py", "benchmark/run.py", "commands/models/bench.py"):
+        page = tmp_path / "host" / name
+        page.write_text(page.read_text() + "\n")  # measures nothing
+    assert hashed(measuring, tmp_path) == before
 
-    one = CANDIDATES[4:5]  # of another version of the code: nothing of it is taken over
+
+def hashed(modules: tuple[str, ...], root: Path) -> str:
+    """As it is now: the hash is kept for a process."""
+    return code_hash.__wrapped__(modules, root)
+
+
+def test_points_of_other_code_are_not_taken_over(tmp_path: Path) -> None:
+    one = CANDIDATES[4:5]
     with (
         small(lambda *_: list(one)),
-        mock.patch.object(bench_store, "code_hash", lambda: "another"),
+        mock.patch.object(bench_run, "code_hash", lambda _: "another"),
     ):
         folder = tmp_path / "bench"
         shutil.copytree(bench_folder(), folder)

@@ -14,7 +14,8 @@ from support.cross_tools import path_with, path_without
 
 from springpot.codegen.errors import BudgetError
 from springpot.host.benchmark.choice import choose_within
-from springpot.host.benchmark.picks import Budget, budgets, misfit, pareto, pick, why
+from springpot.host.benchmark.picks import PlatformBudget, budgets, misfit, pareto, pick, why
+from springpot.host.benchmark.point import Point
 from springpot.host.benchmark.report import bench_page
 from springpot.host.benchmark.run import run_bench
 from springpot.host.benchmark.store import read_result
@@ -54,7 +55,7 @@ def test_an_unmeasured_size_is_null_and_says_why(without: Path) -> None:
     assert len(result["points"]) == 2
     for point in result["points"]:
         assert point["flash_bytes"] is point["stack_bytes"] is point["sizes_compiler"] is None
-        assert point["sizes_why"] == REMEDY
+        assert point["why"] == REMEDY
         assert point["ram_bytes"] > 0
     found = result["picks"]["cortex-m4f"]
     assert found["point"] == result["picks"]["pc-1khz"]["point"]
@@ -86,9 +87,9 @@ def test_a_pick_of_unknown_flash_is_emitted(
 
 def test_a_stated_limit_is_checked_or_refused(without: Path) -> None:
     with pytest.raises(BudgetError, match=r"--flash 9000: flash could not be measured \(no comp"):
-        choose_within(without, Budget("mine", "mine", flash_bytes=9000))
-    found, _ = choose_within(without, Budget("mine", "mine", ram_bytes=65536))
-    assert found["ram_bytes"] <= 65536
+        choose_within(without, PlatformBudget("mine", "mine", flash_bytes=9000))
+    found, _ = choose_within(without, PlatformBudget("mine", "mine", ram_bytes=65536))
+    assert found.ram_bytes <= 65536
 
 
 def test_a_compiler_that_comes_later_adds_only_sizes(
@@ -101,7 +102,7 @@ def test_a_compiler_that_comes_later_adds_only_sizes(
     assert (result["computed"], result["computed_sizes"], result["computed_isolated"]) == (0, 2, 0)
     for point, old in zip(result["points"], before["points"], strict=True):
         assert point["flash_bytes"] > 1000
-        assert point["sizes_why"] is None
+        assert point["why"] is None
         assert point["sizes_compiler"]
         for name in ("key", "hash", "rmse_n", "tick_ns_hot", "point_s", "worker", "ram_bytes"):
             assert point[name] == old[name]
@@ -116,10 +117,21 @@ def test_a_compiler_that_comes_later_adds_only_sizes(
 
 
 def test_a_size_that_is_not_known_neither_wins_nor_loses() -> None:
-    def point(key: str, error: float, tick: float, flash: int | None) -> dict[str, Any]:
-        metadata = {"key": key, "cv_rmse_n": error, "tick_ns_hot": tick, "flash_bytes": flash}
-        metadata |= {"ram_bytes": 100, "active_cells": 0, "any_rate": True, "number": "float32"}
-        return metadata | {"sizes_why": None if flash else REMEDY, "bounded": True, "model": "x"}
+    def point(key: str, error: float, tick: float, flash: int | None) -> Point:
+        metadata: dict[str, Any] = {
+            "key": key,
+            "cv_rmse_n": error,
+            "tick_ns_hot": tick,
+            "flash_bytes": flash,
+        }
+        metadata |= {"ram_bytes": 100, "active_cells": 0, "any_rate": True}
+        metadata |= {
+            "number": "float32",
+            "why": None if flash else REMEDY,
+            "bounded": True,
+            "model": "x",
+        }
+        return Point.from_dict(metadata)
 
     slow, fast = point("slow", 2.0, 900.0, None), point("fast", 1.0, 50.0, 9000)
     assert pareto([slow, fast]) == {"fast"}
@@ -127,7 +139,7 @@ def test_a_size_that_is_not_known_neither_wins_nor_loses() -> None:
     assert misfit(slow, board, 1000.0) is None
     large = point("large", 0.5, 50.0, 300_000)
     points = [slow, large]
-    assert pick(points, board, 1000.0, lambda _: True) is slow
+    assert pick(points, board, 1000.0, lambda found: found) is slow
     assert "1 above 262144 bytes of flash" in why(slow, points, board, 1000.0)
     assert why(slow, points, board, 1000.0).endswith(f"({REMEDY}), and did not decide")
 

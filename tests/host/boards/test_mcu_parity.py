@@ -15,7 +15,7 @@ from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.host.boards import emulator
 from springpot.host.boards.boards import BOARDS, Board
-from springpot.host.boards.emulator import IDLE, RESET, Batch, Calls, run_batch, steps
+from springpot.host.boards.emulator import CALL_IDLE, CALL_RESET, Batch, Calls, run_batch, steps
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
@@ -71,16 +71,16 @@ def test_idle_reset_and_doubles_are_the_same_too(tmp_path: Path, board: str, num
     real = np.float32 if number == "float32" else np.float64
     position = long_motion()[:1500].astype(real)
     call = np.zeros(1500, dtype=np.uint32)
-    call[400:450] = IDLE  # longer than the watchdog waits
-    call[600] = RESET
-    call[700:705] = IDLE
+    call[400:450] = CALL_IDLE  # longer than the watchdog waits
+    call[600] = CALL_RESET
+    call[700:705] = CALL_IDLE
     calls = Calls(call, position, backward_velocity(position, 1e-3), np.full_like(position, 1e-3))
     batch = run_batch(tmp_path / "c", BOARDS[board], calls)
     state, expected = SceneLibrary(tmp_path / "c").new_state(), []
     for i in range(1500):
-        if call[i] & RESET:
+        if call[i] & CALL_RESET:
             state.reset()
-        made = state.idle(real(1e-3)) if call[i] & IDLE else state.step(position[i])
+        made = state.idle(real(1e-3)) if call[i] & CALL_IDLE else state.step(position[i])
         expected.append(made)
     force_n = np.array([force for force, _ in expected], dtype=real)
     assert_same(batch, force_n, np.array([notes for _, notes in expected]))

@@ -17,7 +17,7 @@ from springpot.host.devices.drivers import open_device
 from springpot.host.emission.emission import emit
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
-from springpot.host.recording.session import open_device as open_for_recording
+from springpot.host.recording.session import open_press_device
 from springpot.host.session.session import Session
 
 REQUIREMENTS = DeviceRequirements(rate_hz=1000, watchdog_s=0.02, max_n=12.0, hash="ab" * 32)
@@ -168,7 +168,7 @@ def test_recording_on_a_serial_device(monkeypatch):
     command_n = 4 * np.sin(np.linspace(0, np.pi, 600)) ** 2
     with peer("serial_device", "--object", "dragon-skin-fx", "--lockstep") as device:
         taken = []
-        opened = open_for_recording(device.url, object_name="pad")
+        opened = open_press_device(device.url, object_name="pad")
         assert opened.object_name == "pad"
         position_m, force_n = opened.press(command_n, lambda x, f: taken.append((x, f)))
         np.testing.assert_array_equal(np.concatenate([x for x, _ in taken]), position_m)
@@ -177,7 +177,7 @@ def test_recording_on_a_serial_device(monkeypatch):
         again, _ = opened.press(command_n)
         assert again.max() == pytest.approx(position_m.max(), rel=0.1)
         with pytest.raises(SpringpotError, match="mm deep, the limit is 1 mm"):
-            open_for_recording(device.url, limits=Limits(max_depth_m=1e-3)).press(command_n)
+            open_press_device(device.url, limits=Limits(max_depth_m=1e-3)).press(command_n)
         assert device.wait_for("stop", more=2)["force_n"] == 0
 
 
@@ -186,9 +186,9 @@ def test_a_serial_device_that_falls_silent_ends_a_press():
         peer("serial_device", "--silent-after", 0.2) as device,
         pytest.raises(DeviceError, match="silent for 20 ms while pressing"),
     ):
-        open_for_recording(device.url, limits=Limits(9.0)).press(np.full(3000, 2.0))
+        open_press_device(device.url, limits=Limits(9.0)).press(np.full(3000, 2.0))
     with pytest.raises(UsageError, match="cannot be pressed"):
-        open_for_recording("replay://x.h5")
+        open_press_device("replay://x.h5")
 
 
 def test_only_the_user_takes_back_a_trip(tmp_path):

@@ -28,7 +28,7 @@ from springpot.host.devices.odrive_device import OdriveDevice, require_fast_bus
 from springpot.host.devices.url import parse_device
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import RESET, UNSENT, loop_library
-from springpot.host.recording.session import open_device as open_for_recording
+from springpot.host.recording.session import open_press_device
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
@@ -381,17 +381,17 @@ def test_a_serial_device_is_no_adapter(folder):
 def test_recording_needs_the_torques_of_firmware_0_6():
     command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
     with peer("slcan_odrive", "--on-object", "--object", "dragon-skin-fx") as drive:
-        position_m, force_n = open_for_recording(drive.url).press(command_n)
+        position_m, force_n = open_press_device(drive.url).press(command_n)
     assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
     assert position_m.max() > 5e-4
     with peer("udp_odrive", "--port", 43221, "--on-object") as drive:
-        position_m, force_n = open_for_recording(drive.url).press(command_n)
+        position_m, force_n = open_press_device(drive.url).press(command_n)
     assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
     with (
         peer("slcan_odrive", "--on-object", "--firmware", "0.5") as drive,
         pytest.raises(DeviceError, match="measures no force"),
     ):
-        open_for_recording(drive.url).press(command_n)
+        open_press_device(drive.url).press(command_n)
 
 
 def test_the_bus_is_too_slow_for_the_rate():

@@ -9,14 +9,9 @@ import pytest
 from click.testing import CliRunner
 
 from springpot.codegen.errors import UsageError
-from springpot.host.commands.models.reproduce import (
-    object_names,
-    recorded,
-    reproduce,
-    rows,
-    run_reproduce,
-)
+from springpot.host.commands.models.reproduce import reproduce, rows
 from springpot.host.paper.claims import Claim, check_claims
+from springpot.host.paper.evidence import object_names, recorded, run_reproduce
 from springpot.host.paper.reproduce import (
     PAPER_KINDS,
     ObjectResult,

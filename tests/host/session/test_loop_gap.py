@@ -12,7 +12,8 @@ from springpot.host.devices.wire import Sender, constant
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.loop_library import loop_library
 from springpot.host.recording.indentation import trip_error
-from springpot.host.session.loop import CLoop, LoopSettings, LoopState
+from springpot.host.session.c_loop import CLoop
+from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.step_functions import StepFunctions
 
 PERIOD_S = 1e-3

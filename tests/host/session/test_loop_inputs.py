@@ -13,7 +13,8 @@ from support.peer import wait_until
 from springpot.host.devices.odrive import CLOSED_LOOP, ENCODER, HEARTBEAT, TORQUES
 from springpot.host.native.loop_library import COLUMN, NONE, SILENT, Stop, empty_rows
 from springpot.host.recording.indentation import press_step_functions
-from springpot.host.session.loop import CLoop, LoopSettings
+from springpot.host.session.c_loop import CLoop
+from springpot.host.session.loop import LoopSettings
 from springpot.host.session.outcome import why_stopped
 
 PERIOD_S = 1e-3

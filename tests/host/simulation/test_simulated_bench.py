@@ -7,13 +7,11 @@ from support.paths import BENCH
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.recording import protocols
-from springpot.host.simulation.bench import (
-    HANDS,
+from springpot.host.simulation.bench import ObjectMotion, SimulatedBench, SimulatedHand
+from springpot.host.simulation.objects import (
+    HAND_NAMES,
     OBJECTS,
     VARIANTS,
-    ObjectMotion,
-    SimulatedBench,
-    SimulatedHand,
     SimulatedObject,
     parse_url,
 )
@@ -183,7 +181,7 @@ def test_a_wall_is_stable_up_to_what_damping_over_delay_allows():
 
 def test_a_hand_presses_the_object_itself():
     intended_m = np.interp(np.arange(6000) / 1000, [0, 0.5, 6], [0, 0.03, 0.03])
-    for name in HANDS:
+    for name in HAND_NAMES:
         pressed = ObjectMotion(SimulatedObject("ecoflex-00-30"))
         position_m, force_n = SimulatedHand(name).press(pressed, intended_m)
         stiffness_npm = {"mid": 400, "firm": 1000, "light": 300}[name]

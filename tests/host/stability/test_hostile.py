@@ -12,8 +12,8 @@ from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.host.native.trial_build import built
-from springpot.host.simulation.bench import HANDS
 from springpot.host.simulation.hand_loop import HandLoop, Operator
+from springpot.host.simulation.objects import HAND_NAMES
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -129,7 +129,7 @@ def test_scales_of_a_micrometre_to_a_metre(
     assert forces[1].max() > 0.9 * peak_n
 
 
-@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("hand", HAND_NAMES)
 @pytest.mark.parametrize("mode", ["off", "auto-stiff"])
 def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str) -> None:
     """The bound, stated before the run: a force held for a tick lags half a tick behind the motion.

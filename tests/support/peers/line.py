@@ -17,20 +17,15 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.atomic_write import written_aside
-from springpot.host.simulation.bench import (
-    HANDS,
-    OBJECTS,
-    ObjectMotion,
-    SimulatedHand,
-    SimulatedObject,
-)
+from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
+from springpot.host.simulation.objects import HAND_NAMES, OBJECTS, SimulatedObject
 
 
 def arguments(description: str) -> argparse.ArgumentParser:
     """Options of all peers. Probabilities are for each frame that the peer sends."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--object", default="ecoflex-00-30", choices=OBJECTS)
-    parser.add_argument("--hand", default="mid", choices=HANDS)
+    parser.add_argument("--hand", default="mid", choices=HAND_NAMES)
     parser.add_argument("--intended-mm", type=float, default=20.0, help="how deep the hand means")
     parser.add_argument("--presses-hz", type=float, default=0.5)
     parser.add_argument("--seed", type=int, default=1)

@@ -13,7 +13,8 @@ from support.small import model_file, press, small_model
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
-from springpot.host.commands.models.material import material, material_result
+from springpot.host.commands.models.material import material
+from springpot.host.material.result import material_result
 from springpot.trainer.features.fractional import caputo_derivative, gl_weights
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

@@ -13,7 +13,7 @@ from support.small import training
 
 from springpot.codegen.errors import DataError
 from springpot.host.cli import exit_status
-from springpot.host.commands.recordings.check import check
+from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.host.commands.recordings.plot import plot
 from springpot.trainer.recordings.alignment import estimate_skew, low_pass_delay_s
@@ -64,7 +64,7 @@ def test_a_simulated_object_has_no_findings(tmp_path: Path) -> None:
     url = "sim://dragon-skin-10"
     subprocess.run([*command, "record", "--device", url, "--protocol", str(protocol), "--out", out],
                    check=True, capture_output=True)  # fmt: skip
-    result = CliRunner().invoke(check, [out, "--json"])
+    result = CliRunner().invoke(check_, [out, "--json"])
     assert result.exit_code == 0
     assert json.loads(result.stdout)["findings"] == []
 
@@ -244,7 +244,7 @@ def test_micrometres_and_millinewtons_are_real(tmp_path: Path) -> None:
 def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
     good = sine()
     write_recording(tmp_path / "a.h5", replace(good, force_n=-good.force_n))
-    result = CliRunner().invoke(check, [str(tmp_path), "--json"])
+    result = CliRunner().invoke(check_, [str(tmp_path), "--json"])
     assert isinstance(result.exception, DataError)
     assert exit_status(result.exception) == 3
     answer = json.loads(result.stdout)

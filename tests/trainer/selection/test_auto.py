@@ -13,7 +13,7 @@ from springpot.trainer.models.folds import condition_folds, recording_folds
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.auto import Score, choose
+from springpot.trainer.selection.auto import Score, choose_score
 
 OPTIONS = FitOptions(seed=3, trees=10, smooth_s=0.0)
 
@@ -72,5 +72,5 @@ def test_the_strongest_condition_is_never_held_out():
 def test_the_cheaper_of_two_within_half_a_per_cent(dear_n, chosen):
     """Or within 0.05 % of the maximum force."""
     scores = [Score("cheap", 1, 1.0, 1.0, 1.0), Score("dear", 5, dear_n, dear_n, dear_n)]
-    assert choose(scores, peak_n=1.0).name == chosen
-    assert choose(scores, peak_n=30.0).name == "cheap"
+    assert choose_score(scores, peak_n=1.0).name == chosen
+    assert choose_score(scores, peak_n=30.0).name == "cheap"

@@ -19,7 +19,7 @@ _MAX_COLUMNS = 32
 Found = Iterator[tuple[str, str, Any]]
 
 
-def main() -> None:
+def read_on_request() -> None:
     """Read the file named by the first argument, of the kind named by the second."""
     resource.setrlimit(resource.RLIMIT_AS, (_MAX_BYTES, _MAX_BYTES))
     resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
@@ -95,4 +95,4 @@ def _columns(name: str, unit: str, value: Any) -> Iterator[tuple[str, str, Any]]
 
 
 if __name__ == "__main__":
-    main()
+    read_on_request()

@@ -28,7 +28,7 @@ from springpot.trainer.recordings.formats.units import (
 )
 
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma"}
-Row = list[str]
+_Row = list[str]
 Candidates = dict[Quantity, list[int]]
 
 
@@ -57,7 +57,7 @@ def find_layout(
     options = wanted_columns(columns)
     if all(q in columns and not _name(columns[q]) for q in options):
         return _layout_by_numbers(path, head, columns, decimal)
-    best: tuple[int, Candidates, Row] = (0, {}, [])
+    best: tuple[int, Candidates, _Row] = (0, {}, [])
     for index in range(len(head)):
         for delimiter in DELIMITERS:
             row = cells(head[index], delimiter)
@@ -73,7 +73,7 @@ def find_layout(
     raise _missing(path, *best, columns)
 
 
-def cells(line: str, delimiter: str) -> Row:
+def cells(line: str, delimiter: str) -> _Row:
     """Split one line; quoted cells keep their delimiters."""
     rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     return [cell.strip() for cell in rows[0]] if rows else []
@@ -88,7 +88,7 @@ def _name(column: Column | None) -> str:
     return column.header_or_number if column and isinstance(column.header_or_number, str) else ""
 
 
-def _candidates(row: Row, quantity: Quantity, column: Column | None) -> list[int]:
+def _candidates(row: _Row, quantity: Quantity, column: Column | None) -> list[int]:
     if column is None:
         return guess_column(row, quantity)
     if isinstance(column.header_or_number, int):
@@ -98,7 +98,7 @@ def _candidates(row: Row, quantity: Quantity, column: Column | None) -> list[int
     return exact or [i for i, cell in enumerate(row) if cell.casefold() == options.casefold()]
 
 
-def _only(path: Path, index: int, row: Row, found: Candidates) -> dict[Quantity, int]:
+def _only(path: Path, index: int, row: _Row, found: Candidates) -> dict[Quantity, int]:
     for quantity, columns in found.items():
         if len(columns) > 1:
             names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns)
@@ -109,7 +109,7 @@ def _only(path: Path, index: int, row: Row, found: Candidates) -> dict[Quantity,
     return {quantity: columns[0] for quantity, columns in found.items()}
 
 
-def _missing(path: Path, index: int, found: Candidates, row: Row, columns: ColumnMap) -> DataError:
+def _missing(path: Path, index: int, found: Candidates, row: _Row, columns: ColumnMap) -> DataError:
     missing = [q + (f" ({_name(columns.get(q))!r})" if _name(columns.get(q)) else "")
                for q in QUANTITIES if q in wanted_columns(columns) and q not in found]  # fmt: skip
     header = f" in row {index + 1}, which has {', '.join(map(repr, row))}" if row else ""
@@ -195,7 +195,7 @@ def _unit(
     return Unit(text, factor_to_si(text, quantity, where), origin)
 
 
-def _time_beside(header: Row) -> tuple[int, str] | None:
+def _time_beside(header: _Row) -> tuple[int, str] | None:
     found = guess_column(header, "time")
     return (found[0], header[found[0]]) if len(found) == 1 else None
 
@@ -208,7 +208,7 @@ def _decimal(
     return decimal_mark(str(path), numbers)
 
 
-def _unit_row(row: Row, chosen: dict[Quantity, int]) -> dict[Quantity, str]:
+def _unit_row(row: _Row, chosen: dict[Quantity, int]) -> dict[Quantity, str]:
     """Return the units in the row below the header, or nothing where it is not a row of units."""
     if len(row) <= max(chosen.values()):
         return {}

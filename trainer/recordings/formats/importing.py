@@ -18,8 +18,7 @@ from springpot.trainer.recordings.formats.can_log import BLF_MAGIC, is_candump, 
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv_text import read_csv
 from springpot.trainer.recordings.formats.decimals import DecimalMark
-from springpot.trainer.recordings.formats.mach1 import MAGIC as MACH1_MAGIC
-from springpot.trainer.recordings.formats.mach1 import read_mach1
+from springpot.trainer.recordings.formats.mach1 import MACH1_MAGIC, read_mach1
 from springpot.trainer.recordings.formats.sampling import RawChannels, to_recording
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.journal_blocks import is_journal

@@ -20,7 +20,7 @@ from springpot.trainer.recordings.formats.decimals import is_number
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
 
-MAGIC = b"<Mach-1 File>"
+MACH1_MAGIC = b"<Mach-1 File>"
 _SINUSOID = "Sinusoid"
 _FREQUENCY = "Frequency, Hz"
 _DIVIDER = "<divider>"

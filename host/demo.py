@@ -11,12 +11,11 @@ from typing import Any
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import write_model
-from springpot.host.commands.scenes.validate import validation_result
 from springpot.host.console.output import progress_console
 from springpot.host.emission.emission import Emission, emit
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
-from springpot.host.recording.session import open_device, record_session
+from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.report import write_report
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import Validation, validate
@@ -59,7 +58,7 @@ def run_demo(out: Path, object_name: str) -> Demo:
         emission = emit(scene, model_file, out / "c")
     with _step("validate", seconds):
         validation = validate(out / "c", testing)
-        store_validation(out / "c", validation, testing, validation_result(validation))
+        store_validation(out / "c", validation, testing)
     with _step("report", seconds):
         report = write_report(out / "c")
     return Demo(emission, validation, fit, report, seconds)
@@ -76,7 +75,7 @@ def _prepare(out: Path) -> None:
 
 def _record(object_name: str, protocol: str, seed: int, folder: Path) -> None:
     url = f"sim://{object_name}"
-    device = open_device(url, seed)
+    device = open_press_device(url, seed)
     record_session(device, url, protocol, load_protocol(protocol, seed), folder, lambda _: None)
 
 

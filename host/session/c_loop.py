@@ -1,0 +1,147 @@
+"""The loop in C: the thread of runtime_c/port/posix."""
+
+import os
+from typing import Any
+
+from springpot.codegen.errors import DeviceError
+from springpot.codegen.reference.tick import LATCHED
+from springpot.host.devices.device import OpenedDevice
+from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows
+from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
+from springpot.host.session.outcome import granted
+from springpot.host.session.step_functions import StepFunctions
+
+_RING_S = 16.0  # of rows that wait while Python does something else
+_PRIORITY = 80
+
+
+class CLoop:
+    """A thread of C on absolute deadlines; Python only watches."""
+
+    name = "C thread"
+
+    def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
+        self._steps, self._settings = steps, settings
+        self._library = steps.library
+        self._c, self._ffi = steps.library.c, steps.library.ffi
+        self._loop = self._library.memory(self._c.sp_loop_size(), "sp_loop")
+        capacity = 1 << max(10, int(_RING_S / settings.period_s - 1).bit_length())
+        self._ring = empty_rows(capacity)
+        self._chunk = empty_rows(capacity)
+        self._state = self._ffi.new("sp_loop_state *")
+        self._links: list[Any] = []
+        self._kept: list[Any] = []
+        self._runner = False
+
+    def start(self, device: OpenedDevice) -> None:
+        """Start the thread. Raises DeviceError where the system gives none."""
+        steps, settings = self._steps, self._settings
+        pointer = self._library.pointer
+        config = self._ffi.new(
+            "sp_loop_config *",
+            {
+                "step": pointer(steps.step),
+                "idle": pointer(steps.idle),
+                "reset": pointer(steps.reset),
+                "state": pointer(steps.state),
+                "measured_n": self._ffi.cast("double *", steps.measured_n),
+                "period_s": settings.period_s,
+                "seconds": settings.seconds,
+                "max_force_n": settings.max_force_n,
+                "max_depth_m": settings.max_depth_m,
+                "latched_note": LATCHED,
+                "priority": _PRIORITY if settings.real_time else 0,
+                "cpu": _spare_cpu(),
+                "rows": self._rows(self._ring),
+                "capacity": len(self._ring),
+            },
+        )
+        error = self._c.sp_loop_start(self._loop, config, self._adopt(device))
+        if error:
+            raise DeviceError(
+                f"no thread for the loop: {os.strerror(error)}: free memory or limits"
+            )
+        self._runner = True
+
+    def attach(self, device: OpenedDevice) -> None:
+        """Go on with a device that came back; the scene is reset once."""
+        self._c.sp_loop_attach(self._loop, self._adopt(device))
+
+    def ask_stop(self) -> None:
+        """End with zero force."""
+        if self._runner:
+            self._c.sp_loop_ask_stop(self._loop)
+
+    def pause(self, paused: bool) -> None:
+        """Zero force, and no calls until it is resumed; then the scene is reset."""
+        self._c.sp_loop_pause(self._loop, int(paused))
+
+    def reset(self) -> None:
+        """Reset the scene, and a device that tripped."""
+        self._c.sp_loop_reset(self._loop)
+
+    def get_status(self) -> LoopState:
+        """Counters and flags."""
+        if not self._links:
+            return LoopState()
+        self._c.sp_loop_get_status(self._loop, self._state)
+        return LoopState(
+            **{name: getattr(self._state, name) for name in LoopState.__dataclass_fields__}
+        )
+
+    def counts(self) -> LinkCounts:
+        """Counters of all links that this session had."""
+        return LinkCounts(
+            **{
+                name: sum(getattr(link, name) for link in self._links)
+                for name in LinkCounts.__dataclass_fields__
+            }
+        )
+
+    def drain(self) -> LoopRows:
+        """Rows since the last call."""
+        if not self._links:
+            return empty_rows()
+        count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))
+        return self._chunk[:count].copy()
+
+    def flight(self, seconds: float) -> LoopRows:
+        """The last rows again, after the end."""
+        newest = self.get_status().newest_row
+        count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
+        places = [(newest - count + k) % len(self._ring) for k in range(count)]
+        return self._ring[places]
+
+    def join(self) -> None:
+        """Wait for the end of the thread: at most a period and what the device takes."""
+        if self._runner:
+            self._c.sp_loop_join(self._loop)
+            self._runner = False
+
+    def scheduler(self) -> str:
+        """The thread, and what the system granted it."""
+        return granted(self.name, self.get_status().got)
+
+    def refused(self) -> str:
+        """What the system refused, and what to do."""
+        if not self._settings.real_time or self.get_status().got & GOT_FIFO:
+            return ""
+        return (
+            "the system refused SCHED_FIFO, ticks may be late: `springpot doctor` says how to "
+            "allow it"
+        )
+
+    def _rows(self, table: LoopRows) -> Any:
+        return self._ffi.from_buffer("sp_row[]", table)
+
+    def _adopt(self, device: OpenedDevice) -> Any:
+        link = device.link(self._library)
+        self._links.append(link)
+        self._kept.append(device)
+        return link
+
+
+def _spare_cpu() -> int:
+    """The last processor that this process may use, or -1 where there is only one."""
+    cpus = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    return cpus[-1] if len(cpus) > 1 else -1

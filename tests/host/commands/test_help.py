@@ -1,0 +1,43 @@
+"""Help is quick: no command loads what only its work needs."""
+
+import json
+import subprocess
+import sys
+
+HEAVY = {"numpy", "scipy", "sklearn", "h5py", "matplotlib", "jinja2", "cffi", "pydantic", "serial"}
+ASK_ALL = f"""
+import io, json, sys
+from contextlib import redirect_stdout
+import click
+from springpot.host.cli import springpot
+
+def heavy():
+    return sorted({HEAVY!r} & {{name.split(".")[0] for name in sys.modules}})
+
+def help_of(*arguments):
+    with redirect_stdout(io.StringIO()) as printed:
+        springpot.main([*arguments, "--help"], standalone_mode=False)
+    return printed.getvalue()
+
+listed = help_of()
+commands = [name for name in sys.modules if name.startswith("springpot.host.commands.")]
+asked = {{name: help_of(name) for name in springpot.list_commands(click.Context(springpot))}}
+short = {{
+    name: springpot.get_command(click.Context(springpot), name).get_short_help_str(1000)
+    for name in asked
+}}
+print(json.dumps([listed, commands, asked, short, heavy()]))
+"""
+
+
+def test_help_loads_nothing_heavy_and_the_list_no_command() -> None:
+    done = subprocess.run([sys.executable, "-c", ASK_ALL], capture_output=True, text=True,
+                          check=True)  # fmt: skip
+    listed, loaded_by_list, asked, short, heavy = json.loads(done.stdout)
+    assert loaded_by_list == []
+    assert heavy == []
+    assert len(asked) >= 18
+    words = " ".join(listed.split())
+    for name, text in short.items():
+        assert f" {name} {text}" in words, f"host/cli.py lists {name} otherwise than its help"
+        assert text.rstrip(".") in " ".join(asked[name].split())
