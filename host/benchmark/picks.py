@@ -35,7 +35,6 @@ class PlatformBudget:
     target: Target | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """JSON values."""
         return asdict(self)
 
 

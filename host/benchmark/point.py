@@ -118,7 +118,6 @@ class Refused:
     error: str
 
     def swept(self) -> dict[str, Any]:
-        """JSON values."""
         return dict(vars(self))
 
 

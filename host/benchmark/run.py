@@ -210,7 +210,6 @@ class _Isolated:
         return self._once("instructions", version, lambda: count_instructions(*asked, target))
 
     def _once(self, kind: str, key: str, measure: Callable[[], Metadata]) -> Metadata:
-        """What is kept, or else measured now and kept."""
         metadata = self._store.read(kind, key)
         if metadata is None:
             begin_s = cpu_s()

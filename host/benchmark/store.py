@@ -69,12 +69,10 @@ class Store:
         return metadata
 
     def write(self, kind: str, key: str, metadata: dict[str, Any]) -> None:
-        """Write metadata of a key."""
         text = json.dumps(metadata, indent=1, allow_nan=False)
         write_file(self.folder / kind / f"{key}.json", text.encode())
 
     def write_result(self, result: dict[str, Any]) -> None:
-        """Write the whole result."""
         write_file(self.folder / RESULT, json.dumps(result, indent=1, allow_nan=False).encode())
 
 

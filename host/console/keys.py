@@ -17,7 +17,6 @@ class Keys:
         self._terminal = terminal
 
     def pressed(self) -> str:
-        """Return the keys in order, perhaps none."""
         found = ""
         while self._terminal is not None and select.select([self._terminal], [], [], 0)[0]:
             keys = os.read(self._terminal.fileno(), 64).decode(errors="replace")

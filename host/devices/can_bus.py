@@ -34,9 +34,7 @@ class CanBus(Protocol):
         """Return the next data frame, or None at that time of time.monotonic."""
         ...
 
-    def close(self) -> None:
-        """Leave the bus."""
-        ...
+    def close(self) -> None: ...
 
 
 class SlcanBus:
@@ -62,13 +60,11 @@ class SlcanBus:
             raise
 
     def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
-        """Send one frame."""
         kind = "r" if remote else "t"
         text = f"{kind}{identifier:03X}{len(data)}" + ("" if remote else data.hex().upper())
         self._write(text.encode() + b"\r")
 
     def receive(self, until_s: float) -> tuple[int, bytes] | None:
-        """Return the next data frame, or None."""
         while True:
             while b"\r" in self._pending:
                 line, self._pending = self._pending.split(b"\r", 1)
@@ -81,7 +77,6 @@ class SlcanBus:
                 time.sleep(0.0005)
 
     def close(self) -> None:
-        """Close the bus, free the port."""
         with contextlib.suppress(OSError, serial.SerialException):
             self._port.write(b"\rC\r")
         self._port.close()
@@ -129,7 +124,6 @@ class SocketBus:
         self.fd = self._raw.fileno()
 
     def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
-        """Send one frame."""
         flag = REMOTE if remote else 0
         if not select.select([], [self.fd], [], _QUEUE_S)[1]:
             raise DeviceError(
@@ -142,7 +136,6 @@ class SocketBus:
             raise self._gone(error.strerror or "gone") from None
 
     def receive(self, until_s: float) -> tuple[int, bytes] | None:
-        """Return the next data frame, or None."""
         while True:
             try:
                 identifier, size, data = FRAME.unpack(os.read(self.fd, FRAME.size))
@@ -157,7 +150,6 @@ class SocketBus:
                 return identifier, data[:size]
 
     def close(self) -> None:
-        """Close the socket."""
         self._raw.close()
 
     def _gone(self, reason: str) -> DeviceError:
@@ -168,12 +160,10 @@ class PythonCanBus(SocketBus):
     """Any other interface of python-can, behind a socket of the same kind."""
 
     def __init__(self, address: Address, bitrate: int) -> None:
-        """Open it. Raises DeviceError with python-can's own reason."""
         self._bridge = CanBridge(address, bitrate)
         super().__init__(address, self._bridge.near)
 
     def close(self) -> None:
-        """Leave the bus."""
         self._bridge.close()
         super().close()
 

@@ -30,7 +30,6 @@ class Diagnosis:
     do: str = ""
 
     def as_dict(self) -> dict[str, object]:
-        """Keys of `doctor --json`."""
         return asdict(self)
 
 

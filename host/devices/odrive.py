@@ -92,7 +92,6 @@ class Drive:
         self.send(INPUT_TORQUE, struct.pack("<f4x", torque_nm))
 
     def send(self, command: int, data: bytes, *, remote: bool = False) -> None:
-        """Send one command."""
         self.bus.send(identifier(self.node, command), data, remote=remote)
 
     def _hear(self) -> None:

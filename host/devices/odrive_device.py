@@ -30,7 +30,6 @@ class Transmission:
 
     @property
     def max_n(self) -> float:
-        """Force at the maximum torque."""
         return self.max_torque_nm * 2 * math.pi / self.m_per_turn
 
 
@@ -59,7 +58,6 @@ class OdriveDevice:
             raise
 
     def link(self, library: CLibrary) -> Any:
-        """Return the C link."""
         train = self.transmission
         settings = library.ffi.new(
             "sp_odrive *",
@@ -78,15 +76,13 @@ class OdriveDevice:
         return library.c.sp_link_odrive_init(self._kept, self.bus.fd, settings)
 
     def rendering_board(self) -> None:
-        """A device that only measures and pushes."""
+        pass
 
     def stop(self) -> None:
-        """No torque, axis idle."""
         with contextlib.suppress(DeviceError):  # gone: its watchdog does it
             self.drive.rest()
 
     def close(self) -> None:
-        """Leave the bus."""
         self.bus.close()
 
 

@@ -45,15 +45,12 @@ class SerialDevice:
 
     @property
     def renders(self) -> bool:
-        """Whether the board renders the scene itself."""
         return bool(self.hello["role"] == constant("RENDERS"))
 
     def rendering_board(self) -> Self | None:
-        """Itself, where it renders."""
         return self if self.renders else None
 
     def link(self, library: CLibrary) -> Any:
-        """Return the C link; Python no longer reads the port."""
         self._link_memory = library.memory(library.c.sp_link_serial_size())
         surface_m = (
             self.address.number("surface_mm", 1e3 * self.requirements.surface_m, -1e4, 1e4) / 1e3
@@ -74,7 +71,6 @@ class SerialDevice:
             self.command("STOP", patience_s=0.3)
 
     def close(self) -> None:
-        """Free the port."""
         self.port.close()
 
     def command(self, action: str, patience_s: float = _ASK_S) -> None:

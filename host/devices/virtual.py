@@ -33,19 +33,18 @@ class SimulatedDevice:
         self._memory: Any = None
 
     def link(self, library: CLibrary) -> Any:
-        """Return the C link."""
         self._memory = library.memory(library.c.sp_link_sim_size())
         tool = library.pointer(self._hand.address)
         return library.c.sp_link_sim_init(self._memory, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
 
     def rendering_board(self) -> None:
-        """A device that only measures and pushes."""
+        pass
 
     def stop(self) -> None:
-        """Nothing to do."""
+        pass
 
     def close(self) -> None:
-        """Nothing to do."""
+        pass
 
 
 class ReplayDevice:
@@ -70,7 +69,6 @@ class ReplayDevice:
         self._memory: Any = None
 
     def link(self, library: CLibrary) -> Any:
-        """Return the C link."""
         self._memory = library.memory(library.c.sp_link_replay_size())
         return library.c.sp_link_replay_init(
             self._memory,
@@ -80,10 +78,10 @@ class ReplayDevice:
         )
 
     def rendering_board(self) -> None:
-        """A device that only measures and pushes."""
+        pass
 
     def stop(self) -> None:
-        """Nothing to do."""
+        pass
 
     def close(self) -> None:
-        """Nothing to do."""
+        pass

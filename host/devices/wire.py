@@ -28,7 +28,6 @@ class Message:
 
     @property
     def body(self) -> struct.Struct:
-        """Layout of the body."""
         return struct.Struct("<" + "".join(_CODES[kind] for _, kind in self.fields))
 
     @property

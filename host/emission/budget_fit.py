@@ -46,7 +46,6 @@ class Reduction:
     rmse_n: float
 
     def line(self) -> str:
-        """For people."""
         ticks = "" if self.instructions is None else f", at most {self.instructions} instructions"
         return (
             f"{self.what}: {self.flash_bytes} bytes of flash, {self.ram_bytes} of RAM{ticks}, "

@@ -53,7 +53,6 @@ class Emission:
     notices: tuple[str, ...]
 
     def as_dict(self) -> dict[str, Any]:
-        """Keys of `emit --json`."""
         manifest, footprint = self.manifest, self.footprint
         return {
             "out": str(self.folder),
@@ -270,7 +269,6 @@ def _write_checksums(folder: Path) -> None:
 
 
 def _unchecked(scene: Scene) -> list[str]:
-    """Keys of the scene that this version reads but does not act on."""
     messages = []
     if scene.budget.tick_us is not None:
         messages.append(

@@ -34,7 +34,6 @@ class TickTimes:
     paced_ns: Reals = field(repr=False)
 
     def as_dict(self) -> dict[str, float]:
-        """Keys of the command line's `tick_ns`."""
         names = ("hot_median", "p50", "p99", "p999", "max")
         return {name: getattr(self, name) for name in names}
 
@@ -49,7 +48,6 @@ class Replay:
 
     @property
     def dtype(self) -> type[Any]:
-        """Numpy type of the scene's numbers."""
         return self._library.dtype
 
     def run(self, position_m: Reals, velocity_mps: Reals) -> tuple[Reals, Reals]:

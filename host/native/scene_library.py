@@ -47,7 +47,6 @@ class SceneLibrary:
         self.state_bytes: int = self.function("state_size")()
 
     def function(self, name: str) -> Any:
-        """Return the C function `name` (without prefix)."""
         return getattr(self.loaded.c, f"{self._prefix}_{name}")
 
     def address(self, name: str) -> int:
@@ -59,7 +58,6 @@ class SceneLibrary:
         return int(self.function("selftest")())
 
     def new_state(self) -> "SceneState":
-        """Return a state, initialised."""
         return SceneState(self)
 
 

@@ -35,7 +35,6 @@ class Claim:
     holds: bool | None
 
     def as_dict(self) -> dict[str, Any]:
-        """Keys of a claim in `reproduce.json`."""
         return asdict(self)
 
 

@@ -72,7 +72,6 @@ class ObjectResult:
 
     @property
     def depth_m(self) -> float:
-        """Maximum depth of the training recordings."""
         return float(max(recording.position_m.max() for recording in self.data.training))
 
     def rmse_n(self, kind: str) -> float:

@@ -124,11 +124,9 @@ class _Taken:
 
     @property
     def full(self) -> bool:
-        """Whether every tick of the command is there."""
         return len(self.position_m) == self._n
 
     def append(self, rows: LoopRows) -> None:
-        """Take the next rows."""
         rows = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
         rows = rows[: self._n - len(self.position_m)]
         position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["measured_n"]]

@@ -57,7 +57,6 @@ class BoardLoop:
         self._thread: threading.Thread | None = None
 
     def start(self, device: OpenedDevice) -> None:
-        """Begin to listen, and to feed."""
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -67,24 +66,19 @@ class BoardLoop:
         assert self._next is not None, "opened with the hash of the scene: a board that renders it"
 
     def ask_stop(self) -> None:
-        """End; the session stops the board."""
         self._want_stop = True
 
     def pause(self, paused: bool) -> None:
-        """Stop the board's motor, or start it again."""
         self._actions.append("STOP" if paused else "START")
         self._update(paused=int(paused))
 
     def reset(self) -> None:
-        """Reset the scene in the board."""
         self._actions.append("RESET")
 
     def get_status(self) -> LoopState:
-        """Counters and flags."""
         return self._state
 
     def counts(self) -> LinkCounts:
-        """Counters of the link."""
         receiver = self._device.receiver
         return LinkCounts(
             samples=self._counts["samples"],
@@ -93,28 +87,23 @@ class BoardLoop:
         )
 
     def drain(self) -> LoopRows:
-        """Rows since the last call."""
         with self._lock:
             rows, self._rows = self._rows, []
         self._kept = (self._kept + rows)[-(1 << 15) :]
         return np.array(rows) if rows else empty_rows()
 
     def flight(self, seconds: float) -> LoopRows:
-        """The last rows again."""
         rows = self._kept[-int(seconds / self._settings.period_s) - 1 :]
         return np.array(rows) if rows else empty_rows()
 
     def join(self) -> None:
-        """Wait for the end."""
         if self._thread is not None:
             self._thread.join()
 
     def scheduler(self) -> str:
-        """The board keeps the time."""
         return self.name
 
     def refused(self) -> str:
-        """Nothing was asked of this system."""
         return ""
 
     def _update(self, **changes: Any) -> None:
@@ -237,7 +226,6 @@ class _Feed:
 
     @property
     def over(self) -> bool:
-        """Whether all has been fed."""
         return self._at == len(self._position_m)
 
     def until(self, now_s: float) -> list[tuple[float, float]]:

@@ -64,11 +64,9 @@ class CLoop:
         self._runner = True
 
     def attach(self, device: OpenedDevice) -> None:
-        """Go on with a device that came back; the scene is reset once."""
         self._c.sp_loop_attach(self._loop, self._adopt(device))
 
     def ask_stop(self) -> None:
-        """End with zero force."""
         if self._runner:
             self._c.sp_loop_ask_stop(self._loop)
 
@@ -77,11 +75,9 @@ class CLoop:
         self._c.sp_loop_pause(self._loop, int(paused))
 
     def reset(self) -> None:
-        """Reset the scene, and a device that tripped."""
         self._c.sp_loop_reset(self._loop)
 
     def get_status(self) -> LoopState:
-        """Counters and flags."""
         if not self._links:
             return LoopState()
         self._c.sp_loop_get_status(self._loop, self._state)
@@ -90,7 +86,6 @@ class CLoop:
         )
 
     def counts(self) -> LinkCounts:
-        """Counters of all links that this session had."""
         return LinkCounts(
             **{
                 name: sum(getattr(link, name) for link in self._links)
@@ -99,14 +94,12 @@ class CLoop:
         )
 
     def drain(self) -> LoopRows:
-        """Rows since the last call."""
         if not self._links:
             return empty_rows()
         count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))
         return self._chunk[:count].copy()
 
     def flight(self, seconds: float) -> LoopRows:
-        """The last rows again, after the end."""
         newest = self.get_status().newest_row
         count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
         places = [(newest - count + k) % len(self._ring) for k in range(count)]
@@ -119,11 +112,9 @@ class CLoop:
             self._runner = False
 
     def scheduler(self) -> str:
-        """The thread, and what the system granted it."""
         return granted(self.name, self.get_status().got)
 
     def refused(self) -> str:
-        """What the system refused, and what to do."""
         if not self._settings.real_time or self.get_status().got & GOT_FIFO:
             return ""
         return (

@@ -46,9 +46,7 @@ class Progress:
 class RowTaker(Protocol):
     """Where the rows of a loop go."""
 
-    def append(self, rows: LoopRows) -> None:
-        """Take the next rows."""
-        ...
+    def append(self, rows: LoopRows) -> None: ...
 
 
 class SessionRunner:
@@ -78,7 +76,6 @@ class SessionRunner:
         self._stopped = False
 
     def start(self) -> None:
-        """Start the loop."""
         if self._drain_thread is not None:
             raise UsageError("this session was started already: make a new one")
         self._loop.start(self._supervisor.device)
@@ -125,17 +122,14 @@ class SessionRunner:
 
     @property
     def over(self) -> bool:
-        """Whether the loop has ended by itself."""
         return bool(self._drain_thread is not None and not self._drain_thread.is_alive())
 
     @property
     def state(self) -> LoopState:
-        """Counters and flags of the loop."""
         return self._loop.get_status()
 
     @property
     def counts(self) -> LinkCounts:
-        """Counters of the links."""
         return self._loop.counts()
 
     def watch(self, every_s: float = 0.1) -> Iterator[Progress]:

@@ -106,7 +106,6 @@ class Session:
         return self._run
 
     def start(self) -> None:
-        """Start the loop."""
         self.runner.start()
 
     def wait(self, seconds: float | None = None) -> None:
@@ -130,7 +129,6 @@ class Session:
         self.runner.reset()
 
     def result(self) -> dict[str, Any]:
-        """Keys of `springpot run --json`, after the end."""
         run = self.runner
         state, counts = run.state, run.counts
         planned = state.reason == Stop.TIME

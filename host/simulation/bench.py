@@ -198,7 +198,6 @@ def _check_names(library: CLibrary, kind: str, expected: Sequence[str]) -> None:
 
 
 def _new(kind: str) -> Any:
-    """Memory for one state, as a pointer to it."""
     return _library().memory(getattr(_library().c, f"{kind}_size")(), kind)
 
 

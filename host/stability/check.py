@@ -40,7 +40,6 @@ class Check:
         return self.spectral_radius < 1.0 and not is_unit_error(self.plan.coupling.coupling)
 
     def as_dict(self) -> dict[str, Any]:
-        """Keys of `stability --json`, without the closed loop."""
         return {
             "scene": self.plan.scene.name,
             "spectral_radius": self.spectral_radius,
@@ -60,7 +59,6 @@ class Stability:
     outcomes: tuple[Outcome, ...]
 
     def as_dict(self) -> dict[str, Any]:
-        """Keys of `stability --json`."""
         return {
             **self.check.as_dict(),
             "coupling": self.check.plan.coupling.why,

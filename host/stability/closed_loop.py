@@ -36,7 +36,6 @@ class Outcome:
     dt_s: Samples
 
     def as_dict(self) -> dict[str, object]:
-        """Keys of the command line's `closed_loop`."""
         names = (
             "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n",
             "hf_speed_mps", "fidelity_percent", "energy_out_j",

@@ -34,7 +34,6 @@ class Map:
         return int(np.sum(cells < ACTIVE)), cells.size
 
     def as_dict(self) -> dict[str, int | float]:
-        """Keys of the command line's maps."""
         inside, outside = self.active(False), self.active(True)
         return {
             "active_cells": inside[0],
