@@ -62,7 +62,7 @@ def hover(point: Point) -> str:
         f"(cross-validated {point.cv_rmse_n:.3g} N)",
         f"{1e-3 * point.tick_ns_hot:.3g} µs a tick, {flash_text(point)}, "
         f"{point.ram_bytes} bytes of RAM, fitted in {point.fit_s:.2g} s",
-        f"gives energy back in {active} of {point.cells} cells"
+        f"non-passive in {active} of {point.cells} cells"
         if active
         else f"no active cell of {point.cells}",
     ]

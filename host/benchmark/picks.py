@@ -149,12 +149,12 @@ def why(point: Point, points: Sequence[Point], budget: PlatformBudget, recorded_
     text = "lowest error on held-out training recordings of all that fit this budget"
     if not point.bounded:
         text = (
-            f"{text} and give no energy back, for simulation only: no model that was tried is "
+            f"{text} and are passive, for simulation only: no model that was tried is "
             f"bounded in every hand at {recorded_hz:g} Hz; record and render faster, or a softer "
             "object"
         )
         return text + _unjudged(point, budget)
-    text += ", give no energy back and stay bounded with every hand"
+    text += ", are passive and stay bounded with every hand"
     paper = next((p for p in points if p.model == "rf-fd" and not p.options), None)
     if paper is not None and paper.key != point.key:
         error, time = point.rmse_n / paper.rmse_n, point.tick_ns_hot / paper.tick_ns_hot
@@ -179,7 +179,7 @@ def _rejected(other: Point, budget: PlatformBudget, recorded_hz: float) -> str:
     if (reason := misfit(other, budget, recorded_hz)) is not None:
         return reason
     if other.active_cells:
-        return "that would give energy back"
+        return "with a non-passive cell"
     if other.bounded is False:
         return "not bounded in the closed loop"
     return "better by half a per cent at most, and slower or no faster"

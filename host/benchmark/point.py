@@ -49,7 +49,7 @@ class Point(Isolated, Sizes):
 
     options: those that are not the default's. cv_rmse_n: cross-validated on the training
     recordings; rmse_n to ape_below_jnd: of the C on the validation recordings. tick_ns_hot: median
-    in a tight loop. cells: of the small-signal map; active ones give energy back.
+    in a tight loop. cells: of the small-signal map; active ones are not passive.
     n_nodes to basis: size of the model, those that its kind has.
     """
 

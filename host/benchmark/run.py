@@ -228,7 +228,7 @@ def _picked(budget: PlatformBudget, recorded_hz: float, isolated: _Isolated) -> 
         "point": chosen and chosen.key,
         "why": why(chosen, isolated.points, budget, recorded_hz)
         if chosen
-        else "no model fits this budget, gives no energy back and stays bounded",
+        else "no model fits this budget, is passive and stays bounded",
     }
 
 

@@ -172,12 +172,12 @@ def _built(
 
 
 def _activity(checked: Check) -> list[str]:
-    """A warning where the model gives energy back; never a refusal."""
+    """A warning where the model is not passive; never a refusal."""
     inside, outside = checked.model_map.active(False), checked.model_map.active(True)
     if not inside[0] and not outside[0]:
         return []
     return [
-        f"the model gives energy back in {inside[0]} of {inside[1]} small-signal cells, and in "
+        f"the model is not passive in {inside[0]} of {inside[1]} small-signal cells, and in "
         f"{outside[0]} of {outside[1]} beyond the trained depth: `springpot stability` shows what "
         "a hand makes of it"
     ]

@@ -191,7 +191,7 @@ def _verdict(result: Stability) -> Iterator[str]:
     active, cells = checked.model_map.active(False)
     if active:
         yield (
-            f"The model gives energy back in {active} of {cells} small-signal cells: a light hand "
+            f"The model is not passive in {active} of {cells} small-signal cells: a light hand "
             "may feel it buzz; hammerstein, or boosted with --monotone, has none."
         )
     yield f"Coupling {plan.coupling.why}."
