@@ -12,7 +12,8 @@ from typing import Any
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import write_model
 from springpot.host.console.output import progress_console
-from springpot.host.emission.emission import Emission, emit
+from springpot.host.emission.emission import emit
+from springpot.host.emission.result import Emission
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session

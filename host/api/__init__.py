@@ -35,7 +35,7 @@ if TYPE_CHECKING:
         write_recording,
         write_scene,
     )
-    from springpot.host.emission.emission import Emission
+    from springpot.host.emission.result import Emission
     from springpot.host.session.session import Session
     from springpot.host.stability.check import Stability
     from springpot.host.validation.validation import Validation
@@ -58,7 +58,7 @@ _MODULES = {
     "codegen.scene": "Budget Coupling Device Guard Runtime Scene Smoothing",
     "files": "import_recordings read_model read_recordings read_scene write_model write_recording "
     "write_scene",
-    "host.emission.emission": "Emission",
+    "host.emission.result": "Emission",
     "host.session.session": "Session",
     "host.stability.check": "Stability",
     "host.validation.validation": "Validation",

@@ -16,7 +16,7 @@ from springpot.files import File, read_model, read_recordings, write_model
 from springpot.trainer.recordings.recording import Recording, Zero
 
 if TYPE_CHECKING:
-    from springpot.host.emission.emission import Emission
+    from springpot.host.emission.result import Emission
     from springpot.host.stability.check import Stability
     from springpot.host.validation.validation import Validation
     from springpot.trainer.models.fit import Fit

@@ -16,7 +16,8 @@ from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.console.output import say
-from springpot.host.emission.emission import Emission, emit, over_budget
+from springpot.host.emission.emission import emit
+from springpot.host.emission.result import Emission, over_budget
 from springpot.host.metrics import rms
 from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary

@@ -1,23 +1,21 @@
 """Emission: files written aside, built, self-tested, and only then renamed into place."""
 
-import hashlib
 import json
 import shutil
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
+from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.scene import Budget, Scene
+from springpot.codegen.scene import Scene
+from springpot.host.emission.checksums import require_replaceable, write_checksums
+from springpot.host.emission.result import Emission, budget_excess, budgeted_sizes, require_sizes
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import Footprint, measure_footprint
@@ -28,49 +26,6 @@ from springpot.host.stability.check import Check, check, require_stable
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
 MODEL_COPY = "from/model.spm"
 SCENE_COPY = "from/scene.json"
-CHECKSUMS = "from/files.json"
-# What validation, report and a build by hand put beside it.
-_OWN_LATER = {"validation", "report.html", "example"}
-
-
-@dataclass(frozen=True)
-class Emission:
-    """What was emitted. footprint, compile_s, check: None without a compiler; notices say why.
-
-    unmeasured: why there is no footprint, and what to install; empty where there is one.
-    """
-
-    folder: Path
-    plan: Plan
-    manifest: dict[str, Any]
-    hash: str
-    footprint: Footprint | None
-    unmeasured: str
-    ram_bytes: int
-    write_s: float
-    compile_s: float | None
-    check: Check | None
-    notices: tuple[str, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        manifest, footprint = self.manifest, self.footprint
-        return {
-            "out": str(self.folder),
-            "hash": self.hash,
-            "flash_bytes": footprint.flash_bytes if footprint else None,
-            "ram_bytes": self.ram_bytes,
-            "stack_bytes": footprint.stack_bytes if footprint else None,
-            "instructions": manifest.get("instructions"),
-            "units": manifest["units"],
-            "left_out": manifest["left_out"],
-            "orders": manifest["orders"],
-            "coupling": manifest["coupling"],
-            "outside": manifest["outside"],
-            "accept_unsafe": manifest["accept_unsafe"],
-            "stability": self.check.as_dict() if self.check else None,
-            "write_s": self.write_s,
-            "compile_s": self.compile_s,
-        }
 
 
 def emit(
@@ -87,7 +42,7 @@ def emit(
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
     find it unstable, unless that is accepted: the manifest then says so.
     """
-    _require_replaceable(folder)
+    require_replaceable(folder)
     model = read_model(model_file)
     plan = make_plan(model, scene, accept_unsafe)
     if not accept_unsafe:
@@ -116,7 +71,7 @@ def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> 
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
     shutil.copyfile(model_file, folder / MODEL_COPY)
-    _write_checksums(folder)
+    write_checksums(folder)
 
 
 def _built(
@@ -160,12 +115,12 @@ def _built(
     )
     budget = plan.scene.budget
     if not accept_unmeasured:
-        _require_sizes(emission, budget)
-    if over := _over(emission, budget):
+        require_sizes(emission, budget)
+    if over := budget_excess(emission, budget):
         raise BudgetError(over)
     unchecked = [
         f"not checked against the budget: {what}, at most {may} {unit}"
-        for what, unit, has, may in _sizes(emission, budget)
+        for what, unit, has, may in budgeted_sizes(emission, budget)
         if has is None
     ]
     return replace(emission, notices=(*notices, *unchecked))
@@ -187,85 +142,6 @@ def _footprint(plan: Plan, folder: Path) -> Footprint:
     tools = toolchain(plan.scene.runtime.target)
     assert tools is not None, "the caller has looked"
     return measure_footprint(folder, f"{plan.scene.runtime.prefix}_scene.c", tools)
-
-
-def over_budget(emission: Emission, budget: Budget) -> str:
-    """All sizes that are over the budget, with the budget's; nothing where all fit.
-
-    Raises BudgetError where a size that has a budget cannot be measured.
-    """
-    _require_sizes(emission, budget)
-    return _over(emission, budget)
-
-
-def _over(emission: Emission, budget: Budget) -> str:
-    return "; ".join(
-        f"{what}: {has} {unit}, the scene's budget is {may}"
-        for what, unit, has, may in _sizes(emission, budget)
-        if has is not None and has > may
-    )
-
-
-def _require_sizes(emission: Emission, budget: Budget) -> None:
-    """Raise BudgetError where a size that has a budget is not known: which, why, what to do."""
-    missing = emission.unmeasured
-    whys = {
-        "flash": missing,
-        "stack": missing or "this compiler does not report it: use gcc",
-        "a tick": "the bound of instructions does not cover this scene: measure it on the board",
-    }
-    for what, unit, has, may in _sizes(emission, budget):
-        if has is None:
-            raise BudgetError(
-                f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
-                "remove the budget's key"
-            )
-
-
-def _sizes(emission: Emission, budget: Budget) -> Iterator[tuple[str, str, int | None, int]]:
-    """Of each size that has a budget: name, unit, value (None: not known), limit."""
-    found = emission.footprint
-    bound = instruction_bound(emission.plan)
-    for what, unit, has, may in (
-        ("flash", "bytes", found.flash_bytes if found else None, budget.flash_bytes),
-        ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
-        ("stack", "bytes", found.stack_bytes if found else None, budget.stack_bytes),
-        ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
-    ):
-        if may is not None:
-            yield what, unit, has, may
-
-
-def _require_replaceable(folder: Path) -> None:
-    """Refuse to replace a folder in which anything is not as springpot wrote it."""
-    if folder.is_file():
-        raise UsageError(f"{folder}: is a file: give a folder to --out")
-    if folder.exists() and any(folder.iterdir()):
-        if not (folder / CHECKSUMS).exists():
-            raise UsageError(
-                f"{folder}: holds files that springpot did not emit: give --out an empty or new "
-                "folder"
-            )
-        known = json.loads((folder / CHECKSUMS).read_text())
-        for file in sorted(folder.rglob("*")):
-            name = str(file.relative_to(folder))
-            if file.is_dir() or name == CHECKSUMS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
-                continue
-            if known.get(name) != hashlib.sha256(file.read_bytes()).hexdigest():
-                raise UsageError(
-                    f"{file}: not as springpot emitted it: move your changes out of {folder}, or "
-                    "give --out another folder"
-                )
-    folder.parent.mkdir(parents=True, exist_ok=True)
-
-
-def _write_checksums(folder: Path) -> None:
-    files = [file for file in folder.rglob("*") if file.is_file()]
-    checksums = {
-        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in files
-    }
-    (folder / CHECKSUMS).write_text(json.dumps(checksums, indent=2, sort_keys=True) + "\n")
 
 
 def _unchecked(scene: Scene) -> list[str]:

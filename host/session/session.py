@@ -106,6 +106,7 @@ class Session:
         return self._run
 
     def start(self) -> None:
+        """Begin ticking; returns at once."""
         self.runner.start()
 
     def wait(self, seconds: float | None = None) -> None:
@@ -129,6 +130,7 @@ class Session:
         self.runner.reset()
 
     def result(self) -> dict[str, Any]:
+        """Keys of `springpot run --json`, after the end."""
         run = self.runner
         state, counts = run.state, run.counts
         planned = state.reason == Stop.TIME

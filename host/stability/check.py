@@ -59,6 +59,7 @@ class Stability:
     outcomes: tuple[Outcome, ...]
 
     def as_dict(self) -> dict[str, Any]:
+        """Keys of `stability --json`."""
         return {
             **self.check.as_dict(),
             "coupling": self.check.plan.coupling.why,

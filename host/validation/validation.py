@@ -54,6 +54,7 @@ class Validation:
     manifest: dict[str, Any]
 
     def as_dict(self) -> dict[str, Any]:
+        """Keys of `validate --json`."""
         found = self.accuracy
         return {
             "samples": found.samples,

@@ -12,7 +12,7 @@ from springpot.host.console.options import POSITIVE
 from springpot.host.console.output import json_option, print_result, say
 
 if TYPE_CHECKING:
-    from springpot.host.emission.emission import Emission
+    from springpot.host.emission.result import Emission
 
 
 @click.command(name="emit")

@@ -1,0 +1,104 @@
+"""What was emitted, and its sizes against the budget of the scene."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from springpot.codegen.errors import BudgetError
+from springpot.codegen.plan.instructions import instruction_bound
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.scene import Budget
+from springpot.host.native.footprint import Footprint
+from springpot.host.stability.check import Check
+
+
+@dataclass(frozen=True)
+class Emission:
+    """What was emitted. footprint, compile_s, check: None without a compiler; notices say why.
+
+    unmeasured: why there is no footprint, and what to install; empty where there is one.
+    """
+
+    folder: Path
+    plan: Plan
+    manifest: dict[str, Any]
+    hash: str
+    footprint: Footprint | None
+    unmeasured: str
+    ram_bytes: int
+    write_s: float
+    compile_s: float | None
+    check: Check | None
+    notices: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Keys of `emit --json`."""
+        manifest, footprint = self.manifest, self.footprint
+        return {
+            "out": str(self.folder),
+            "hash": self.hash,
+            "flash_bytes": footprint.flash_bytes if footprint else None,
+            "ram_bytes": self.ram_bytes,
+            "stack_bytes": footprint.stack_bytes if footprint else None,
+            "instructions": manifest.get("instructions"),
+            "units": manifest["units"],
+            "left_out": manifest["left_out"],
+            "orders": manifest["orders"],
+            "coupling": manifest["coupling"],
+            "outside": manifest["outside"],
+            "accept_unsafe": manifest["accept_unsafe"],
+            "stability": self.check.as_dict() if self.check else None,
+            "write_s": self.write_s,
+            "compile_s": self.compile_s,
+        }
+
+
+def over_budget(emission: Emission, budget: Budget) -> str:
+    """All sizes that are over the budget, with the budget's; nothing where all fit.
+
+    Raises BudgetError where a size that has a budget cannot be measured.
+    """
+    require_sizes(emission, budget)
+    return budget_excess(emission, budget)
+
+
+def budget_excess(emission: Emission, budget: Budget) -> str:
+    """The same of the sizes that are known."""
+    return "; ".join(
+        f"{what}: {has} {unit}, the scene's budget is {may}"
+        for what, unit, has, may in budgeted_sizes(emission, budget)
+        if has is not None and has > may
+    )
+
+
+def require_sizes(emission: Emission, budget: Budget) -> None:
+    """Raise BudgetError where a size that has a budget is not known: which, why, what to do."""
+    missing = emission.unmeasured
+    whys = {
+        "flash": missing,
+        "stack": missing or "this compiler does not report it: use gcc",
+        "a tick": "the bound of instructions does not cover this scene: measure it on the board",
+    }
+    for what, unit, has, may in budgeted_sizes(emission, budget):
+        if has is None:
+            raise BudgetError(
+                f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
+                "remove the budget's key"
+            )
+
+
+def budgeted_sizes(
+    emission: Emission, budget: Budget
+) -> Iterator[tuple[str, str, int | None, int]]:
+    """Of each size that has a budget: name, unit, value (None: not known), limit."""
+    found = emission.footprint
+    bound = instruction_bound(emission.plan)
+    for what, unit, has, may in (
+        ("flash", "bytes", found.flash_bytes if found else None, budget.flash_bytes),
+        ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
+        ("stack", "bytes", found.stack_bytes if found else None, budget.stack_bytes),
+        ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
+    ):
+        if may is not None:
+            yield what, unit, has, may
