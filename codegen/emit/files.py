@@ -106,7 +106,7 @@ def _model_metadata(plan: Plan) -> dict[str, Any]:
 
 
 def _short_manifest(plan: Plan) -> dict[str, Any]:
-    """What the image itself can say (sp_manifest)."""
+    """What the image itself reports (sp_manifest)."""
     trained = plan.model.trained
     return {
         "springpot": version("springpot"),

@@ -17,7 +17,7 @@ _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
 
 
 def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
-    """Positions, m, in the scene's number type: smooth legs, with a glitch, a NaN and a jump."""
+    """Positions, (n,), m, in the scene's number type: smooth legs, a glitch, a NaN and a jump."""
     trained = plan.model.trained
     base_m = 0.0 if plan.contact else trained.min_m
     span_m = trained.max_m - base_m
@@ -34,18 +34,18 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
 
 
 def golden_velocities(plan: Plan) -> NDArray[np.float32 | np.float64]:
-    """Backward differences of the golden positions, m/s: what a device would say."""
+    """Backward differences of the golden positions, (n,), m/s: what a device would report."""
     return backward_velocity(golden_positions(plan), plan.dt_s)
 
 
 def backward_velocity(
     position_m: NDArray[np.float32 | np.float64], dt_s: float
 ) -> NDArray[np.float32 | np.float64]:
-    """Backward differences, m/s, of the positions' type; 0 at the first."""
+    """Backward differences, (n,), m/s, of the positions' type; 0 at the first."""
     return np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
 
 
 def probe_inputs(probe: Probe, dtype: type[Any]) -> Reals:
-    """Made-up inputs: multiples of 1/128, exact in every number type."""
+    """Made-up inputs, (probe.inputs,): multiples of 1/128, exact in every number type."""
     inputs: Reals = (37 * np.arange(probe.inputs) % 101).astype(dtype) / dtype(128)
     return inputs

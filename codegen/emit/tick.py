@@ -8,7 +8,7 @@ from springpot.codegen.plan.units import measured_stages, stages
 
 
 def restart(plan: Plan) -> str:
-    """C function that forgets the past."""
+    """C function `restart`: the object has rested at a position for ever."""
     lines = [line for stage in stages(plan) for line in stage.restart()]
     return "\n".join(
         [
@@ -23,7 +23,7 @@ def restart(plan: Plan) -> str:
 
 
 def step(plan: Plan) -> str:
-    """C function sp_step."""
+    """C function sp_step: the calls of figure 12, in its order."""
     model = [stage for stage in stages(plan) if stage is not plan.velocity]
     advance = [line for stage in model for line in stage.advance()]
     head = (
@@ -39,7 +39,7 @@ def step(plan: Plan) -> str:
 
 
 def step_dt(plan: Plan) -> str:
-    """C function sp_step_dt: what the planned one has in its constants, scaled."""
+    """C function sp_step_dt: the limits of a tick, scaled to a measured time step."""
     advance = [line for stage in measured_stages(plan) for line in stage.advance]
     smooth = [
         "const sp_real smooth_steps = dt_s * per_smooth_s;",

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 
 class Features(ABC):
-    """Features of the depth x(t), x in m, that a regressor maps to a force."""
+    """Features of the depth x(t), m, that a regressor maps to a force."""
 
     engine: ClassVar[str] = "fir"  # how history is kept: samples ("fir") or poles ("recursive")
     exact_at_any_rate: ClassVar[bool] = False
@@ -36,10 +36,10 @@ class Features(ABC):
 
     @abstractmethod
     def memory_s(self, dt_s: float) -> float:
-        """How far back they remember, s."""
+        """How far back the features remember, s."""
 
     def settling_s(self, dt_s: float) -> float:
-        """After which what was before is forgotten to 2 %, s."""
+        """Time after which what came before is forgotten to 2 %, s."""
         return self.memory_s(dt_s)
 
     @abstractmethod

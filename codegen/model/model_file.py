@@ -74,7 +74,7 @@ def write_model(path: Path, model: Model) -> str:
 
 
 def model_bytes(model: Model) -> bytes:
-    """Content of the model's file."""
+    """What `write_model` writes: the line with the checksum, then the npz."""
     header, arrays = _to_parts(model)
     payload = io.BytesIO()
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)

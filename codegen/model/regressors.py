@@ -40,7 +40,6 @@ class Quantisation:
         return Quantisation(self.feature_min / scale, self.bins_per_unit * scale)
 
     def take(self, columns: NDArray[np.intp]) -> "Quantisation":
-        """That of some features."""
         return Quantisation(self.feature_min[columns], self.bins_per_unit[columns])
 
 

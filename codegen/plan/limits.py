@@ -26,7 +26,7 @@ SLEW_S = 0.004
 
 @dataclass(frozen=True)
 class GuardConfig:
-    """sp_guard.h."""
+    """sp_guard_config of sp_guard.h, member by member: which positions are believed."""
 
     jump_m: Real
     min_m: Real
@@ -36,7 +36,7 @@ class GuardConfig:
 
 @dataclass(frozen=True)
 class OutputConfig:
-    """sp_output.h."""
+    """sp_output_config of sp_output.h, member by member: which forces leave."""
 
     min_n: Real
     max_n: Real
@@ -64,7 +64,10 @@ def watchdog_s_of(scene: Scene, dt_s: float) -> float:
 def guard_config(
     model: Model, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
 ) -> GuardConfig:
-    """What positions are believed."""
+    """Positions that are believed: ten times the trained depth, and steps of a hand's speed.
+
+    contact: a tool may also wait far above the surface.
+    """
     trained = model.trained
     deepest_m = max(abs(trained.min_m), abs(trained.max_m))
     believed_m = max(MIN_BELIEVED_M, BELIEVED_PER_RANGE * deepest_m)
@@ -85,7 +88,7 @@ def max_mps(model: Model) -> float:
 def output_config(
     model: Model, scene: Scene, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
 ) -> OutputConfig:
-    """What forces leave. Raises DataError where the model never pushes out."""
+    """Forces that leave. Raises DataError where the model never pushes out."""
     trained = model.trained
     peak_n = trained.max_n if contact else max(abs(trained.min_n), abs(trained.max_n))
     max_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n

@@ -17,7 +17,7 @@ _MAX_TICKS = 200
 def max_stiffness_npm(
     stages: ModelStages, model: Model, trained: RangeConfig, dtype: type[Any]
 ) -> float:
-    """Steepest secant over 5 % of the depth, pressed from rest at any depth, N/m."""
+    """Maximum secant over 5 % of the depth, pressed from rest at any depth, N/m."""
     base_m = float(trained.min_m)
     span_m = float(trained.max_m) - base_m
     starts_m = base_m + span_m * np.arange(0.0, RANGE_FACTOR, STEP)

@@ -9,6 +9,7 @@ from springpot.codegen.stages.stage import (
     Member,
     RegressorStage,
     Stage,
+    padded,
 )
 
 
@@ -80,12 +81,8 @@ def _layout(plan: Plan) -> tuple[dict[str, int], int]:
     for member in state_members(plan):
         align = max(sizes[scalar] for scalar in member.scalars)
         size = sum(sizes[scalar] for scalar in member.scalars)
-        total = _padded(total, align)
+        total = padded(total, align)
         offsets[member.declaration.split()[-1].split("[")[0]] = total
-        total += _padded(size, align)
+        total += padded(size, align)
         widest = max(widest, align)
-    return offsets, _padded(total, widest)
-
-
-def _padded(size: int, align: int) -> int:
-    return -(-size // align) * align
+    return offsets, padded(total, widest)

@@ -25,7 +25,10 @@ from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 
 @dataclass(frozen=True, eq=False)
 class FastFirStage(WeightedSumStage):
-    """keep, leave: (poles,). weights: (direct + poles + 1, lanes). length: of the window."""
+    """keep, leave: (poles,), what a pole keeps in a tick, and of a rise until the window's end.
+
+    weights: (direct + poles + 1, capacity). length: of the window, samples.
+    """
 
     keep: Reals
     leave: Reals
@@ -36,12 +39,12 @@ class FastFirStage(WeightedSumStage):
 
     @property
     def n_direct(self) -> int:
-        """Rises that are weighed directly."""
+        """Newest rises, which have weights of their own."""
         return len(self.weights) - len(self.keep) - 1
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice, where it begins, and the poles."""
+        """The window, twice so that its samples are contiguous; where it begins; the poles."""
         window = 2 * (self.length + 1)
         return (
             Member(f"sp_real history[{window}]", (REAL,) * window),
@@ -50,7 +53,6 @@ class FastFirStage(WeightedSumStage):
         )
 
     def tables(self) -> list[str]:
-        """Decay of the poles, weights and sizes."""
         rows, width = self.weights.shape
         return [
             f"enum {{\n    N_WINDOW = {self.length + 1},\n    N_DIRECT = {self.n_direct},\n"
@@ -62,7 +64,6 @@ class FastFirStage(WeightedSumStage):
         ]
 
     def restart(self) -> list[str]:
-        """Fill the window; no pole has seen a rise."""
         return [
             "sp_window_fill(state->history, &state->newest, N_WINDOW, clipped);",
             "for (uint32_t i = 0; i < N_POLES; i++) {",
@@ -84,7 +85,6 @@ class FastFirStage(WeightedSumStage):
         return float(poles + self.sum_instructions(costs) + 60.0)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """The same terms and sums in the same order."""
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         stretches = segments(len(depth), starts)
         pasts = held_before(depth, starts, self.length)
@@ -94,7 +94,7 @@ class FastFirStage(WeightedSumStage):
         return result
 
     def _terms(self, samples: Reals, n: int) -> Reals:
-        """samples: `length` of the past, then n: terms of the n ticks."""
+        """Terms of n ticks, (n, direct + poles + 1), from `length` past samples and the n."""
         rises = np.diff(samples)  # rises[i] is that of samples[i + 1]
         newest = self.length - 1
         direct = [rises[newest - k : newest - k + n] for k in range(self.n_direct)]

@@ -37,7 +37,6 @@ class FirStage(FeatureStage):
 
     @property
     def n_features(self) -> int:
-        """Orders kept."""
         return len(self.orders)
 
     @property
@@ -46,7 +45,7 @@ class FirStage(FeatureStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice, and where it begins."""
+        """The window, twice so that its samples are contiguous, and where it begins."""
         length = self.taps.shape[1]
         return (
             Member(f"sp_real history[2 * {length}]", (REAL,) * (2 * length)),
@@ -54,7 +53,6 @@ class FirStage(FeatureStage):
         )
 
     def tables(self) -> list[str]:
-        """Taps and sizes."""
         names = ", ".join(f"{order:g}" for order in self.orders)
         rows, length = self.taps.shape
         return [
@@ -64,11 +62,9 @@ class FirStage(FeatureStage):
         ]
 
     def restart(self) -> list[str]:
-        """Fill the window."""
         return ["sp_window_fill(state->history, &state->newest, N_TAPS, clipped);"]
 
     def advance(self) -> list[str]:
-        """Push the newest depth."""
         return [
             "const sp_real *window =",
             "    sp_window_push(state->history, &state->newest, N_TAPS, clipped);",
@@ -79,7 +75,6 @@ class FirStage(FeatureStage):
         return ["sp_taps(taps, window, N_TAPS, N_ORDERS, features);"]
 
     def probe(self) -> Probe:
-        """Taps on made-up samples."""
         rows, length = self.taps.shape
         return Probe(
             inputs=length,
@@ -93,7 +88,6 @@ class FirStage(FeatureStage):
         return float(rows * (length * costs.tap + costs.tap_row))
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """The same sums in the same order."""
         length = self.taps.shape[1]
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for rows, samples in held_before(depth, starts, length - 1):
@@ -105,7 +99,7 @@ class FirStage(FeatureStage):
 
 
 def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
-    """sp_taps.h for n windows, each one sample later than the one before: shape (n,)."""
+    """sp_taps.h for n windows, the newest first, each a sample earlier: shape (n,), m/s^r."""
     s = np.zeros((SUMS, n), dtype=taps.dtype)
     for k, tap in enumerate(taps):
         s[k % SUMS] += tap * newest_first[k : k + n]

@@ -32,7 +32,7 @@ _FORCE = "const sp_real model_n = forest_bias_n + (sp_real)leaf_sum * leaf_step_
 class CompactForestStage(RegressorStage):
     """A forest on `n_features` features in 4-byte nodes; `vectors`: with the host's vector units.
 
-    rounding: of the features used, where the forest was fitted on whole steps.
+    quantisation: of the features used, where the forest was fitted on bins.
     """
 
     forest: CompactForest
@@ -42,7 +42,6 @@ class CompactForestStage(RegressorStage):
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """Bins by quantisation or by search, and the traversal."""
         bins = "sp_quantise.h" if self.quantisation is not None else "sp_bins.h"
         traversal = ("sp_forest.h", "sp_forest_x86.h", "sp_forest_simd.h")
         return (bins, *(traversal if self.vectors else traversal[:1]))
@@ -56,11 +55,9 @@ class CompactForestStage(RegressorStage):
         return simd + bins
 
     def init(self) -> list[str]:
-        """Look for a vector unit, once."""
         return ["state->simd = sp_forest_simd();"] if self.vectors else []
 
     def tables(self) -> list[str]:
-        """Thresholds or steps, nodes, roots, sizes and scale."""
         forest = self.forest
         return [
             f"enum {{\n    N_FEATURES = {self.n_features}\n}};",
@@ -92,7 +89,6 @@ class CompactForestStage(RegressorStage):
         ]
 
     def force(self) -> list[str]:
-        """Bins, then the sum of leaves in leaf_sum."""
         call = "sp_forest_fastest" if self.vectors else "sp_forest_sum"
         simd = ", state->simd" if self.vectors else ""
         return [
@@ -142,7 +138,6 @@ class CompactForestStage(RegressorStage):
         }
 
     def reference(self, features: Reals) -> Reals:
-        """The same leaves and sums."""
         if self.quantisation is None:
             bins = feature_bins(self.forest.thresholds, features.astype(np.float32))
         else:
@@ -152,7 +147,7 @@ class CompactForestStage(RegressorStage):
 
 @dataclass(frozen=True, eq=False)
 class _OnFloats(RegressorStage):
-    """What the other two have in common: features as floats in slots."""
+    """Features as floats in slots: what `WideForestStage` and `IfsStage` share."""
 
     table: ForestTable
     n_features: int
@@ -162,7 +157,6 @@ class _OnFloats(RegressorStage):
         return {"leaf_error_n": self.table.leaf_error_n}
 
     def reference(self, features: Reals) -> Reals:
-        """The same leaves and sums."""
         values = features.astype(np.float32)
         if self.quantisation is not None:
             values = rounded(self.quantisation, values)
@@ -189,11 +183,9 @@ class WideForestStage(_OnFloats):
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """The traversal, and the rounding where there is one."""
         return (*(("sp_quantise.h",) if self.quantisation is not None else ()), "sp_forest_wide.h")
 
     def tables(self) -> list[str]:
-        """Nodes, roots, sizes and scale."""
         table = self.table
         pairs = [
             f"{{{literal(value)}, {link}u}}"
@@ -210,7 +202,6 @@ class WideForestStage(_OnFloats):
         ]
 
     def force(self) -> list[str]:
-        """Sum of leaves, in leaf_sum."""
         return [
             "float slots[SP_WIDE_SLOTS];",
             *self._slots("(float)" if self.quantisation is not None else ""),
@@ -227,17 +218,14 @@ class IfsStage(_OnFloats):
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """The rounding where there is one."""
         return ("sp_quantise.h",) if self.quantisation is not None else ()
 
     def tables(self) -> list[str]:
-        """The function forest_score."""
         from springpot.codegen.forest.m2c import score_source
 
         return [*self._head(), score_source(self.forest, self.table)]
 
     def force(self) -> list[str]:
-        """Sum of leaves, in leaf_sum."""
         return [
             "double slots[N_FEATURES];",
             *self._slots("(double)"),

@@ -28,7 +28,7 @@ BASIS_SIZE: dict[Basis, int] = {"powers": 3, "ramps": 8}
 
 @dataclass(frozen=True)
 class HammersteinConfig:
-    """sp_hammerstein_config."""
+    """sp_hammerstein_config of sp_hammerstein.h, member by member."""
 
     origin_m: Real
     per_span: Real
@@ -75,7 +75,6 @@ class HammersteinStage(Stage):
         )
 
     def tables(self) -> list[str]:
-        """Curves, losses, radii."""
         stops = bool(self.config.n_stops)
         parts = [
             "/* Curves: piece by piece, highest power first, a column a branch (sp_curve.h). */",
@@ -105,7 +104,6 @@ class HammersteinStage(Stage):
 
     @property
     def measured(self) -> Measured:
-        """Losses and gains from the time step."""
         return Measured(
             headers=("sp_measured.h", "sp_hammerstein_dt.h"),
             tables=(
@@ -122,7 +120,6 @@ class HammersteinStage(Stage):
         )
 
     def restart(self) -> list[str]:
-        """Relaxed branches."""
         return [
             f"sp_hammerstein_rest(&passive, &passive_tables, {self.follows},",
             f"                    state->{self.follows}_before, state->{self.follows}_held, "
@@ -130,7 +127,6 @@ class HammersteinStage(Stage):
         ]
 
     def advance(self) -> list[str]:
-        """Its force."""
         return [
             f"sp_real {self.follows}_branch[{self.config.n_branches}];",
             f"const sp_real {self.follows}_passive_n = sp_hammerstein_step(",
@@ -144,7 +140,7 @@ class HammersteinStage(Stage):
         return float(costs.passive + config.n_branches * branch + config.n_stops * costs.stop)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """Force of every tick, N, by the same operations."""
+        """Force of every tick, (n,), N."""
         config = self.config
         real = depth.dtype.type
         u = (depth - config.origin_m) * config.per_span
@@ -155,6 +151,7 @@ class HammersteinStage(Stage):
         held = np.empty_like(g)
         play = np.empty((len(depth), config.n_stops), dtype=depth.dtype)
         for begin, end, rests in segments(len(depth), starts):
+            # A restart leaves the branches relaxed at u; the C's state begins as zeros.
             h = np.zeros(config.n_branches, dtype=depth.dtype)
             first = g[begin] if rests else np.zeros(config.n_branches, dtype=depth.dtype)
             p = np.full(config.n_stops, u[begin] if rests else real(0), dtype=depth.dtype)
@@ -166,12 +163,15 @@ class HammersteinStage(Stage):
                 h[np.abs(h) < smallest] = real(0)
                 held[begin + i] = h
                 if config.n_stops:
+                    # The C's comparisons: np.clip would treat a NaN otherwise.
                     p = np.where(p > low[i], p, low[i])
                     p = np.where(p < high[i], p, high[i])
                     play[begin + i] = p
         for k in range(config.n_stops):
+            # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
             at_play = self._place(play[:, k])
             still_n = still_n - _curves(self.stops[k][:, :, None], *at_play)[:, 0]
+        # Four partial sums, as the C's vectors add them: another order rounds otherwise.
         s = np.zeros((VECTOR_WIDTH, len(depth)), dtype=depth.dtype)
         for i in range(config.n_branches):
             s[i % VECTOR_WIDTH] += held[:, i]
@@ -179,7 +179,7 @@ class HammersteinStage(Stage):
         return force_n
 
     def _place(self, u: Reals) -> tuple[NDArray[np.intp], Reals]:
-        """sp_curve_at: piece and way in it."""
+        """sp_curve_at: the piece that u is in and the way from its start, both (n,)."""
         real, n = u.dtype.type, self.config.n_pieces
         v = np.where(u > 0, u, real(0))
         found = np.where(v * real(n) < real(n - 1), v * real(n), real(n - 1))
@@ -196,7 +196,7 @@ def _curves(terms: Reals, piece: NDArray[np.intp], way: Reals) -> Reals:
 
 
 def basis(kind: Basis, u: Reals) -> Iterator[Reals]:
-    """The functions of a basis one after another; curve_terms has the same piece by piece."""
+    """The functions of a basis one after another, each (n,); `curve_terms` has them by pieces."""
     real = u.dtype.type
     if kind == "powers":
         v = np.maximum(u, real(0))
@@ -215,7 +215,7 @@ def hammerstein_stage(
 ) -> HammersteinStage:
     """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
 
-    Branches are padded to whole vectors of `lanes`, with curves of 0.
+    Branches are padded to whole vectors of `vector_width`, with curves of 0.
     """
     n_branches, n_stops = len(model.tau_s), len(model.radius_m)
     capacity = padded(max(n_branches, 1), vector_width)
@@ -256,6 +256,7 @@ def curve_terms(kind: Basis, weights: Reals) -> NDArray[np.float64]:
     if kind == "powers":
         constant = np.zeros((1, len(weights)))
         return np.concatenate([weights.T[::-1], constant])[None]
+    # In piece j ramp j rises; those before it are full, at weight / n_pieces; those after it are 0.
     n_pieces = BASIS_SIZE[kind]
     starts = np.concatenate([np.zeros((1, len(weights))), np.cumsum(weights.T, axis=0)[:-1]])
     return np.stack([weights.T, starts / n_pieces], axis=1)

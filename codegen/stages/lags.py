@@ -33,7 +33,6 @@ class LagsStage(FeatureStage):
 
     @property
     def n_features(self) -> int:
-        """One a lag."""
         return len(self.lags)
 
     @property
@@ -42,29 +41,24 @@ class LagsStage(FeatureStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The ring and where it begins."""
         return (
             Member(f"sp_real past[{self._length}]", (REAL,) * self._length),
             Member("uint32_t newest", (U32,)),
         )
 
     def tables(self) -> list[str]:
-        """Lags and sizes."""
         return [
             f"enum {{\n    N_PAST = {self._length},\n    N_LAGS = {len(self.lags)}\n}};",
             array_text("lags", "uint32_t", self.lags),
         ]
 
     def restart(self) -> list[str]:
-        """Fill the ring."""
         return ["sp_lags_fill(state->past, &state->newest, N_PAST, clipped);"]
 
     def advance(self) -> list[str]:
-        """Push the newest depth."""
         return ["sp_lags_push(state->past, &state->newest, N_PAST, clipped);"]
 
     def read(self) -> list[str]:
-        """Look back."""
         past = "sp_lags_at(state->past, state->newest, N_PAST, lags[i])"
         value = f"lags[i] == 0 ? clipped : clipped - {past}" if self.difference else past
         return [
@@ -77,7 +71,6 @@ class LagsStage(FeatureStage):
         return len(self.lags) * costs.lag + 40.0
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """Look back."""
         longest = self._length - 1
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for rows, samples in held_before(depth, starts, longest):

@@ -13,7 +13,7 @@ from springpot.codegen.stages.stage import FeatureStage, RegressorStage, Starts
 
 @dataclass(frozen=True)
 class RangeConfig:
-    """sp_range.h."""
+    """sp_range_config of sp_range.h: the trained depth, m."""
 
     min_m: Real
     max_m: Real
@@ -45,9 +45,9 @@ def model_force(
     starts: Starts,
     contact: NDArray[np.bool_],
 ) -> Reals:
-    """Force of the model's stages, N; 0 where there is no contact.
+    """Force of the model's stages, (n,), N; 0 where there is no contact.
 
-    motion: "penetration" and "clipped", each of shape (n,), m.
+    motion: "penetration" and "clipped", each (n,), m. contact: (n,).
     """
     zero = motion["clipped"].dtype.type(0)
     terms: list[Reals] = []
@@ -70,7 +70,7 @@ def model_force(
 
 
 def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, NDArray[np.bool_]]:
-    """sp_range.h: clipped depth, and where it was outside."""
+    """sp_range.h: clipped depth, (n,), m, and where it was outside."""
     above, below = depth > config.max_m, depth < config.min_m
     clipped = np.where(above, config.max_m, np.where(below, config.min_m, depth))
     return clipped.astype(depth.dtype), above | below

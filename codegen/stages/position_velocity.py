@@ -35,7 +35,7 @@ class VelocityStage(Stage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice, and where it begins."""
+        """The window, twice so that its samples are contiguous, and where it begins."""
         length = len(self.per_step) + 1
         return (
             Member(f"sp_real {self.source}_track[2 * {length}]", (REAL,) * (2 * length)),
@@ -43,7 +43,6 @@ class VelocityStage(Stage):
         )
 
     def tables(self) -> list[str]:
-        """1/(j dt), band and size."""
         name = self.source.upper()
         return [
             f"enum {{\n    N_{name}_STEPS = {len(self.per_step)}\n}};",
@@ -52,13 +51,11 @@ class VelocityStage(Stage):
         ]
 
     def restart(self) -> list[str]:
-        """Fill the window."""
         s = self.source
         length = f"N_{s.upper()}_STEPS + 1"
         return [f"sp_window_fill(state->{s}_track, &state->{s}_newest, {length}, {s});"]
 
     def advance(self) -> list[str]:
-        """Push the newest sample and estimate."""
         s = self.source
         steps = f"N_{s.upper()}_STEPS"
         return [
@@ -86,24 +83,19 @@ class PositionVelocityStage(FeatureStage):
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """Those of the velocity."""
         return self.velocity.headers
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """Those of the velocity."""
         return self.velocity.members
 
     def tables(self) -> list[str]:
-        """Those of the velocity."""
         return self.velocity.tables()
 
     def restart(self) -> list[str]:
-        """That of the velocity."""
         return self.velocity.restart()
 
     def advance(self) -> list[str]:
-        """That of the velocity."""
         return self.velocity.advance()
 
     def read(self) -> list[str]:
@@ -114,7 +106,6 @@ class PositionVelocityStage(FeatureStage):
         return float(len(self.velocity.per_step) * costs.velocity_step + 60.0)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """Shape (n, 2)."""
         return np.stack([depth, self.velocity.reference(depth, starts)], axis=1)
 
 
@@ -122,14 +113,14 @@ class PositionVelocityStage(FeatureStage):
 def position_velocity_stage(
     features: PositionVelocity, kept: Columns, dt_s: float, dtype: type[Any]
 ) -> PositionVelocityStage:
-    """Depth and its velocity: both are kept always."""
+    """Both features, whatever `kept` is: the radial basis functions on them take two."""
     return PositionVelocityStage(velocity_stage(features, dt_s, dtype, "clipped"))
 
 
 def velocity_stage(
     features: PositionVelocity, dt_s: float, dtype: type, source: str
 ) -> VelocityStage:
-    """Velocity of the variable `source`."""
+    """Stage that estimates the velocity of the C variable `source`, m/s."""
     per_step: Reals = np.array(
         [1.0 / (j * dt_s) for j in range(1, features.length + 1)], dtype=dtype
     )

@@ -31,7 +31,6 @@ class RbfStage(RegressorStage):
     headers = ("sp_number.h", "sp_rbf.h")
 
     def tables(self) -> list[str]:
-        """Centers, weights and scales."""
         return [
             f"enum {{\n    N_CENTERS = {len(self.weights_n)}\n}};",
             "/* feature_min, feature_max, mean, 1/scale of each feature */",
@@ -42,7 +41,6 @@ class RbfStage(RegressorStage):
         ]
 
     def force(self) -> list[str]:
-        """Standardise, then sum."""
         return [
             "const sp_real z[2] = {",
             *(
@@ -58,13 +56,13 @@ class RbfStage(RegressorStage):
         return len(self.weights_n) * costs.center + 100.0
 
     def reference(self, features: Reals) -> Reals:
-        """The same eight partial sums, added in the same order."""
         z = []
         for i in range(2):
             feature_min, feature_max, mean, per_scale = self.standard[i]
             below = np.where(features[:, i] < feature_max, features[:, i], feature_max)
             inside = np.where(below > feature_min, below, feature_min)
             z.append((inside - mean) * per_scale)
+        # Eight partial sums, as the C's vectors add them: another order rounds otherwise.
         sums = np.zeros((RBF_VECTOR_WIDTH, len(features)), dtype=features.dtype)
         for block in range(0, len(self.weights_n), RBF_VECTOR_WIDTH):
             for i in range(RBF_VECTOR_WIDTH):

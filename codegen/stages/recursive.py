@@ -27,7 +27,7 @@ SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops 
 
 
 def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:
-    """1 - exp(-dt/tau), and the gain of an input that is linear within the step."""
+    """1 - exp(-dt/tau), and the gain of an input that is linear within the step: both (poles,)."""
     loss = -np.expm1(-dt_s / tau_s)
     return loss, loss * tau_s / dt_s
 
@@ -61,7 +61,6 @@ class RecursiveStage(WeightedSumStage):
 
     @property
     def headers(self) -> tuple[str, ...]:
-        """The slow poles' unit only where there is one."""
         slow = ("sp_slow_poles.h",) if len(self.slow_loss) else ()
         return ("sp_number.h", "sp_poles.h", *slow, "sp_weighted_sum.h")
 
@@ -77,7 +76,6 @@ class RecursiveStage(WeightedSumStage):
         )
 
     def tables(self) -> list[str]:
-        """Losses, weights and sizes."""
         n_poles, vector_width = self.weights.shape
         n_fast = len(self.loss)
         slow = [array_text("slow_loss", "double", self.slow_loss)] if len(self.slow_loss) else []
@@ -93,7 +91,6 @@ class RecursiveStage(WeightedSumStage):
 
     @property
     def measured(self) -> Measured:
-        """Losses and gains from the time step."""
         fast = "sp_measured_shared(per_tau, per_gain, N_FAST, dt_s, rise, state->poles);"
         slow = (
             "sp_measured_slow(per_tau + N_FAST, per_gain + N_FAST, N_POLES - N_FAST, dt_s, rise,",
@@ -114,7 +111,6 @@ class RecursiveStage(WeightedSumStage):
         )
 
     def restart(self) -> list[str]:
-        """Relaxed poles."""
         lines = [
             "for (uint32_t i = 0; i < N_POLES; i++) {",
             "    state->poles[i] = (sp_real)0;",
@@ -129,7 +125,6 @@ class RecursiveStage(WeightedSumStage):
         return [*lines, "state->last_clipped = clipped;"]
 
     def advance(self) -> list[str]:
-        """One multiply-add a pole."""
         lines = [
             "const sp_real rise = clipped - state->last_clipped;",
             "state->last_clipped = clipped;",
@@ -148,7 +143,6 @@ class RecursiveStage(WeightedSumStage):
         return float(poles + self.sum_instructions(costs) + 40.0)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """The same recurrences and sums in the same order."""
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for begin, end, held in segments(len(depth), starts):
             first = depth[begin] if held else depth.dtype.type(0)

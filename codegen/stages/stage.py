@@ -90,7 +90,7 @@ class Stage(ABC):
 
 
 class FeatureStage(Stage):
-    """Fills `features`."""
+    """A stage that fills the C array `features`."""
 
     @property
     @abstractmethod
@@ -154,7 +154,7 @@ class RegressorStage(ABC):
         return None
 
     def manifest(self) -> dict[str, Any]:
-        """What the manifest says of it."""
+        """Its keys in the manifest."""
         return {}
 
 
@@ -194,7 +194,10 @@ def segments(length: int, starts: Starts) -> list[tuple[int, int, bool]]:
 
 
 def held_before(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, Reals]]:
-    """For each stretch, its rows and its samples with `length` samples of the past in front."""
+    """Rows of each stretch, and its samples with `length` samples of the past in front, m.
+
+    Before a stretch the object has rested at its first sample, before the first one at 0.
+    """
     zero = depth.dtype.type(0)
     return [
         (slice(begin, end), np.concatenate(

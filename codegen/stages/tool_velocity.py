@@ -22,18 +22,15 @@ class ToolVelocityStage(Stage):
     members = (Member("sp_tool_velocity_state tool_velocity", (REAL, REAL)),)
 
     def tables(self) -> list[str]:
-        """Rate and weight."""
         return [
             f"static const sp_real rate_hz = {literal(self.rate_hz)};",
             f"static const sp_real velocity_weight = {literal(self.weight)};",
         ]
 
     def restart(self) -> list[str]:
-        """At rest."""
         return ["sp_tool_velocity_rest(&state->tool_velocity, position);"]
 
     def advance(self) -> list[str]:
-        """Difference and low-pass."""
         return [
             "const sp_real position_mps =",
             "    sp_tool_velocity(&state->tool_velocity, rate_hz, velocity_weight, position);",
@@ -53,5 +50,5 @@ class ToolVelocityStage(Stage):
 
 
 def tool_velocity_stage(dt_s: float, dtype: type) -> ToolVelocityStage:
-    """Constants for a rate."""
+    """Difference at 1/dt_s, low-passed over TIME_S by backward Euler."""
     return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + TIME_S)))

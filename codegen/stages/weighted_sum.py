@@ -1,4 +1,4 @@
-"""Features that are weighed sums of terms which all orders share: sp_weighted_sum.h."""
+"""Features that are weighted sums of terms which all orders share: sp_weighted_sum.h."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -13,7 +13,7 @@ from springpot.codegen.stages.stage import FeatureStage, Probe, padded
 
 @dataclass(frozen=True, eq=False)
 class WeightedSumStage(FeatureStage):
-    """orders of the lanes in use; weights: shape (terms, lanes).
+    """orders: of the columns in use. weights: shape (terms, capacity).
 
     terms, n_terms: what holds the terms in the C, and their number.
     """
@@ -26,7 +26,6 @@ class WeightedSumStage(FeatureStage):
 
     @property
     def n_features(self) -> int:
-        """Orders kept."""
         return len(self.orders)
 
     @property
@@ -39,11 +38,9 @@ class WeightedSumStage(FeatureStage):
         return ", ".join(f"{order:g}" for order in self.orders)
 
     def read(self) -> list[str]:
-        """All orders from the terms."""
         return [f"sp_weighted_sum(weights, {self.terms}, {self.n_terms}, N_VECTOR, features);"]
 
     def probe(self) -> Probe:
-        """Weights on made-up terms."""
         rows, vector_width = self.weights.shape
         return Probe(
             inputs=rows,
@@ -58,7 +55,7 @@ class WeightedSumStage(FeatureStage):
         return float(vector_width * (terms * costs.weight + costs.lane))
 
     def weigh(self, terms: Reals) -> Reals:
-        """Terms (..., terms) by the weights, each lane's sum in order: (..., lanes)."""
+        """Terms (..., terms) by the weights, each column's sum in order: (..., capacity)."""
         total: Reals = np.zeros((*terms.shape[:-1], self.capacity), dtype=self.weights.dtype)
         for k, row in enumerate(self.weights):
             total += terms[..., k, None] * row
@@ -66,7 +63,7 @@ class WeightedSumStage(FeatureStage):
 
 
 def in_lanes(weights: Reals, kept: NDArray[np.intp], dtype: type) -> Reals:
-    """The columns `kept`, padded with zeros to whole lanes."""
+    """The columns `kept`, padded with zeros to whole vectors: (terms, capacity)."""
     found: Reals = np.zeros((len(weights), padded(max(len(kept), 1))), dtype=dtype)
     found[:, : len(kept)] = weights[:, kept]
     return found
