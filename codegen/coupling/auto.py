@@ -71,9 +71,9 @@ def choose_coupling(
 
 
 def _stiffest(radius: Callable[[Coupling], float], maximum: float) -> Coupling:
-    """Stiffest proxy of a radius up to `maximum`, less a margin; the quietest where there is none.
+    """Stiffest proxy of a radius up to `maximum`, less a margin; that of minimum radius if none.
 
-    Within a stiffness the lightest proxy comes first: it passes the lowest noise on.
+    Within a stiffness the lightest proxy comes first: it passes on the least noise.
     """
     minimum = (np.inf, Coupling(mode="proxy"))
     for stiffness_npm in _STIFFNESSES_NPM[::-1]:
@@ -98,7 +98,7 @@ def _rounded(proxy: Coupling, share: float) -> Coupling:
 
 
 def series(one_npm: float, other_npm: float) -> float:
-    """Stiffness of two springs one after the other."""
+    """Stiffness of two springs in series, N/m."""
     return one_npm * other_npm / (one_npm + other_npm)
 
 

@@ -1,4 +1,4 @@
-"""Gains of the virtual coupling: exact discretisation, and the gains that are unit errors."""
+"""Gains of the virtual coupling: their exact discretisation, and those that are unit errors."""
 
 import math
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.scene import Coupling
 
 PAPER_DT_S = 1e-3
-MAX_DAMPING_RATIO = 10.0
+MAX_DAMPING_RATIO = 10.0  # the paper's is 1.15; with b = 20 N s/mm, as it prints, 1155
 # A proxy may be as light as its step is exact, whatever the published step allows; but no device
 # does more.
 MAX_PROXY_NPM = 1e6
@@ -31,13 +31,17 @@ class CoupleConfig:
 
 
 def published_step_is_stable(coupling: Coupling, dt_s: float) -> bool:
-    """Stability of the paper's Algorithm 1 (semi-implicit Euler): 2 b dt/m + k dt^2/m < 4."""
+    """Stability of the paper's Algorithm 1 (semi-implicit Euler): 2 b dt/m + k dt^2/m < 4.
+
+    For a still tool, z^2 - (2 - b dt/m - k dt^2/m) z + 1 - b dt/m is positive at z = -1 there, the
+    only one of Jury's conditions that positive gains can break first.
+    """
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
     return 2.0 * b * dt_s / m + k * dt_s**2 / m < 4.0
 
 
 def max_published_damping_nspm(coupling: Coupling, dt_s: float) -> float:
-    """What Algorithm 1 as published allows with this stiffness and mass; 0 where none."""
+    """Damping up to which Algorithm 1 as published is stable, N s/m; 0 where it never is."""
     k, m = coupling.stiffness_npm, coupling.mass_kg
     return max(0.0, (4.0 * m - k * dt_s**2) / (2.0 * dt_s))
 
@@ -45,7 +49,7 @@ def max_published_damping_nspm(coupling: Coupling, dt_s: float) -> float:
 def transition(
     stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float
 ) -> NDArray[np.float64]:
-    """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], in closed form.
+    """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], (2, 2), in closed form.
 
     With A = a I + N, a = -b/2m, N^2 = (a^2 - k/m) I: exp = e^(a dt) (c I + s N), where c and s are
     cosh and sinh/root where the proxy is overdamped, and cos and sin/root where it swings.
@@ -54,8 +58,8 @@ def transition(
     square = a * a - stiffness_npm / mass_kg
     root = math.sqrt(abs(square))
     if square > 0.0:
-        # The slow and the fast exponential apart: cosh alone overflows for large damping.
-        # a + root cancels for large damping; the product of the two roots is k/m.
+        # The slow and the fast exponential apart: cosh alone overflows for large damping, and
+        # a + root cancels; (root - a)(-a - root) = k/m gives it without a difference.
         fast = math.exp((a - root) * dt_s)
         slow = math.exp(-(stiffness_npm / mass_kg) / (root - a) * dt_s)
         c, s = (slow + fast) / 2.0, (slow - fast) / (2.0 * root)
@@ -69,7 +73,7 @@ def transition(
 
 
 def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:
-    """Constants of sp_couple.h."""
+    """Constants of sp_couple.h, rounded to the scene's type only after phi is computed."""
     phi = transition(coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg, dt_s)
     return CoupleConfig(
         stiffness_npm=real(coupling.stiffness_npm),
@@ -81,11 +85,11 @@ def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]
 
 
 def require_plausible_damping(coupling: Coupling) -> None:
-    """Refuse gains that only a wrong unit explains; name the value that was meant.
+    """Raise UnsafeError for gains that only a wrong unit explains; name the value that was meant.
 
-    The exact step is stable with any damping, so a wrong unit no longer explodes: it glues the
-    proxy to the tool. So Algorithm 1 as published
-    decides, at the paper's 1 ms whatever the scene's rate.
+    The exact step is stable with any damping, so that a wrong unit no longer oscillates: it glues
+    the proxy to the tool. Coupled at the tool, Algorithm 1 as published therefore decides, at the
+    paper's 1 ms whatever the scene's rate; at the proxy, what devices do.
     """
     if _plausible(coupling):
         return
@@ -101,7 +105,7 @@ def require_plausible_damping(coupling: Coupling) -> None:
 
 
 def is_unit_error(coupling: Coupling) -> bool:
-    """Whether these gains would be refused."""
+    """Whether `require_plausible_damping` refuses these gains; never of "auto" and "off"."""
     return coupling.mode in ("tool", "proxy") and not _plausible(coupling)
 
 

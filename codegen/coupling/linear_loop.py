@@ -50,13 +50,13 @@ class LinearLoop:
     smoothing: float = 1.0
 
     def spectral_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
-        """Maximum eigenvalue of one tick, for each object stiffness (n,), N/m."""
+        """Maximum |eigenvalue| of one tick for each object stiffness (n,), N/m: shape (n,)."""
         matrices = self._tick(np.atleast_1d(np.asarray(stiffness_npm, dtype=np.float64)))
         radius: NDArray[np.float64] = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
         return radius
 
     def max_stiffness_npm(self) -> float:
-        """Softest object that it cannot hold, N/m, up to 1e7."""
+        """Softest object with which the loop is unstable, N/m; 1e7 where there is none."""
         grid = np.geomspace(1.0, 1e7, 400)
         unstable = np.flatnonzero(self.spectral_radius(grid) >= 1.0)
         return float(grid[unstable[0]]) if len(unstable) else 1e7
@@ -84,7 +84,7 @@ class LinearLoop:
         return np.stack([moved_x, moved_v, x, v_held, *proxy, *queue], axis=1)
 
     def _couple(self, x: Any, v: Any, x_p: Any, v_p: Any, model_n: Any) -> tuple[Any, Any, Any]:
-        """sp_couple.h."""
+        """sp_couple.h: force at the tool, then the proxy moved."""
         k, b, m = (
             self.coupling.stiffness_npm, self.coupling.damping_nspm, self.coupling.mass_kg
         )  # fmt: skip

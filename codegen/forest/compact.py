@@ -33,9 +33,10 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class _Order:
-    """place: (IR nodes,) in the table, of nodes at LEVELS or below it and of all leaves.
+    """Where each IR node goes; place, level, tree, heap: (IR nodes,).
 
-    heap: position among the first levels. roots: (trees,). size: nodes in the table.
+    place: in the table, of nodes at LEVELS or below it and of all leaves. heap: position among the
+    first levels. roots: (trees,). size: nodes in the table.
     """
 
     place: Ints
@@ -54,6 +55,8 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
     thresholds, bin_index = _bins(forest, columns)
     order = _order(forest)
     low = order.level >= LEVELS
+    # Above LEVELS heap positions name the children (2 h, 2 h + 1). A leaf's step is 0 and its slot
+    # 0, whose bin, 0, is above no node's: a traversal that goes on stays there.
     step = np.where(leaf | ~low, 0, order.place[forest.left] - order.place)
     if (
         len(columns) >= 1 << COMPACT_SLOT_BITS
@@ -87,7 +90,7 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
 
 
 def _longest_paths(order: _Order, n_trees: int) -> Ints:
-    """Splits on the longest way to a leaf, of each tree: shape (trees,)."""
+    """Splits on the longest path to a leaf of each tree, (trees,)."""
     longest = np.zeros(n_trees, dtype=np.int64)
     np.maximum.at(longest, order.tree, order.level)
     return longest
@@ -97,7 +100,7 @@ def work_at_most(forest: CompactForest) -> dict[str, int]:
     """Maximum number of table entries that a tick reads: a static bound on its work.
 
     thresholds: two ends of the neighbourhood, then a search among all, for each feature.
-    nodes: the longest way down each tree.
+    nodes: the longest path of each tree.
     """
     searches = [2 + len(below).bit_length() for below in forest.thresholds]
     longest = int(forest.longest_paths.max())
@@ -105,9 +108,10 @@ def work_at_most(forest: CompactForest) -> dict[str, int]:
 
 
 def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
-    """Sorted thresholds of each used feature, and each split's place among them.
+    """Sorted thresholds of each used feature, and the bin of each split, (IR nodes,).
 
-    Features that are rounded to whole steps are their own bins: no thresholds are needed.
+    x <= threshold j exactly where at most j thresholds are below x. Quantised features are their
+    own bins: no thresholds are needed.
     """
     if forest.quantisation is not None:
         return (), np.clip(np.floor(forest.threshold), 0, _MAX_BIN).astype(np.int64)
@@ -127,6 +131,7 @@ def _order(forest: Forest) -> _Order:
     heap = np.zeros(len(before), dtype=np.int64)
     tree = np.zeros(len(before), dtype=np.int64)
     heap[forest.roots], tree[forest.roots] = 1, np.arange(len(forest.roots))
+    # Three levels below a node are 7 pairs of children, 56 bytes: about a cache line together.
     block = np.arange(len(before))
     for depth in range(int(level.max())):
         inner = np.flatnonzero((level == depth) & (forest.feature >= 0))
@@ -137,6 +142,7 @@ def _order(forest: Forest) -> _Order:
             elif (depth + 1 - LEVELS) % _TOGETHER:
                 block[children] = block[inner]
     parents = np.flatnonzero((level >= LEVELS) & (forest.feature >= 0))
+    # `before` counts tree after tree, so that trees stay apart in this order.
     parents = parents[np.lexsort((before[parents], before[block[parents]]))]
     pairs = np.bincount(tree[parents], minlength=len(forest.roots))
     roots = ENTRIES * np.arange(len(pairs)) + 2 * np.concatenate([[0], np.cumsum(pairs)[:-1]])
@@ -144,6 +150,7 @@ def _order(forest: Forest) -> _Order:
     first = ENTRIES * (tree[parents] + 1) + 2 * np.arange(len(parents))
     place[forest.left[parents]], place[forest.right[parents]] = first, first + 1
     entering = level <= LEVELS
+    # A leaf above LEVELS sends everything to the left: its heap position, shifted down to LEVELS.
     lowered = heap[entering] << (LEVELS - level[entering])
     place[entering] = roots[tree[entering]] + lowered - ENTRIES
     size = ENTRIES * len(pairs) + 2 * len(parents) + 1  # the last one is what padding ends at
@@ -151,6 +158,6 @@ def _order(forest: Forest) -> _Order:
 
 
 def _padded(n_trees: int) -> int:
-    """Trees and padding: whole groups of every way of traversal."""
+    """Trees and padding, so that every way of traversal finds whole groups."""
     padded = -(-n_trees // REST) * REST
     return -(-padded // VECTOR) * VECTOR

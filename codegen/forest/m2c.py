@@ -15,9 +15,9 @@ _HEAD = "double score(double * input)"
 
 
 def score_source(forest: Forest, table: ForestTable) -> str:
-    """C function forest_score: sum of the leaves in steps, the same number as the table's.
+    """C function forest_score: the sum of the quantised leaves, the same number as the table's.
 
-    Leaves are whole steps, so that the sum is exact in any order. Raises UsageError for forests
+    Leaves are whole numbers, so that the sum is exact in any order. Raises UsageError for forests
     that a compiler would take minutes over.
     """
     if len(table.value) > MAX_NODES:

@@ -12,13 +12,13 @@ _ABOVE = 0.01  # of a feature's thresholds: room for values beyond the maximum
 
 
 def fewer_trees(forest: Forest, count: int) -> Forest:
-    """The first `count` trees, of which the force is the mean where it was."""
+    """The first `count` trees; where the force was the mean of the trees, their mean."""
     weight = forest.weight * len(forest.roots) / count if forest.is_mean else forest.weight
     return _reachable(replace(forest, roots=forest.roots[:count], weight=weight))
 
 
 def larger_leaves(forest: Forest, leaves: int) -> Forest:
-    """Subtrees of at most `leaves` leaves become one: their mean.
+    """Make one leaf, their mean, of each subtree of at most `leaves` leaves.
 
     Leaves hold about as many samples each, so that this is nearly a fit with larger leaves.
     """
@@ -35,7 +35,7 @@ def larger_leaves(forest: Forest, leaves: int) -> Forest:
 
 
 def quantised(forest: Forest, n_features: int) -> Forest:
-    """Thresholds in 16-bit steps of their range: no table of them is needed."""
+    """Thresholds as 16-bit bins of their range: no table of them is needed."""
     if forest.quantisation is not None:
         return forest
     feature_min, bins_per_unit = np.zeros(n_features), np.ones(n_features)
@@ -53,7 +53,6 @@ def quantised(forest: Forest, n_features: int) -> Forest:
 
 
 def _reachable(forest: Forest) -> Forest:
-    """Without the nodes that no root leads to."""
     keep = np.zeros(len(forest.feature), dtype=bool)
     reached = forest.roots
     while len(reached):

@@ -11,7 +11,7 @@ MAX = 2**16 - 1
 
 
 def rounded(quantisation: Quantisation, features: NDArray[Any]) -> NDArray[np.float32]:
-    """Whole steps, 0 .. 65535, of each column, shape (n, features), as scikit-learn takes them."""
+    """Bins of features (n, features), 0 .. 65535, as the float32 that scikit-learn takes."""
     feature_min = quantisation.feature_min.astype(np.float32)
     bins_per_unit = quantisation.bins_per_unit.astype(np.float32)
     steps = (features.astype(np.float32) - feature_min) * bins_per_unit + np.float32(0.5)
@@ -21,7 +21,7 @@ def rounded(quantisation: Quantisation, features: NDArray[Any]) -> NDArray[np.fl
 
 
 def quantisation_over(features: NDArray[np.float64]) -> Quantisation:
-    """Steps that cover the values of each column, shape (n, features)."""
+    """Bins that cover the values of each column, (n, features)."""
     feature_min, feature_max = features.min(axis=0), features.max(axis=0)
     span = np.where(feature_max > feature_min, feature_max - feature_min, 1.0)
     return Quantisation(feature_min=feature_min, bins_per_unit=MAX / span)

@@ -16,13 +16,15 @@ Bins = NDArray[np.int32]
 def feature_bins(
     thresholds: tuple[NDArray[np.float32], ...], features: NDArray[np.float32]
 ) -> Bins:
-    """sp_bins.h: thresholds below each feature, shape (n, used features)."""
+    """sp_bins.h: number of thresholds below each feature, (n, used features)."""
+    # searchsorted counts what is below: a feature equal to a threshold goes left, as <= says.
     columns = [np.searchsorted(below, features[:, i]) for i, below in enumerate(thresholds)]
     return np.stack(columns, axis=1).astype(np.int32) if columns else features.astype(np.int32)
 
 
 def compact_sums(forest: CompactForest, bins: Bins) -> NDArray[np.uint32]:
-    """sp_forest.h: steps of each row of bins (n, used features)."""
+    """sp_forest.h: sum of the quantised leaves, (n,), of bins (n, used features)."""
+    # Slot 0, that of leaves, has bin 0.
     padded = np.concatenate([np.zeros((len(bins), 1), dtype=np.int32), bins], axis=1)
     sums = np.zeros(len(bins), dtype=np.uint32)
     for begin in range(0, len(bins), _CHUNK):
@@ -33,6 +35,7 @@ def compact_sums(forest: CompactForest, bins: Bins) -> NDArray[np.uint32]:
 
 
 def _compact_leaves(forest: CompactForest, tree: int, bins: Bins) -> NDArray[np.int64]:
+    """Rows of the leaves reached in one tree, (n,); bins: (n, slots)."""
     flat, width = np.ascontiguousarray(bins).ravel(), bins.shape[1]
     base = np.arange(len(bins)) * width
     heap = np.ones(len(bins), dtype=np.int64)
@@ -40,7 +43,7 @@ def _compact_leaves(forest: CompactForest, tree: int, bins: Bins) -> NDArray[np.
         node = forest.top[heap - 1, tree]
         heap = 2 * heap + (flat[base + node[:, 0]] > node[:, 1])
     at = int(forest.roots[tree]) + heap - ENTRIES
-    active = np.flatnonzero(forest.nodes[at, 0])
+    active = np.flatnonzero(forest.nodes[at, 0])  # leaves alone hold 0: no step and slot 0
     while len(active):
         here = at[active]
         step = forest.nodes[here, 0].astype(np.int64)
@@ -65,6 +68,7 @@ def forest_leaves(table: ForestTable, features: NDArray[np.float32]) -> NDArray[
         while len(active):
             here = at[active]
             feature = flat[active * n_columns + slot[here]]
+            # Not (x <= threshold), as the C compares: a NaN goes right.
             here = left[here] + ~(feature <= table.value[here])
             at[active] = here
             active = active[inner[here]]
@@ -73,7 +77,7 @@ def forest_leaves(table: ForestTable, features: NDArray[np.float32]) -> NDArray[
 
 
 def table_sums(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.uint32]:
-    """sp_forest_wide.h: steps of each feature vector."""
+    """sp_forest_wide.h: sum of the quantised leaves, (n,), of features (n, used features)."""
     sums = np.empty(len(features), dtype=np.uint32)
     value = table.value.astype(np.uint32)
     for begin in range(0, len(features), _CHUNK):
@@ -83,7 +87,7 @@ def table_sums(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.
 
 
 def forest_force(table: ForestTable | CompactForest, sums: NDArray[np.uint32]) -> NDArray[Any]:
-    """Force of each sum of steps, N, in the scene's type."""
+    """Force of each sum of leaves, (n,), N, in the scene's type."""
     total: NDArray[Any] = sums.astype(type(table.leaf_step_n))
     force_n: NDArray[Any] = table.bias_n + total * table.leaf_step_n
     return force_n

@@ -64,7 +64,7 @@ def watchdog_s_of(scene: Scene, dt_s: float) -> float:
 def guard_config(
     model: Model, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
 ) -> GuardConfig:
-    """Positions that are believed: ten times the trained depth, and steps of a hand's speed.
+    """Positions that are believed: up to ten trained depths, by steps of at most a hand's speed.
 
     contact: a tool may also wait far above the surface.
     """

@@ -62,9 +62,7 @@ def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> M
     passive, excess, vector_width = None, None, vector_width_of(scene.runtime)
     if model.hammerstein is not None and model.hammerstein_adds:
         follows = "penetration" if falls_back else "clipped"
-        passive = hammerstein_stage(
-            model.hammerstein, dt_s, dtype, follows, vector_width_of(scene.runtime)
-        )
+        passive = hammerstein_stage(model.hammerstein, dt_s, dtype, follows, vector_width)
     elif model.hammerstein is not None and falls_back:
         penetration, trained = (
             hammerstein_stage(model.hammerstein, dt_s, dtype, follows, vector_width)

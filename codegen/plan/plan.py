@@ -215,11 +215,7 @@ def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
 
 
 def _units_left_out(
-    contact: bool,
-    coupled: bool,
-    estimates: bool,
-    alpha: float | None,
-    dtype: type[Any],
+    contact: bool, coupled: bool, estimates: bool, alpha: float | None, dtype: type[Any]
 ) -> list[LeftOut]:
     size = np.dtype(dtype).itemsize
     left_out = []

@@ -73,10 +73,6 @@ def _rise_n(
     """Force gained on a straight press from rest, N."""
     ticks = 1 + min(_MAX_TICKS, max(1, round(step_m / (speed * dt_s))))
     motion = (from_m + step_m * np.linspace(0.0, 1.0, ticks)).astype(dtype)
-    force_n = model_force(
-        stages,
-        {"penetration": motion, "clipped": motion},
-        np.array([0]),
-        np.ones(ticks, dtype=bool),
-    )
+    motions = {"penetration": motion, "clipped": motion}
+    force_n = model_force(stages, motions, np.array([0]), np.ones(ticks, dtype=bool))
     return float(force_n[-1]) - float(force_n[0])

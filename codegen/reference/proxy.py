@@ -14,13 +14,13 @@ from springpot.codegen.stages.stage import Starts
 
 ModelForce = Callable[[Reals, Starts, NDArray[np.bool_]], Reals]
 _CHUNK = 1024  # ticks predicted at a time, at most
-_MIN = 8  # at least: what a pass costs by itself
+_MIN = 8  # at least: a pass has a cost of its own
 _AHEAD = 4  # times the ticks that the last pass verified
 
 
 @dataclass(frozen=True, eq=False)
 class ContactTrace:
-    """What the coupling sees of a run: tool position and velocity, contact, restarts."""
+    """What the coupling sees of a run, (n,): the tool's position, m, velocity, m/s, and contact."""
 
     position: Reals
     velocity: Reals
@@ -29,7 +29,7 @@ class ContactTrace:
 
     @property
     def placed(self) -> NDArray[np.bool_]:
-        """Ticks at which the proxy is set to the tool: contact begins, or history restarts."""
+        """Ticks, (n,), that set the proxy to the tool: contact begins, or history restarts."""
         begins = self.contact & ~np.concatenate([[False], self.contact[:-1]])
         begins[self.starts] = self.contact[self.starts]
         return np.asarray(begins)
@@ -43,15 +43,15 @@ class ContactTrace:
 def proxy_motion(
     plan: Plan, trace: ContactTrace, force: ModelForce, predicted_m: Reals | None
 ) -> Reals:
-    """Where the model looks at each tick, m, shape (n,): the proxy, or the tool in free air.
+    """Where the model looks at each tick, (n,), m: the proxy, or the tool in free air.
 
     Predict and verify: the stages' references take whole motions, but the proxy's next position
     needs the force here. So the force is evaluated on a predicted motion and the proxy stepped
-    with it: every tick up to the first that differs is exact, for its past was; what follows is a
-    better prediction. A pass begins at the last restart, which forgets what was before, and
-    reaches a few times as far as the last one verified: in a stiff object one wrong tick spoils
-    the rest of a long prediction.
-    force(motion, starts, asked): the model's force, N, on a motion (n,), m, where `asked` (n,).
+    with it: every tick up to the first that differs is exact, because its past was; what follows
+    is a better prediction. A pass begins at the last restart, which forgets what came before, and
+    goes a few times as far as the last one verified: in a stiff object one wrong tick spoils the
+    rest of a long prediction.
+    force(motion, starts, asked): the model's force, (n,), N, on a motion (n,), m, where `asked`.
     predicted_m: (n,), the motion that the C reports, with which one pass is enough.
     """
     coupled = _Stepper(plan, trace)
@@ -60,12 +60,13 @@ def proxy_motion(
         predicted = trace.contact & ~trace.placed
         pressed[predicted] = predicted_m[predicted]
     total = len(pressed)
+    # The first prediction is the tool: a proxy that is placed begins there.
     done, chunk = 0, _CHUNK if predicted_m is None else total
     while done < total:
         end = min(total, done + chunk)
         begin = trace.restart_before(done)
         asked = trace.contact[begin:end].copy()
-        asked[: done - begin] = False
+        asked[: done - begin] = False  # verified: only the features' past
         starts = trace.starts[(trace.starts >= begin) & (trace.starts < end)] - begin
         motion = pressed[begin:end]
         model_n = shaped(plan, motion, force(motion, starts, asked))
@@ -85,14 +86,15 @@ class _Stepper:
     def verify(self, pressed: Reals, model_n: Reals, begin: int, end: int) -> int:
         """Step through ticks begin .. end; correct `pressed`; return the first unverified tick.
 
-        model_n: force of those ticks on the prediction.
+        model_n: (ticks,), force on the prediction. Ticks after a wrong one are stepped too: their
+        motion is the next prediction.
         """
         verified = end
         for i in range(begin, end):
             proxy = self._coupled.proxy
             if self._tick(pressed, model_n[i - begin], i) and verified == end:
                 verified, at_proof = i, proxy
-        if verified < end:
+        if verified < end:  # the next pass steps that tick again, from the proxy before it
             self._coupled.proxy = at_proof
         return verified
 
@@ -105,6 +107,7 @@ class _Stepper:
             return False
         x, v = trace.position[i], trace.velocity[i]
         at = self._coupled.place(x, v)
+        # A NaN that was predicted is right: two of them are the same motion.
         wrong = bool(at != pressed[i]) and not (np.isnan(at) and np.isnan(pressed[i]))
         pressed[i] = at
         self._coupled.force(x, v, model_n)

@@ -60,7 +60,7 @@ def run_reference(
 
 
 def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bool_]]:
-    """`penetration` and `clipped` of sp_step, and where the depth was clipped."""
+    """`penetration` and `clipped` of sp_step, each (n,), m, and where the depth was clipped."""
     minimum = plan.dtype(0) if plan.contact else plan.range.min_m
     penetration = np.where(pressed > minimum, pressed, minimum)
     clipped, outside = clip(plan.range, penetration if plan.contact else pressed)
@@ -70,7 +70,7 @@ def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bo
 def _device_velocity(
     plan: Plan, velocity_mps: Reals | None, length: int
 ) -> tuple[Reals, NDArray[np.bool_]]:
-    """sp_guard_velocity.h: believable velocities, and where the last good one is held."""
+    """sp_guard_velocity.h: believable velocities, (n,), m/s, and where the last one is held."""
     if not plan.needs_device_velocity or velocity_mps is None:
         return np.zeros(length, dtype=plan.dtype), np.zeros(length, dtype=bool)
     velocity = np.asarray(velocity_mps, dtype=plan.dtype)

@@ -19,13 +19,13 @@ Notes = NDArray[np.int32]
 
 
 class Guarding:
-    """sp_guard.h."""
+    """sp_guard.h, over a run from a fresh state."""
 
     def __init__(self, config: GuardConfig) -> None:
         self._config = config
 
     def run(self, raw: Reals) -> tuple[Reals, Notes]:
-        """Positions that the tick may believe, and HELD or RESYNC for each."""
+        """Positions that the tick may believe, (n,), m, and HELD or RESYNC for each, (n,)."""
         jump_m = self._config.jump_m
         real = raw.dtype.type
         raw = np.where(np.abs(raw) < real(SMALLEST), real(0), raw)
@@ -59,7 +59,7 @@ class Guarding:
 
 
 def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
-    """sp_range_fade and sp_contact.h: the model's force at the border and at the surface, N."""
+    """sp_range_fade and sp_contact.h: the model's force at border and surface, (n,), N."""
     zero, one = model_n.dtype.type(0), model_n.dtype.type(1)
     if plan.per_fade is not None:
         beyond = _beyond(plan.range, pressed)
@@ -97,7 +97,10 @@ class OutputStage:
         held: NDArray[np.bool_],
         notes: Notes,
     ) -> Reals:
-        """Force of each tick, N; adds its notes to `notes`. pressed: where the model looks, m."""
+        """Force of each tick, (n,), N; adds its notes to `notes`.
+
+        position, velocity: of the tool, m, m/s. pressed: where the model looks, m. All are (n,).
+        """
         model_n = shaped(self._plan, pressed, model_n)
         force_n = np.zeros_like(model_n)
         for i in range(len(position)):
@@ -131,7 +134,7 @@ class OutputStage:
 
 
 class Coupled:
-    """sp_couple.h."""
+    """sp_couple.h: Algorithm 1, stepped exactly."""
 
     def __init__(self, config: CoupleConfig) -> None:
         self._config = config

@@ -40,10 +40,7 @@ class Stages(Protocol):
 
 
 def model_force(
-    stages: Stages,
-    motion: dict[str, Reals],
-    starts: Starts,
-    contact: NDArray[np.bool_],
+    stages: Stages, motion: dict[str, Reals], starts: Starts, contact: NDArray[np.bool_]
 ) -> Reals:
     """Force of the model's stages, (n,), N; 0 where there is no contact.
 

@@ -113,7 +113,7 @@ class PositionVelocityStage(FeatureStage):
 def position_velocity_stage(
     features: PositionVelocity, kept: Columns, dt_s: float, dtype: type[Any]
 ) -> PositionVelocityStage:
-    """Both features, whatever `kept` is: the radial basis functions on them take two."""
+    """Depth and its velocity, whichever of them are `kept`."""
     return PositionVelocityStage(velocity_stage(features, dt_s, dtype, "clipped"))
 
 
