@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet
     from springpot.trainer.recordings.recording import Recording
 
-WINDOWS = 3  # recordings shorter than this many windows cannot teach what the window holds
+WINDOWS = 3  # a recording shorter than this many windows shows too little of what they remember
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Kind:
     colour: str = "#444444"
 
     def function(self) -> Callable[..., "Fit"]:
-        """Load what fits it."""
+        """What `fit` names, loaded."""
         return _loaded(self.fit) if isinstance(self.fit, str) else self.fit
 
 
@@ -94,7 +94,7 @@ def fit_kind(
     options: "FitOptions",
     validation: "Sequence[Recording]" = (),
 ) -> "Fit":
-    """The same on recordings that are prepared: many fits on one set share what they can."""
+    """`fit_model` on a prepared set: many fits on one set share what they can."""
     from threadpoolctl import threadpool_limits
 
     if kind not in kind_names():

@@ -28,7 +28,7 @@ def recursive_bank(orders: tuple[float, ...], dt_s: float, longest_s: float) -> 
 
 
 def _weights(order: float, tau_s: Samples, omega: Samples) -> Samples:
-    """Non-negative weights w with sum of w s/(s + 1/tau) ~ s^r on s = j omega, relative error."""
+    """Weights w >= 0, (poles,), with sum of w s/(s + 1/tau) ~ s^r on s = j omega (relative)."""
     s = 1j * omega[:, None]
     system = s / (s + 1.0 / tau_s) / s**order
     wanted = np.concatenate([np.ones(len(omega)), np.zeros(len(omega))])

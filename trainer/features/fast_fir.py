@@ -12,9 +12,11 @@ _SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
 
 
 def fast_fir_bank(bank: FirBank) -> FastFirBank:
-    """Fit the sums of taps C_k of all orders with shared poles, by least squares.
+    """Fit the running sums C_k of all orders' taps with shared poles, by least squares.
 
-    The poles are log-spaced; their ends are those of a few that give the lowest error.
+    By parts, sum of c_k x(t-k) = sum of C_k (x(t-k) - x(t-k-1)) + C_last x(oldest): the C_k fall
+    smoothly with age, as sums of exponentials do. The poles are log-spaced; their ends
+    are those of a few that give the lowest error.
     """
     length = len(bank.taps)
     candidates = [
@@ -29,6 +31,7 @@ def _fitted(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
     length = len(bank.taps)
     sums = np.cumsum(bank.taps, axis=0)
     age = np.arange(length - 1 - DIRECT)
+    # Rows over their mean: without it the newest sums, the largest, would count most.
     scale = sums[DIRECT : length - 1].mean(axis=1, keepdims=True)
     poles, *_ = np.linalg.lstsq(
         np.exp(-age[:, None] / tau_ticks) / scale, sums[DIRECT : length - 1] / scale, rcond=1e-10
@@ -38,7 +41,7 @@ def _fitted(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
 
 
 def equivalent_taps(fast: FastFirBank) -> Samples:
-    """Taps of the same filter, shape (length, orders)."""
+    """Taps of the same filter, shape (length, orders): differences of its running sums."""
     n_direct = len(fast.weights) - len(fast.tau_ticks) - 1
     age = np.arange(fast.length - 1 - n_direct)
     tail = np.exp(-age[:, None] / fast.tau_ticks) @ fast.weights[n_direct:-1]
@@ -47,7 +50,7 @@ def equivalent_taps(fast: FastFirBank) -> Samples:
 
 
 def imitation_error(bank: FirBank, fast: FastFirBank) -> float:
-    """Maximum error of an order's response, relative RMS over slow to fast sines.
+    """Maximum over the orders of the relative RMS error of the response to slow and fast sines.
 
     Frequencies are log-spaced from one period in ten windows to a tenth of the sample rate.
     """

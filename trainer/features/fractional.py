@@ -8,7 +8,7 @@ from springpot.codegen.arrays import Samples
 
 
 def gl_weights(order: float, length: int) -> Samples:
-    """Grünwald-Letnikov weights c_k h^r: (-1)^k binomial(order, k), k = 0 .. length - 1.
+    """Grünwald-Letnikov weights c_k h^r, (length,): (-1)^k binomial(order, k) from k = 0 on.
 
     By the recurrence c_k = c_(k-1) (k - 1 - r)/k, which overflows at no length (the gamma
     functions of the paper's equation (15) do from k = 171 on). Raises ValueError where the order

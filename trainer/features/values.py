@@ -44,7 +44,7 @@ def _fast_fir_values(bank: FastFirBank, depth_m: Samples, dt_s: float, rows: Ind
 
 @feature_values.register
 def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    """Weighted states of the poles."""
+    """States of the poles times their weights, (rows, orders), m/s^r."""
     values = np.zeros((len(rows), len(bank.orders)))
     for tau_s, weights in zip(bank.tau_s, bank.weights, strict=True):
         values += highpass(depth_m, float(tau_s), dt_s)[rows, None] * weights
@@ -52,7 +52,7 @@ def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: I
 
 
 def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
-    """State h of a pole: h' = x' - h/tau, x linear within each step, at rest before the first."""
+    """State h of a pole, (n,): h' = x' - h/tau, x linear within a step and at rest before."""
     loss, gain = loss_and_gain(np.array([tau_s]), dt_s)
     rises = np.diff(values, prepend=values[:1])
     filtered: Samples = lfilter([gain[0]], [1.0, loss[0] - 1.0], rises)

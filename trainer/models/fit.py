@@ -29,7 +29,7 @@ class FitOptions:
     fraction: share of rows. window_s: length of the filters. trees, leaf: of forests.
     centers: number and choice of radial basis functions. select: how orders are chosen.
     engine: of the fractional filters; by default taps, and exponentials where the window is long.
-    round_features: trees are fitted on features in whole steps of 16 bits.
+    round_features: trees are fitted on features quantised to 16 bits.
     orders: fractional orders; the paper's ten by default.
     poles: time constants that hammerstein, and every kind's passive part, may use.
     within: the smallest forest whose error is at most this share above that of the one asked for.

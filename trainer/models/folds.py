@@ -38,8 +38,8 @@ def recording_folds(data: TrainingSet, rows: Indices, seed: int) -> Folds:
 def condition_numbers(data: TrainingSet, seed: int) -> tuple[Indices, tuple[int, ...]]:
     """Recordings clustered on range and speed: each one's cluster, shape (n,), and those to test.
 
-    The cluster with the maximum force is never held out: that measures extrapolation only. None
-    is where there are fewer than three recordings.
+    The cluster with the maximum force is never held out, because that measures extrapolation
+    only; with fewer than three recordings none is.
     """
     n = len(data.recordings)
     if n < 3:
@@ -61,7 +61,7 @@ def condition_numbers(data: TrainingSet, seed: int) -> tuple[Indices, tuple[int,
 
 
 def condition_folds(data: TrainingSet, rows: Indices, seed: int) -> Folds | None:
-    """The same for rows; None where no cluster can be held out."""
+    """Folds of rows by `condition_numbers`; None where no cluster can be held out."""
     number, tested = condition_numbers(data, seed)
     return Folds(number[data.owner(rows)], tested) if tested else None
 

@@ -12,8 +12,8 @@ from springpot.codegen.model.regressors import Forest
 from springpot.trainer.models.tree_ir import boosted_ir, forest_ir
 
 # The paper gives neither. With a third of the features at a split, leaves follow features that lag
-# behind the force, and the forest gave energy back in up to 15 of 30 small-signal cells; with all
-# of them in none. Few rows a tree make up for the time and halve the nodes
+# behind the force, and up to 15 of 30 small-signal cells of the forest were not passive; with
+# all of them none. Few rows a tree make up for the time and halve the nodes
 # (tests/bench/tree_evidence.py).
 FEATURES_AT_SPLIT = 1.0
 ROWS_OF_A_TREE = 0.35
@@ -41,14 +41,14 @@ def random_forest(trees: int, leaf: int, seed: int) -> Any:
 
 
 def fitted_forest(trees: int, leaf: int, seed: int, values: Samples, force_n: Samples) -> Any:
-    """The same, fitted; it predicts in one thread, which adds up trees in the same order always."""
+    """`random_forest`, fitted; it predicts in one thread, which always sums trees in one order."""
     return random_forest(trees, leaf, seed).fit(values, force_n).set_params(n_jobs=1)
 
 
 def fit_forest(
     features: Samples, force_n: Samples, scale: float, trees: int, leaf: int, seed: int
 ) -> tuple[Forest, NDArray[np.float64]]:
-    """Random forest on scaled features; returns it unscaled, and each feature's importance."""
+    """Random forest on scaled features, unscaled, and each feature's importance, (features,)."""
     regressor = fitted_forest(trees, leaf, seed, (scale * features).astype(np.float32), force_n)
     return unscaled(forest_ir(regressor), scale), regressor.feature_importances_
 
@@ -59,7 +59,7 @@ def boosted_forest(
     """Gradient-boosted trees of depth 4; monotone: force never falls as a derivative rises.
 
     By default so for the upper half of the orders only: they lead the motion, and a force that
-    falls as they rise gives energy back (tests/bench/tree_evidence.py).
+    falls as they rise yields energy (tests/bench/tree_evidence.py).
     """
     n = features.shape[1]
     regressor = HistGradientBoostingRegressor(
@@ -87,13 +87,4 @@ def ensemble_ir(regressor: Any) -> Forest:
 
 def unscaled(forest: Forest, scale: float) -> Forest:
     """Fold a power-of-two scale of the features back into the thresholds, exactly."""
-    return Forest(
-        feature=forest.feature,
-        threshold=forest.threshold / scale,
-        left=forest.left,
-        right=forest.right,
-        value_n=forest.value_n,
-        roots=forest.roots,
-        weight=forest.weight,
-        bias_n=forest.bias_n,
-    )
+    return forest.on_scaled(scale)

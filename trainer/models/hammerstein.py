@@ -34,9 +34,8 @@ MAX_LAG = 8192  # samples: a ring of 32 kB in float32
 
 
 def term_columns(terms: Terms, data: TrainingSet, rows: np.ndarray) -> Samples:
-    """Values of all terms at rows of all recordings."""
-    parts = zip(data.depths_m, data.split(rows), strict=True)
-    return np.concatenate([columns(terms, depth, data.dt_s, local) for depth, local in parts])
+    """Values of all terms at rows of all recordings, (rows, terms)."""
+    return data.along(rows, lambda depth, at: columns(terms, depth, data.dt_s, at))
 
 
 BasisChoice = tuple[Basis, bool]  # basis, and whether a bias is fitted
@@ -59,7 +58,7 @@ def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, in
 def _timed_passive(
     data: TrainingSet, options: FitOptions
 ) -> tuple[tuple[Hammerstein, int, float], float]:
-    """The same and its seconds; once for the options that decide it."""
+    """`fit_passive` and its seconds, once for the options that decide it."""
     key = ("passive", options.fraction, options.seed, options.poles)
     return data.once(key, lambda: _fit_passive(data, options))
 
@@ -86,11 +85,8 @@ def fit_hammerstein(
     """Kind `hammerstein`: 15 to 100 numbers, passive in the large."""
     fitted, fit_s = _timed_passive(data, options)
     passive, rows, error = fitted
-    metadata = {
-        "n_parameters": parameter_count(passive),
-        "cv_rmse_n": error,
-        "basis": passive.basis,
-    }
+    n_parameters = parameter_count(passive)
+    metadata = {"n_parameters": n_parameters, "cv_rmse_n": error, "basis": passive.basis}
     model = assemble(
         "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
     )
@@ -141,11 +137,8 @@ def fit_hybrid(
 
 
 def passive_force(passive: Hammerstein, data: TrainingSet, rows: np.ndarray) -> Samples:
-    """Its force at rows of all recordings, N."""
-    parts = zip(data.depths_m, data.split(rows), strict=True)
-    return np.concatenate(
-        [hammerstein_force(passive, depth, data.dt_s, local) for depth, local in parts]
-    )
+    """Force of the passive model at rows of all recordings, (rows,), N."""
+    return data.along(rows, lambda depth, at: hammerstein_force(passive, depth, data.dt_s, at))
 
 
 def _fold_equations(values: Samples, force_n: Samples, folds: Folds) -> list[Normal]:

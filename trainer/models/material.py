@@ -35,12 +35,12 @@ class Law:
         return float((self.coefficient / self.stiffness_npm) ** (1.0 / self.order))
 
     def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
-        """Storage (real) and loss (imaginary) stiffness of a small sine, N/m."""
+        """Storage (real) and loss (imaginary) stiffness of a small sine, (n,), N/m."""
         s = 2j * np.pi * np.asarray(frequency_hz, dtype=np.float64)
         return (self.stiffness_npm + self.coefficient * s**self.order).astype(np.complex128)
 
     def relaxing_npm(self, time_s: Samples) -> Samples:
-        """Force after a step of unit depth, N/m."""
+        """Force after a step of unit depth, (n,), N/m."""
         times = np.asarray(time_s, dtype=np.float64)
         falling: Samples = self.coefficient * times**-self.order / gamma(1.0 - self.order)
         return self.stiffness_npm + falling
@@ -48,7 +48,10 @@ class Law:
 
 @dataclass(frozen=True, eq=False)
 class Prony:
-    """The same law as the C serves it: a spring and Maxwell branches, N/m, fast first."""
+    """The same law as the C has it: a spring and Maxwell branches, N/m, fast first.
+
+    tau_s, branch_npm: (branches,).
+    """
 
     long_term_npm: float
     tau_s: Samples
@@ -56,11 +59,11 @@ class Prony:
 
     @property
     def instant_npm(self) -> float:
-        """Stiffness of an instant step."""
+        """Stiffness of an instant step, N/m."""
         return self.long_term_npm + float(self.branch_npm.sum())
 
     def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
-        """Storage (real) and loss (imaginary) stiffness of a small sine, N/m."""
+        """As `Law.dynamic_npm`."""
         s = 2j * np.pi * np.asarray(frequency_hz, dtype=np.float64)[:, None] * self.tau_s
         stiffness: NDArray[np.complex128] = self.long_term_npm + (
             self.branch_npm * s / (1.0 + s)

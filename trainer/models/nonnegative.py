@@ -14,7 +14,7 @@ _RIDGE = 1e-10  # of the mean diagonal: keeps the factor of nearly equal columns
 
 @dataclass(frozen=True, eq=False)
 class Normal:
-    """Normal equations of rows A w = y: A'A, A'y, y'y, and the number of rows."""
+    """Normal equations of rows A w = y: A'A, (terms, terms), A'y, (terms,), y'y, number of rows."""
 
     matrix: Samples
     vector: Samples
@@ -30,8 +30,13 @@ class Normal:
         )
 
     def solve(self, active: NDArray[np.bool_] | None = None) -> Samples:
-        """Weights >= 0 of lowest error; 0 for terms that are not active."""
+        """Weights >= 0 of lowest error, (terms,); 0 for terms that are not active.
+
+        With A'A = L L', |A w - y|^2 is |L'w - L^-1 A'y|^2 and a constant: a system as small as the
+        terms are few, whatever the number of rows.
+        """
         chosen = np.ones(len(self.vector), dtype=bool) if active is None else active
+        # Columns scaled to length 1, so that the ridge is the same share of each.
         size = np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
         scaled = self.matrix / np.outer(size, size)
         scaled = scaled[np.ix_(chosen, chosen)]
@@ -43,22 +48,25 @@ class Normal:
         return result
 
     def error(self, weights: Samples) -> float:
-        """Sum of squared errors of weights on these rows."""
+        """Sum of squared errors of weights on these rows; never below 0 by rounding."""
         crossed = float(weights @ self.vector)
         return max(self.square - 2.0 * crossed + float(weights @ self.matrix @ weights), 0.0)
 
     def rmse(self, weights: Samples) -> float:
-        """RMSE of weights on these rows."""
         return float(np.sqrt(self.error(weights) / self.rows))
 
 
 def normal_equations(columns: Samples, target: Samples) -> Normal:
-    """Normal equations of rows."""
+    """Normal equations of columns (rows, terms) and a target (rows,): they add up over rows."""
     return Normal(columns.T @ columns, columns.T @ target, float(target @ target), len(target))
 
 
 def sparse_solve(normal: Normal, loss: float) -> Samples:
-    """Weights >= 0 with as few terms as keep the RMSE within a share `loss` of the best."""
+    """Weights >= 0 with few terms, (terms,): the RMSE stays within a share `loss` of the lowest.
+
+    Backward elimination: of the terms that contribute least, the one whose loss hurts least goes,
+    the others are fitted again, and so on. The limit is that of the full fit: losses do not add up.
+    """
     best = normal.solve()
     limit = (1.0 + loss) * normal.rmse(best)
     size = np.sqrt(np.maximum(np.diag(normal.matrix), 0.0))

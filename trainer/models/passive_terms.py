@@ -34,20 +34,16 @@ class Terms:
 
     @property
     def n_basis(self) -> int:
-        """Functions of the basis."""
         return BASIS_SIZE[self.basis]
 
     @property
     def count(self) -> int:
-        """Columns."""
         blocks = 1 + len(self.tau_s) + len(self.radius_m)
         return self.n_basis * blocks + 2 * self.bias
 
 
 def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = PASSIVE_POLES) -> Terms:
-    """Twelve poles, or as many as asked for, from two samples to the longest recording,
-    and four radii.
-    """
+    """Four radii, and `poles` time constants from two samples to the longest recording."""
     trained = data.trained
     span_m = trained.max_m - trained.min_m
     tau_s = np.geomspace(2.0 * data.dt_s, max(data.longest_s, 4.0 * data.dt_s), poles)
@@ -83,7 +79,7 @@ def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Indices) -> Sampl
 
 
 def play(u: Samples, radius: float) -> Samples:
-    """Play operator of one radius, from rest at the first sample."""
+    """Play operator of one radius, (n,), from rest at the first sample."""
     out = np.empty_like(u)
     p = float(u[0])
     for begin in range(0, len(u), _CHUNK):
@@ -94,7 +90,7 @@ def play(u: Samples, radius: float) -> Samples:
 
 
 def hammerstein_force(model: Hammerstein, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    """Force of a fitted model along one recording, at rows, N, in float64."""
+    """Force of a fitted model at rows of one recording, (rows,), N, in float64."""
     terms, weights = _terms_and_weights(model)
     force_n: Samples = columns(terms, depth_m, dt_s, rows) @ weights
     return force_n

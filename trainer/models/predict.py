@@ -20,13 +20,13 @@ from springpot.trainer.recordings.recording import Recording
 
 
 def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -> Samples:
-    """Force of the model along a recording's positions, N; at all samples, or at `rows` of it."""
+    """Force along a recording's positions, (n,), N; or at `rows` of them, (rows,)."""
     rows = np.arange(len(recording.position_m)) if rows is None else rows
     return predict_each_n(model, [(recording, rows)])
 
 
 def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> Samples:
-    """The same at rows of several recordings, end to end: a forest's table is made once."""
+    """Force at rows of several recordings, end to end, N: a forest's table is made once."""
     depths = [(depth_m(recording, model.contact), rows) for recording, rows in pieces]
     force_n = np.zeros(sum(len(rows) for _, rows in pieces))
     if model.features is not None and model.regressor is not None:

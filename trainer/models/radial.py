@@ -30,7 +30,7 @@ class Standard:
 
 
 def standard(features: Samples) -> Standard:
-    """Standardisation of these rows."""
+    """Mean, deviation and extremes of each column of features (n, features)."""
     scale = features.std(axis=0)
     return Standard(
         mean=features.mean(axis=0),
@@ -49,7 +49,7 @@ def kernel(z: Samples, centers: Samples) -> Samples:
 
 
 def farthest_points(z: Samples, count: int) -> NDArray[np.intp]:
-    """Rows of `count` points, each the farthest from those before it."""
+    """Rows of at most `count` points, (centers,), each the farthest from those before it."""
     chosen = [int(np.argmax(np.square(z).sum(axis=1)))]
     distance = np.square(z - z[chosen[0]]).sum(axis=1)
     while len(chosen) < min(count, len(z)) and distance.max() > 0.0:
@@ -59,7 +59,7 @@ def farthest_points(z: Samples, count: int) -> NDArray[np.intp]:
 
 
 def greedy_points(z: Samples, force_n: Samples, count: int) -> NDArray[np.intp]:
-    """Rows of `count` centers, each the one that lowers the error most ([17]).
+    """Rows of at most `count` centers, (centers,), each the one that lowers the error most ([17]).
 
     Orthogonal least squares over at most 500 candidates, spread by farthest point.
     """
@@ -84,7 +84,7 @@ def greedy_points(z: Samples, force_n: Samples, count: int) -> NDArray[np.intp]:
 
 
 def solve(system: Samples, force_n: Samples) -> tuple[Samples, float]:
-    """Least-squares weights and the condition number; regularised where that is bad."""
+    """Least-squares weights, (columns,), and the condition number; regularised if bad."""
     size = np.sqrt(np.square(system).sum(axis=0))
     left, singular, right = np.linalg.svd(system / size, full_matrices=False)
     condition = float(singular[0] / max(singular[-1], 1e-300))
@@ -117,7 +117,7 @@ def fit_rbf(
 
 
 def rbf_force(rbf: Rbf, features: Samples) -> Samples:
-    """Force at rows of features, N, in float64."""
+    """Force at rows of features (n, features), (n,), N, in float64."""
     scaling = Standard(rbf.mean, rbf.scale, rbf.feature_min, rbf.feature_max)
     system = kernel(scaling(features), rbf.centers)
     force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])

@@ -73,7 +73,7 @@ def history_features(dt_s: float, window_s: float | None) -> Lags:
 def fit_rf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """The paper's forest."""
+    """Kind `rf-fd`: the paper's forest on fractional derivatives (section IV-B)."""
     return _fit("rf-fd", name, data, options, _asked_features(data, options))
 
 

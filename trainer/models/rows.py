@@ -11,7 +11,7 @@ MAX_ROWS = 50_000
 def choose_rows(
     rows_total: int, fraction: float | None, rng: np.random.Generator
 ) -> NDArray[np.intp]:
-    """Rows to fit on, ascending, without repetition.
+    """Rows to fit on, (rows,), ascending, without repetition.
 
     fraction None: the paper's 0.2 from 20 000 rows on, all of them below; never more than 50 000.
     """

@@ -39,9 +39,7 @@ def fit_springpot(
     """Least squares on the three numbers; intervals by leaving out tenths of the rows in turn."""
     begin = time.perf_counter()
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
-    depth_m = np.concatenate(
-        [d[local] for d, local in zip(data.depths_m, data.split(rows), strict=True)]
-    ) - data.trained.min_m  # fmt: skip
+    depth_m = data.along(rows, lambda depth, at: depth[at]) - data.trained.min_m
     force_n = data.force_n(rows)
     solid = _fit(data, rows, depth_m, force_n, np.ones(len(rows), dtype=bool), _ORDERS)
     group = np.arange(len(rows)) * _GROUPS // len(rows)
@@ -84,15 +82,10 @@ def _fit(
     used: NDArray[np.bool_],
     orders: tuple[float, float],
 ) -> Solid:
-    local_rows = data.split(rows)
-
     def solved(order: float) -> tuple[Samples, float]:
-        # Exact, not by the poles that serve it: their ripple shifts the order by 0.03.
-        derivative = np.concatenate(
-            [
-                caputo_derivative(depth, float(order), data.dt_s)[local]
-                for depth, local in zip(data.depths_m, local_rows, strict=True)
-            ]
+        # Exact, not by the poles that render it: their ripple shifts the order by 0.03.
+        derivative = data.along(
+            rows, lambda depth, at: caputo_derivative(depth, float(order), data.dt_s)[at]
         )
         system = np.stack([depth_m, derivative], axis=1)[used]
         weights, residual = nnls(system, force_n[used])

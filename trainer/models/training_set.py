@@ -47,12 +47,11 @@ class TrainingSet:
 
     @cached_property
     def bounds(self) -> NDArray[np.intp]:
-        """First row of each recording, and the number of all rows."""
+        """First row of each recording, and the number of all rows: (recordings + 1,)."""
         return np.concatenate([[0], np.cumsum([len(depth) for depth in self.depths_m])])
 
     @property
     def rows_total(self) -> int:
-        """Samples of all recordings."""
         return int(self.bounds[-1])
 
     @property
@@ -61,7 +60,7 @@ class TrainingSet:
         return max(len(depth) for depth in self.depths_m) * self.dt_s
 
     def rows(self, fraction: float | None, seed: int) -> NDArray[np.intp]:
-        """Rows of a fit; fraction as in `choose_rows`."""
+        """Rows of a fit, ascending, (rows,); fraction as in `choose_rows`."""
         return choose_rows(self.rows_total, fraction, np.random.default_rng(seed))
 
     def many_rows(self) -> NDArray[np.intp]:
@@ -70,16 +69,20 @@ class TrainingSet:
         return np.linspace(0, self.rows_total - 1, count).astype(np.intp)
 
     def force_n(self, rows: NDArray[np.intp]) -> Samples:
-        """Measured force at rows, N."""
+        """Measured force at rows, (rows,), N."""
         forces = [recording.force_n for recording in self.recordings]
         return np.concatenate([f[local] for f, local in zip(forces, self.split(rows), strict=True)])
 
     def features(self, features: Features, rows: NDArray[np.intp]) -> Samples:
         """Features at rows, shape (rows, features)."""
+        return self.along(rows, lambda depth, at: feature_values(features, depth, self.dt_s, at))
+
+    def along(
+        self, rows: NDArray[np.intp], values: Callable[[Samples, NDArray[np.intp]], Samples]
+    ) -> Samples:
+        """`values` of each recording's depths, (n,), m, at its rows; all of them end to end."""
         parts = zip(self.depths_m, self.split(rows), strict=True)
-        return np.concatenate(
-            [feature_values(features, depth, self.dt_s, local) for depth, local in parts]
-        )
+        return np.concatenate([values(depth, local) for depth, local in parts])
 
     def split(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
         """Rows (ascending) of each recording, counted from its first sample."""
@@ -90,7 +93,7 @@ class TrainingSet:
         ]
 
     def owner(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
-        """Recording of each row."""
+        """Index of the recording of each row, (rows,)."""
         return np.searchsorted(self.bounds, rows, side="right") - 1
 
 
@@ -141,7 +144,7 @@ def contact_of(recordings: Sequence[Recording]) -> Contact:
 
 
 def depth_m(recording: Recording, contact: Contact) -> Samples:
-    """Positions as the model sees them: those above the surface count as 0."""
+    """Positions as the model sees them, (n,), m: those above the surface count as 0."""
     if contact == "always":
         return recording.position_m
     return np.maximum(recording.position_m, 0.0)

@@ -39,11 +39,7 @@ def estimate_skew(cycles: Sequence[Cycles]) -> Skew | None:
     if len(cycles) < _MIN_POINTS or frequencies.max() < _MIN_SPAN * frequencies.min():
         return None
     logs = np.log(frequencies / np.median(frequencies))
-    columns = [
-        np.ones(len(cycles)),
-        logs,
-        np.array([c.skew_rad_per_s for c in cycles]),
-    ]
+    columns = [np.ones(len(cycles)), logs, np.array([c.skew_rad_per_s for c in cycles])]
     amplitudes = np.log([c.amplitude_m for c in cycles])
     if np.ptp(amplitudes) > 0.2:
         columns.append(amplitudes)
@@ -56,7 +52,7 @@ def estimate_skew(cycles: Sequence[Cycles]) -> Skew | None:
     variance = float(np.sum((lead - design @ found) ** 2)) / freedom
     covariance = variance * np.linalg.inv(design.T @ design)
     statistical_s = _student_95(freedom) * float(np.sqrt(covariance[2, 2]))
-    # What a loss angle with that much curvature would feign.
+    # The delay that a loss angle with that much curvature looks like.
     model_s = _CURVATURE * abs(float(np.linalg.lstsq(design, logs**2, rcond=None)[0][2]))
     return Skew(float(found[2]), float(np.hypot(statistical_s, model_s)))
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording import Recording
 
@@ -17,7 +18,7 @@ _HIGHER = 3.0  # times the threshold: the slope behind the surface is taken up t
 
 @dataclass(frozen=True)
 class ContactPoint:
-    """Surface: its position, +- what steps, passes and the way back from the threshold leave open.
+    """Surface: its position, +- what sampling, several presses and the threshold leave open.
 
     tare_n: force without contact; threshold_n: force above it that counts as contact.
     """
@@ -41,6 +42,7 @@ def find_contact(
     if travel_m == 0.0 or len(free_n) < 3:
         raise DataError(f"{recording.name}: moves too little to show where contact begins")
     base_n = float(np.median(free_n)) if tare_n is None else tare_n
+    # The median deviation, as a standard deviation: a few samples in contact do not raise it.
     noise_n = 1.4826 * float(np.median(np.abs(free_n - np.median(free_n))))
     peak_n = float(force_n.max()) - base_n
     wanted_n = threshold_n
@@ -63,11 +65,13 @@ def find_contact(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
             "position), so the surface cannot be found: import with --zero first or min"
         )
+    # The median over presses, half their range, and at least half a usual step of the position.
     surface_m = float(np.median(found_m))
     doubt_m = float(np.ptp(found_m)) / 2 if len(found_m) > 1 else 0.0
     doubt_m = max(doubt_m, float(np.median(np.abs(np.diff(position_m)))) / 2)
     if wanted_n is None:
-        # Force passed the threshold behind the surface: go back along the slope found there.
+        # Force passes the threshold behind the surface: back along the line through it and through
+        # three times it. A threshold that was stated defines the surface: nothing to go back.
         deeper_m = _passes(position_m, force_n, base_n + _HIGHER * threshold_n)
         slope_m = float(np.median(deeper_m)) - surface_m if len(deeper_m) else 0.0
         back_m = max(0.0, slope_m / (_HIGHER - 1.0))
@@ -75,11 +79,7 @@ def find_contact(
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
 
 
-def _slope_npm(
-    position_m: np.ndarray[tuple[int], np.dtype[np.float64]],
-    force_n: np.ndarray[tuple[int], np.dtype[np.float64]],
-    below_m: float,
-) -> float:
+def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
     """Slope of force at the lowest positions, N/m: none where nothing is touched."""
     low = position_m <= below_m
     off_m = position_m[low] - position_m[low].mean()
@@ -87,19 +87,15 @@ def _slope_npm(
     return float(off_m @ force_n[low]) / spread if spread else 0.0
 
 
-def _passes(
-    position_m: np.ndarray[tuple[int], np.dtype[np.float64]],
-    force_n: np.ndarray[tuple[int], np.dtype[np.float64]],
-    level_n: float,
-) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Positions at which force rises through a level for good, one a press, interpolated."""
+def _passes(position_m: Samples, force_n: Samples, level_n: float) -> Samples:
+    """Positions at which force rises through a level for good, (presses,), m, interpolated."""
     above = force_n > level_n
     rises = np.flatnonzero(~above[:-1] & above[1:])
     deep_m = position_m.min() + 0.5 * np.ptp(position_m)
     found: list[float] = []
     for k, begin in enumerate(rises):
         end = rises[k + 1] if k + 1 < len(rises) else len(position_m) - 1
-        # A crossing by noise does not lead into the object.
+        # A crossing by noise does not lead half the way into the object.
         if position_m[begin : end + 1].max() < deep_m:
             continue
         share = (level_n - force_n[begin]) / (force_n[begin + 1] - force_n[begin])

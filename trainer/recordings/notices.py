@@ -1,4 +1,4 @@
-"""Lines that a reader says beside its result: what was recovered, left out, assumed."""
+"""Lines beside the result of a reader: what was recovered, left out, assumed."""
 
 import sys
 

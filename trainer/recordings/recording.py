@@ -66,7 +66,6 @@ class Recording:
 
     @property
     def rate_hz(self) -> float:
-        """Samples a second."""
         return 1.0 / self.dt_s
 
     @property

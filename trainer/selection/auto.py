@@ -68,7 +68,7 @@ def fit_auto(
 
 
 def choose_score(scores: list[Score], peak_n: float) -> Score:
-    """The cheapest of those within half a per cent of the lowest error, or of a felt nothing."""
+    """The cheapest of those within half a per cent of the lowest error, or within what is felt."""
     minimum = min(score.mean_n for score in scores)
     most = max(_ERROR_TOLERANCE * minimum, minimum + FORCE_TOLERANCE * peak_n)
     near = [score for score in scores if score.mean_n <= most]

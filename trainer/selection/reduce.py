@@ -1,6 +1,6 @@
 """The smallest forest whose cross-validated error is within a given loss of the one asked for.
 
-What costs no error is taken first: features in 16-bit steps, which need no thresholds, and the
+What costs no error is taken first: 16-bit features, which need no thresholds, and the
 window by exponentials. Then larger leaves, fewer trees and fewer orders are tried.
 """
 

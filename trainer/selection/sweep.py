@@ -21,7 +21,7 @@ class Candidate:
     number: Number = "float32"
 
     def named_options(self) -> dict[str, Any]:
-        """The options that are not the default's."""
+        """Options that differ from the defaults."""
         plain = FitOptions()
         named = {
             field.name: getattr(self.options, field.name)

@@ -75,13 +75,8 @@ def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[R
 def _load(path: Path, kind: str) -> list[_Array]:
     if kind == "mat" and find_spec("scipy") is None:
         raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
-    command = [
-        sys.executable,
-        "-m",
-        "springpot.trainer.recordings.formats.array_process",
-        str(path),
-        kind,
-    ]
+    module = "springpot.trainer.recordings.formats.array_process"
+    command = [sys.executable, "-m", module, str(path), kind]
     try:
         result = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
     except subprocess.TimeoutExpired:

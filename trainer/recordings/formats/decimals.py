@@ -30,7 +30,7 @@ def is_comma_number(cell: str) -> bool:
 
 
 def decimal_mark(where: str, found: Iterable[tuple[int, str]]) -> DecimalMark:
-    """Tell from cells of numbers, each with its row, whether their mark is a comma.
+    """Mark of decimals in cells of numbers, each with its row: a comma only where they show it.
 
     Raises DataError where every comma may as well separate thousands.
     """

@@ -194,7 +194,7 @@ def _numbers(path: Path, lines: list[tuple[int, str]], width: int) -> Table:
 
 
 def _details(where: str, block: _Block) -> dict[str, Any]:
-    """Carry what tells how far the samples can be trusted: the load cell's filter delays force."""
+    """Metadata that limit how far samples can be trusted: the load cell's filter delays force."""
     details: dict[str, Any] = {"block": block.kind}
     if block.kind == _SINUSOID:
         details["frequency_hz"] = _value(where, block.parameters, _FREQUENCY)

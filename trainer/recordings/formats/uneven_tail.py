@@ -1,6 +1,6 @@
 """Files whose last rows are out of step: machines end a test between two samples, or otherwise.
 
-Rows in step stay as they are, those behind are interpolated onto the same steps, and it is said.
+Rows in step stay as they are, those after are interpolated onto the same steps and reported.
 """
 
 from typing import Any
@@ -34,7 +34,7 @@ def last_even_sample(time_s: Samples, slack_s: float, digit_s: float) -> int | N
 
 
 def tail_grid(time_s: Samples, last_even: int) -> tuple[Samples, dict[str, Any]]:
-    """Even time stamps to the end, s, and what people are told of it."""
+    """Even time stamps to the end, (samples,), s, and the metadata of what was done."""
     begin_s, end_s = float(time_s[0]), float(time_s[-1])
     step_s = (float(time_s[last_even]) - begin_s) / last_even
     count = int((end_s - begin_s) / step_s + 1e-6) + 1
@@ -44,13 +44,13 @@ def tail_grid(time_s: Samples, last_even: int) -> tuple[Samples, dict[str, Any]]
 
 
 def on_grid(time_s: Samples, samples: Samples, grid_s: Samples, last_even: int) -> Samples:
-    """Keep the samples in step as they are; interpolate those behind."""
+    """Samples on the grid, (samples,): those in step as they are, those after interpolated."""
     behind = np.interp(grid_s[last_even + 1 :], time_s, samples)
     return np.concatenate((samples[: last_even + 1], behind))
 
 
 def tail_note(recording: Recording) -> str:
-    """Say what was done with an uneven end, or nothing."""
+    """Report what was done with an uneven end; empty where nothing was."""
     tail = recording.details["sampling"].get("tail")
     if not tail:
         return ""

@@ -15,37 +15,19 @@ _POUND_KG = 0.45359237  # international pound, exact by definition
 
 _FACTORS: dict[Quantity, dict[str, float]] = {
     "time": {
-        "s": 1.0,
-        "sec": 1.0,
-        "second": 1.0,
-        "seconds": 1.0,
-        "ms": 1e-3,
-        "us": 1e-6,
-        "ns": 1e-9,
-        "min": 60.0,
-        "h": 3600.0,
+        "s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9,
+        "min": 60.0, "h": 3600.0,
     },
     "position": {
-        "m": 1.0,
-        "cm": 1e-2,
-        "mm": 1e-3,
-        "um": 1e-6,
-        "micron": 1e-6,
-        "nm": 1e-9,
-        "in": 25.4e-3,
-        "inch": 25.4e-3,
+        "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "micron": 1e-6, "nm": 1e-9,
+        "in": 25.4e-3, "inch": 25.4e-3,
     },
     "force": {
-        "N": 1.0,
-        "kN": 1e3,
-        "mN": 1e-3,
-        "uN": 1e-6,
-        "gf": 1e-3 * _GRAVITY_MPS2,
-        "kgf": _GRAVITY_MPS2,
-        "lbf": _POUND_KG * _GRAVITY_MPS2,
+        "N": 1.0, "kN": 1e3, "mN": 1e-3, "uN": 1e-6, "gf": 1e-3 * _GRAVITY_MPS2,
+        "kgf": _GRAVITY_MPS2, "lbf": _POUND_KG * _GRAVITY_MPS2,
         "ozf": _POUND_KG / 16.0 * _GRAVITY_MPS2,
     },
-}
+}  # fmt: skip
 # "1e-3m" and "33 mm": what follows the number must not begin like one.
 _WITH_FACTOR = re.compile(
     r"(?P<factor>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)?\s*(?P<unit>[^\d\s.+-].*)?"

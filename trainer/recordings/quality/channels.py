@@ -121,7 +121,7 @@ def _excursion(other: Samples, channel: str) -> float:
 def _held(recording: Recording) -> Iterator[Finding]:
     """Look for both channels standing still exactly, and then catching up."""
     same = (np.diff(recording.position_m) == 0.0) & (np.diff(recording.force_n) == 0.0)
-    # Coarse channels at low speed repeat themselves honestly.
+    # Coarse channels repeat values at low speed, with no sample lost.
     for samples in (recording.position_m, recording.force_n):
         if quantisation_step(samples) is not None:
             return

@@ -44,6 +44,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
         return None
     position_m, force_n = _moving(recording.position_m, recording.force_n)
     frequency = _frequency(position_m)
+    # Fewer than 1.5 cycles: one closed press counts as a cycle of its own length.
     if frequency is None or frequency * len(position_m) < 1.5:
         if not _is_one_press(recording.position_m, recording.force_n):
             return None
@@ -62,6 +63,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
         return None  # a ramp, or several tones
     cycles = max(1, round(len(x) / period))
     energy_j = _loop(f, x) / cycles
+    # Linear force F cos(wt + lead) on X cos(wt) loses pi F X sin(lead) a cycle.
     reference_j = np.pi * abs(x1) * abs(f1)
     # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
     slope = -_loop(np.gradient(f), x) / cycles / recording.dt_s / reference_j
@@ -80,7 +82,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
 
 
 def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
-    """Cut rests at both ends: test rigs wait before and behind their cycles."""
+    """Cut rests at both ends: test rigs wait before and after their cycles."""
     moved = np.flatnonzero(np.abs(np.diff(position_m)) > 2e-3 * np.ptp(position_m))
     slow = np.flatnonzero(np.abs(position_m - position_m[0]) > 0.02 * np.ptp(position_m))
     begin = int(slow[0]) if len(slow) else 0
@@ -111,8 +113,9 @@ def _frequency(position_m: Samples) -> float | None:
     n = len(position_m)
     centred = position_m - position_m.mean()
     spectrum = np.abs(np.fft.rfft(centred * np.hanning(n), 4 * n))
-    peak = int(np.argmax(spectrum[2:])) + 2
+    peak = int(np.argmax(spectrum[2:])) + 2  # from half a cycle a recording on
     low, high = (peak - 4) / (4 * n), (peak + 4) / (4 * n)
+    # At least 2000 samples, or 16 a cycle, are plenty for one tone; it is fitted 33 times.
     step = max(1, min(n // 2000, int(4 * n / peak) // 16))
     thin, time = centred[::step], np.arange(n)[::step]
     tried = np.linspace(max(low, 0.2 / n), high, 11)
@@ -126,6 +129,7 @@ def _frequency(position_m: Samples) -> float | None:
 
 
 def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
+    """Mean, drift, and cosine and sine of each harmonic, (n, 2 + 2 harmonics)."""
     drift = np.linspace(-1.0, 1.0, len(phase))
     tones = [g(k * phase) for k in range(1, harmonics + 1) for g in (np.cos, np.sin)]
     return np.stack([np.ones(len(phase)), drift, *tones], axis=1)
@@ -140,13 +144,13 @@ def _residual(samples: Samples, phase: Samples) -> float:
 
 
 def _tone(samples: Samples, phase: Samples) -> complex:
-    """Complex amplitude of the fundamental, harmonics and drift fitted beside it."""
+    """Complex amplitude A of the fundamental, Re(A e^(j phase)), harmonics and drift beside it."""
     found = np.linalg.lstsq(_basis(phase, _HARMONICS), samples, rcond=None)[0]
     return complex(found[2], -found[3])
 
 
 def _loop(f: Samples, x: Samples) -> float:
-    """Integral of f dx by trapezoids: held samples would give energy even with a spring."""
+    """Integral of f dx by trapezoids: 0 over a closed loop of a spring, unlike rectangles."""
     return float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
 
 
@@ -165,7 +169,8 @@ def _repeat(
         for samples in (force_n, position_m)
     )
     share = at % 1.0
-    smoothed = float(np.sqrt(np.mean(share**2 + (1.0 - share) ** 2)))  # of white noise, left over
+    # Interpolating between two samples averages them: so much of white noise is left over.
+    smoothed = float(np.sqrt(np.mean(share**2 + (1.0 - share) ** 2)))
     means = force.mean(axis=1)
     noise_n = noise_floor_n(position, force - means[:, None]) / smoothed
     return noise_n, float(means[-1] - means[0])
@@ -182,4 +187,5 @@ def noise_floor_n(position_m: NDArray[np.float64], force_n: NDArray[np.float64])
     off_m = position_m - position_m.mean(axis=0)
     motion = np.stack((off_m.ravel(), np.gradient(off_m, axis=1).ravel()), axis=1)
     left_n = off_n - motion @ np.linalg.lstsq(motion, off_n, rcond=None)[0]
+    # Deviations from the mean of few repeats are too small by this.
     return float(np.sqrt(np.mean(left_n**2) * count / (count - 1)))

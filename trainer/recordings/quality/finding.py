@@ -19,11 +19,9 @@ class Finding:
 
     @property
     def line(self) -> str:
-        """All of it in one line."""
         return f"{self.severity}: {self.where}: {self.what}: {self.so_what}; {self.to_do}"
 
     def metadata(self) -> dict[str, str]:
-        """For JSON."""
         return asdict(self) | {"line": self.line}
 
 
@@ -33,5 +31,5 @@ def refusal(kind: str, where: str, what: str, so_what: str, to_do: str) -> Findi
 
 
 def warning(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
-    """Return a finding that people should know of."""
+    """Return a finding that is reported and refuses nothing."""
     return Finding(kind, "warning", where, what, so_what, to_do)

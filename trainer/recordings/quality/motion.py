@@ -90,7 +90,7 @@ def speed_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
 
 
 def contact_findings(recording: Recording) -> Iterator[Finding]:
-    """Yield a finding where position 0 is said to be the surface and is not."""
+    """Yield a finding where position 0 should be the surface and is not."""
     if recording.zero != "none" or np.ptp(recording.force_n) == 0.0:
         return
     low = recording.position_m <= np.quantile(recording.position_m, 0.02)

@@ -1,6 +1,5 @@
 """Recordings of one profile, repeated: noise floor and drift between them."""
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -45,16 +44,14 @@ def find_repeats(recordings: Sequence[Recording]) -> list[Repeats]:
 
 def repeat_findings(repeats: Sequence[Repeats]) -> Iterator[Finding]:
     """Yield a finding for each group whose force drifts."""
-    by_size: dict[bool, list[Repeats]] = defaultdict(list)
     for group in repeats:
-        by_size[abs(group.drift_n) > max(_DRIFT * group.peak_n, group.noise_n)].append(group)
-    for group in by_size[True]:
-        yield warning(
-            "drift", f"{group.names[0]} to {group.names[-1]}",
-            f"mean force changes by {group.drift_n:.3g} N over {len(group.names)} repeats",
-            "the object or the sensor changes between recordings, a model averages over it",
-            "condition the object by some cycles first, let the sensor warm up",
-        )  # fmt: skip
+        if abs(group.drift_n) > max(_DRIFT * group.peak_n, group.noise_n):
+            yield warning(
+                "drift", f"{group.names[0]} to {group.names[-1]}",
+                f"mean force changes by {group.drift_n:.3g} N over {len(group.names)} repeats",
+                "the object or the sensor changes between recordings, a model averages over it",
+                "condition the object by some cycles first, let the sensor warm up",
+            )  # fmt: skip
 
 
 def _thin(samples: Samples) -> Samples:

@@ -54,7 +54,7 @@ class QualityReport:
 
 
 def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
-    """Look at each recording and at all together."""
+    """Check each recording by itself, and all together: speeds, repeats, alignment."""
     findings: list[Finding] = []
     cycles = {r.name: find_cycles(r) for r in recordings}
     for recording in recordings:
