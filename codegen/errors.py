@@ -2,7 +2,7 @@
 
 
 class SpringpotError(Exception):
-    """Base of all errors shown to a user; host/cli.py says with which exit status each ends."""
+    """Base of all errors shown to a user; host/cli.py maps each to an exit status."""
 
 
 class UsageError(SpringpotError):

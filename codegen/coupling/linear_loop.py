@@ -62,7 +62,7 @@ class LinearLoop:
         return float(grid[unstable[0]]) if len(unstable) else 1e7
 
     def _tick(self, stiffness_npm: NDArray[np.float64]) -> Matrices:
-        """One tick applied to each unit vector: shape (n, states, states)."""
+        """One tick applied to each unit vector of the state: shape (n, states, states)."""
         mode = self.coupling.mode
         step = _Step(len(stiffness_npm), 4 + 2 * (mode != "off") + 1 + self.delay_samples)
         x, v, x_before, v_held = (step.row(i) for i in range(4))

@@ -21,7 +21,7 @@ class Regressor(ABC):
         """The regressor r' with r'(z) = r(scale z)."""
 
     def used_columns(self, n_features: int) -> NDArray[np.intp]:
-        """Columns of the features that it reads, ascending; all by default."""
+        """Columns of the features that it reads, ascending, (used,); all by default."""
         return np.arange(n_features)
 
 

@@ -57,7 +57,7 @@ class ModelStages:
 
 
 def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> ModelStages:
-    """Resolve the model's part; outside the trained depth as the scene says."""
+    """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
     falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
     passive, excess, vector_width = None, None, vector_width_of(scene.runtime)
     if model.hammerstein is not None and model.hammerstein_adds:

@@ -47,9 +47,10 @@ def pole_states(loss: Reals, rises: Reals, n_poles: int) -> Reals:
 
 @dataclass(frozen=True, eq=False)
 class RecursiveStage(WeightedSumStage):
-    """Poles fast first; weights: shape (poles, lanes), gains folded in.
+    """Poles fast first; weights: shape (poles, capacity), gains folded in.
 
-    per_tau, per_gain: (poles,), 1/s and the inverse of those gains.
+    per_tau, per_gain: (poles,), 1/s and the inverse of those gains. loss: (fast poles,). slow_loss:
+    (slow poles,), stepped in double.
     """
 
     per_tau: Reals

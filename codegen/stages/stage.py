@@ -194,7 +194,7 @@ def segments(length: int, starts: Starts) -> list[tuple[int, int, bool]]:
 
 
 def held_before(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, Reals]]:
-    """Rows of each stretch, and its samples with `length` samples of the past in front, m.
+    """Rows of each stretch, and its samples, (length + rows,), m, with the past in front.
 
     Before a stretch the object has rested at its first sample, before the first one at 0.
     """

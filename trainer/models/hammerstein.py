@@ -2,6 +2,8 @@
 
 import time
 from collections.abc import Sequence
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -161,7 +163,4 @@ def _cross_validated(parts: list[Normal], folds: Folds) -> float:
 
 
 def _sum(parts: list[Normal]) -> Normal:
-    total = parts[0]
-    for part in parts[1:]:
-        total = total + part
-    return total
+    return reduce(add, parts)

@@ -63,7 +63,7 @@ class Prony:
         return self.long_term_npm + float(self.branch_npm.sum())
 
     def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
-        """As `Law.dynamic_npm`."""
+        """Storage and loss stiffness as in `Law.dynamic_npm`, (n,), N/m."""
         s = 2j * np.pi * np.asarray(frequency_hz, dtype=np.float64)[:, None] * self.tau_s
         stiffness: NDArray[np.complex128] = self.long_term_npm + (
             self.branch_npm * s / (1.0 + s)

@@ -64,8 +64,9 @@ def normal_equations(columns: Samples, target: Samples) -> Normal:
 def sparse_solve(normal: Normal, loss: float) -> Samples:
     """Weights >= 0 with few terms, (terms,): the RMSE stays within a share `loss` of the lowest.
 
-    Backward elimination: of the terms that contribute least, the one whose loss hurts least goes,
-    the others are fitted again, and so on. The limit is that of the full fit: losses do not add up.
+    Backward elimination: of the terms that contribute least, the one that raises the error least is
+    removed, and the others are fitted again. The limit is that of the full fit: losses do not add
+    up.
     """
     best = normal.solve()
     limit = (1.0 + loss) * normal.rmse(best)

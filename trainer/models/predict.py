@@ -26,7 +26,7 @@ def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -
 
 
 def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> Samples:
-    """Force at rows of several recordings, end to end, N: a forest's table is made once."""
+    """Force at rows of several recordings, (rows,), N: a forest's table is made once for all."""
     depths = [(depth_m(recording, model.contact), rows) for recording, rows in pieces]
     force_n = np.zeros(sum(len(rows) for _, rows in pieces))
     if model.features is not None and model.regressor is not None:

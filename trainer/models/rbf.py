@@ -109,7 +109,7 @@ def _pair_errors(
 ) -> dict[Pair, float]:
     """Cross-validated RMSE of every pair; over several ways to fold, their product.
 
-    A fold's normal equations serve all fits but one.
+    Normal equations of a fold are made once, and serve every fit that does not hold it out.
     """
     errors = {}
     for pair in combinations(range(values.shape[1]), 2):

@@ -37,7 +37,7 @@ class TrainingSet:
     def once(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
         """Result of `work` and the seconds that it took, done once for a key.
 
-        What fits of many options on the same data have in common: the passive part, the orders.
+        For what fits of many options on the same data share: the passive part, the pairs of orders.
         """
         if key not in self._found:
             begin = time.perf_counter()
@@ -56,7 +56,6 @@ class TrainingSet:
 
     @property
     def longest_s(self) -> float:
-        """Duration of the longest recording, s."""
         return max(len(depth) for depth in self.depths_m) * self.dt_s
 
     def rows(self, fraction: float | None, seed: int) -> NDArray[np.intp]:
@@ -64,7 +63,7 @@ class TrainingSet:
         return choose_rows(self.rows_total, fraction, np.random.default_rng(seed))
 
     def many_rows(self) -> NDArray[np.intp]:
-        """All rows, or 50 000 evenly spaced ones: for fits that cost little a row."""
+        """All rows, or 50 000 evenly spaced ones, (rows,): for fits that cost little a row."""
         count = min(self.rows_total, MAX_ROWS)
         return np.linspace(0, self.rows_total - 1, count).astype(np.intp)
 
@@ -85,7 +84,7 @@ class TrainingSet:
         return np.concatenate([values(depth, local) for depth, local in parts])
 
     def split(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-        """Rows (ascending) of each recording, counted from its first sample."""
+        """Rows (ascending) of each recording, (its rows,), counted from its first sample."""
         cuts = np.searchsorted(rows, self.bounds)
         return [
             rows[begin:end] - first

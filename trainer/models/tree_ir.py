@@ -54,9 +54,7 @@ def _roots(sizes: np.ndarray[Any, Any]) -> np.ndarray[Any, np.dtype[np.int32]]:
 
 
 def _children(
-    children: list[np.ndarray[Any, Any]],
-    sizes: np.ndarray[Any, Any],
-    leaf: np.ndarray[Any, Any],
+    children: list[np.ndarray[Any, Any]], sizes: np.ndarray[Any, Any], leaf: np.ndarray[Any, Any]
 ) -> np.ndarray[Any, np.dtype[np.int32]]:
     rows = np.concatenate(children).astype(np.int64) + np.repeat(_roots(sizes), sizes)
     return np.where(leaf, 0, rows).astype(np.int32)

@@ -57,7 +57,7 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
 
 
 def _aligned(recording: Recording, messages: list[str]) -> Recording:
-    """Shift the force by the difference of the delays; the ends that have no partner go."""
+    """Shift the force by the difference of the delays; samples without a partner are cut."""
     from scipy.interpolate import CubicSpline
 
     skew_s = recording.force_delay_s - recording.position_delay_s
@@ -83,7 +83,7 @@ def _aligned(recording: Recording, messages: list[str]) -> Recording:
 
 
 def _without_inertia(recording: Recording, mass_kg: float, messages: list[str]) -> Recording:
-    """Take m a off: the cell must push the mass beyond it, too, when it accelerates inwards."""
+    """Subtract m a: the cell also pushes the mass beyond it when it accelerates inwards."""
     from scipy.signal import savgol_filter
 
     window = max(_MIN_WINDOW, round(_SMOOTH_S / recording.dt_s) | 1)

@@ -13,7 +13,7 @@ _MIN_FREE_SHARE = 0.02
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _NOISES = 5.0
 _MIN_SHARE_OF_PEAK = 0.002
-_HIGHER = 3.0  # times the threshold: the slope behind the surface is taken up to there
+_HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def find_contact(
     doubt_m = float(np.ptp(found_m)) / 2 if len(found_m) > 1 else 0.0
     doubt_m = max(doubt_m, float(np.median(np.abs(np.diff(position_m)))) / 2)
     if wanted_n is None:
-        # Force passes the threshold behind the surface: back along the line through it and through
+        # Force passes the threshold below the surface: back along the line through it and through
         # three times it. A threshold that was stated defines the surface: nothing to go back.
         deeper_m = _passes(position_m, force_n, base_n + _HIGHER * threshold_n)
         slope_m = float(np.median(deeper_m)) - surface_m if len(deeper_m) else 0.0

@@ -41,7 +41,7 @@ class JournalWriter:
     """Write one recording as it is made; `finish` turns it into an HDF5 file.
 
     Use it as a context manager: where it is left by an error, what was recorded is kept in the
-    journal, and a line says so.
+    journal, and one line reports it.
     """
 
     def __init__(
@@ -144,7 +144,7 @@ class JournalWriter:
             if not self.full:
                 self._flush()
         except DeviceError:
-            pass  # the error that is under way says more
+            pass  # the error that is under way is reported instead
         self._close()
         if self._blocks:
             notice(f"{self.journal}: what was recorded until now is kept there and can be read")

@@ -1,4 +1,4 @@
-"""Reading a journal that a crash left behind: what is whole, what is lost, and saying so."""
+"""Reading a journal that a crash left behind: what is whole, and a message of what is lost."""
 
 import fcntl
 import json

@@ -50,7 +50,7 @@ def store_recording(path: Path, recording: Recording, *, overwrite: bool) -> Non
 
 
 def _hdf5(recording: Recording) -> bytes:
-    """Lay the file out in memory: on a full disk, HDF5 itself leaves ruins and dies on closing."""
+    """The file, laid out in memory: on a full disk HDF5 leaves half a file and dies on closing."""
     memory = io.BytesIO()
     with h5py.File(memory, "w", track_order=True) as file:
         file.attrs["schema"] = RECORDING_SCHEMA
@@ -155,7 +155,7 @@ def has_checksum(path: Path) -> bool:
 
 
 def _verify_checksum(path: Path) -> None:
-    """Compare the bytes with the checksum behind them; a file that others edited has none."""
+    """Compare the bytes with the checksum after them; a file that others edited has none."""
     content, checksum = path.stat().st_size - _CHECKSUM_BYTES, b""
     with path.open("rb") as file:
         if content > 0:

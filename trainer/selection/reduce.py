@@ -116,7 +116,7 @@ def _length(data: TrainingSet, options: FitOptions) -> int:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """One fit and what it is evaluated on."""
+    """One fit and what it is evaluated on: binned features (rows, orders) and forces (rows,), N."""
 
     values: NDArray[np.float32]
     force_n: Samples

@@ -97,7 +97,7 @@ def read_can_log(
 
 
 def _signals(path: Path, database: Path) -> dict[str, _Signal]:
-    """Decode every frame that the database knows; others are none of the recording's."""
+    """Decode every frame that the database knows; other frames are not part of the recording."""
     known = _database(database)
     signals: dict[str, _Signal] = {}
     unknown: dict[int, int] = defaultdict(int)

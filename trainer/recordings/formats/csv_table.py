@@ -30,10 +30,10 @@ class CsvTable:
         self.path, self.layout, self.encoding = path, layout, encoding
 
     def numbers(self, options: list[int]) -> NDArray[np.float64]:
-        """Read some columns of all rows, shape (rows, columns), in the file's units.
+        """Some columns of all rows, shape (rows, columns), in the file's units.
 
         Reading every column in bulk checks the rows' lengths too. Where other columns hold text,
-        the lengths are checked first; row by row is the way to the row that the message names.
+        the lengths are checked first; only reading row by row can name the row in a message.
         """
         numbers = self._in_bulk(None)
         if numbers.shape[1] == self.layout.width:
@@ -69,7 +69,7 @@ class CsvTable:
                 ) from None
 
     def beside(self, rate_hz: float) -> str:
-        """Say how the column of time that is not read compares with the stated rate."""
+        """How the column of time that is not read compares with the stated rate, as a message."""
         if self.layout.unread_time is None:
             return ", its header names no column of time"
         index, label = self.layout.unread_time

@@ -22,11 +22,11 @@ _CHUNK_BYTES = 1 << 24
 def read_csv(
     path: Path, columns: ColumnMap, name: str, decimal: DecimalMark | None = None
 ) -> tuple[RawChannels, str]:
-    """Read one recording and say how the file was understood.
+    """Read one recording, and how the file was understood.
 
     decimal: what marks the decimals; None guesses from the first rows.
-    Raises DataError naming file and row for text that is none, missing columns or units, rows of
-    another length and cells without a number.
+    Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
+    of another length and cells without a number.
     """
     encoding = _encoding(path)
     _check_text(path, encoding)

@@ -157,7 +157,7 @@ def _import_again(
 
 
 def _unique(names: list[str]) -> list[str]:
-    """Make names fit for file systems, with a number behind those that came before."""
+    """Names fit for file systems, numbered where they came before."""
     unique: list[str] = []
     for name in names:
         safe = _UNSAFE.sub("_", name).strip("._") or "recording"

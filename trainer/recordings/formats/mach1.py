@@ -132,12 +132,7 @@ def _label(where: str, block: _Block) -> str:
 
 
 def _channels(
-    path: Path,
-    where: str,
-    block: _Block,
-    header: list[str],
-    rows: list[tuple[int, str]],
-    name: str,
+    path: Path, where: str, block: _Block, header: list[str], rows: list[tuple[int, str]], name: str
 ) -> RawChannels:
     columns = _columns(where, header, block.parameters.get("Stage Axis", "Position (z)"))
     numbers = _numbers(path, rows, len(header))

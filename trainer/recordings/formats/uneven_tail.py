@@ -16,10 +16,10 @@ _MIN_STEPS = 20
 
 
 def last_even_sample(time_s: Samples, slack_s: float, digit_s: float) -> int | None:
-    """Return the last sample in step where only the end is out of step, None elsewhere.
+    """The last sample in step where only the end is out of step; None elsewhere.
 
-    slack_s: what a step may differ from the usual one. digit_s: last printed digit of the stamps,
-    by which the first row out of step is found exactly where the others are that regular.
+    slack_s: how far a step may differ from the usual one. digit_s: last printed digit of the
+    stamps; where the other rows are regular to it, the first one out of step is found exactly.
     """
     steps_s = np.diff(time_s)
     off_s = np.abs(steps_s - np.median(steps_s))

@@ -43,7 +43,6 @@ class Unit:
     origin: str
 
     def metadata(self) -> dict[str, str | float]:
-        """For the recording's metadata."""
         return {"unit": self.text, "to_si": self.to_si, "from": self.origin}
 
 
@@ -81,6 +80,6 @@ def _plain(text: str) -> str:
 
 
 def _near(unit: str, quantity: Quantity) -> str:
-    """Name the unit that differs in case only: mN and MN are too far apart to choose for people."""
+    """The unit that differs in case only; mN and MN are too far apart to choose between unasked."""
     near = [known for known in _FACTORS[quantity] if known.casefold() == unit.casefold()]
     return f" (did you mean {near[0]}?)" if near else ""

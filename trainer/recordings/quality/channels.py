@@ -34,7 +34,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
 
 
 def quantisation_step(samples: Samples) -> float | None:
-    """Smallest step between values where they lie on a grid, in the channel's unit; None else."""
+    """Smallest step between values on a grid, in the channel's unit; None without a grid."""
     values = np.unique(samples)
     steps = np.diff(values)
     span = float(values[-1] - values[0])
@@ -85,7 +85,7 @@ def _units(recording: Recording) -> Iterator[Finding]:
 
 
 def _clipping(recording: Recording) -> Iterator[Finding]:
-    """Look for a flat extreme of one channel while the other goes on, and comes back or not."""
+    """Find a flat extreme of one channel while the other goes on."""
     position, force = _channels(recording)
     for (channel, samples, unit), (_, other, _) in ((force, position), (position, force)):
         for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
@@ -119,7 +119,7 @@ def _excursion(other: Samples, channel: str) -> float:
 
 
 def _held(recording: Recording) -> Iterator[Finding]:
-    """Look for both channels standing still exactly, and then catching up."""
+    """Find both channels standing still exactly, and then catching up."""
     same = (np.diff(recording.position_m) == 0.0) & (np.diff(recording.force_n) == 0.0)
     # Coarse channels repeat values at low speed, with no sample lost.
     for samples in (recording.position_m, recording.force_n):
@@ -140,7 +140,7 @@ def _held(recording: Recording) -> Iterator[Finding]:
 
 
 def _catches_up(position_m: Samples, begin: int, end: int) -> bool:
-    """Return whether the position jumps behind a rest by what it would have moved meanwhile."""
+    """Whether the position jumps after a rest by what it would have moved meanwhile."""
     steps = np.abs(np.diff(position_m))
     around = np.concatenate((steps[max(0, begin - 20) : begin], steps[end + 1 : end + 21]))
     if begin == 0 or end >= len(steps) or not len(around):
@@ -184,6 +184,6 @@ def _clock(recording: Recording) -> Iterator[Finding]:
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Begin and end (one behind) of each run of true."""
+    """Begin and end (exclusive) of each run of true."""
     edges = np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))
     return list(zip(*(np.flatnonzero(edges == e).tolist() for e in (1, -1)), strict=True))

@@ -150,7 +150,7 @@ def _tone(samples: Samples, phase: Samples) -> complex:
 
 
 def _loop(f: Samples, x: Samples) -> float:
-    """Integral of f dx by trapezoids: 0 over a closed loop of a spring, unlike rectangles."""
+    """Integral of f dx by trapezoids: 0 over the closed loop of a linear spring."""
     return float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
 
 
