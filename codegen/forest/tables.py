@@ -14,7 +14,7 @@ class ForestTable:
 
     value: (nodes,) float32; link: (nodes,) uint32; roots: (padded trees,) uint32.
     depth: longest path in levels. leaf_step_n: force of one step of the sum, N; bias_n: beside it.
-    leaf_error_n: maximum rounding of a leaf's force.
+    leaf_error_n: bound of what the leaves' rounding adds to the force, N.
     leaf: (IR nodes,) int32, row of each IR node in this table.
     """
 

@@ -29,10 +29,10 @@ Pair = tuple[int, int]
 def fit_rbf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Radial basis functions on two fractional derivatives, the pair chosen from all 45.
+    """Radial basis functions on two fractional derivatives (equation 12), of all 45 pairs.
 
-    By cross-validation over recordings; with options.select "paper" by the error on the
-    validation recordings, as the paper did. Raises UsageError where those are missing then.
+    The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
+    on the validation recordings, as the paper did. Raises UsageError where those are missing then.
     """
     from springpot.trainer.models.hammerstein import fit_passive
 
@@ -71,7 +71,7 @@ def fit_rbf_fd(
 def fit_rbf_pv(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Radial basis functions on position and velocity ([13])."""
+    """Radial basis functions on position and velocity (equation 13, [13])."""
     from springpot.trainer.models.hammerstein import fit_passive
 
     begin = time.perf_counter()

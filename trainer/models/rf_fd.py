@@ -18,8 +18,8 @@ from springpot.trainer.models.forests import boosted_forest, depth_scale, fit_fo
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
-PAPER_ORDERS = tuple(round(0.05 * i, 2) for i in range(1, 11))
-PAPER_TAPS = 171
+PAPER_ORDERS = tuple(round(0.05 * i, 2) for i in range(1, 11))  # of equation (5), section IV-B
+PAPER_TAPS = 171  # m of equation (16)
 HISTORY_LAGS = 10
 MAX_TAPS = 1024  # longer windows are cheaper as exponentials
 MIN_WINDOW = 10  # samples
@@ -33,10 +33,11 @@ def fractional_features(
     engine: Engine | None = None,
     orders: tuple[float, ...] = PAPER_ORDERS,
 ) -> FractionalBank:
-    """The orders over `window_s`, 171 taps by default, by `engine`.
+    """The features of equation (5) over `window_s`, 171 taps by default, by `engine`.
 
     Default engine: taps, and exponentials where the window is long. Without a window, exponentials
     reach far: a true derivative forgets where the tool is held, taps do not.
+    Raises UsageError for a window that is too short, or too long for the engine.
     """
     if engine == "recursive" and window_s is None:
         return recursive_bank(orders, dt_s, RECURSIVE_S)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-PAPER_FRACTION = 0.2
+PAPER_FRACTION = 0.2  # section IV-B
 ALL_BELOW = 20_000
 MAX_ROWS = 50_000
 
