@@ -37,7 +37,7 @@ _COMMANDS = {
     "train": _Command("models.train:train",
         "Fit a model on RECORDINGS (files or folders)."),
     "emit": _Command("scenes.emit:emit_",
-        "Emit the C source of a scene, or of a benchmark's choice (a scene's keys then rule it)."),
+        "Emit the C source of a scene, or of a benchmark's pick (keys of --scene override it)."),
     "build": _Command("scenes.emit:build",
         "Build an emitted FOLDER's shared library in the cache; print its path."),
     "firmware": _Command("scenes.firmware:firmware",

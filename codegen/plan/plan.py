@@ -115,7 +115,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         min_m=dtype(0.0 if contact else model.trained.min_m),
         max_m=dtype(model.trained.max_m),
     )
-    stiffness_npm = max_stiffness_npm(stages, model, trained, dtype)
+    stiffness_npm = max_stiffness_npm(stages, model, trained, dt_s, dtype)
     choice = _coupling(scene, stiffness_npm, dt_s)
     couple = None
     if choice.coupling.mode != "off":
@@ -159,7 +159,7 @@ def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[
     stages = model_stages(model, scene, dt_s, dtype)
     if scene.guard.outside != "fallback" or model.hammerstein is not None:
         return stages, _outside_note(model, scene)
-    tangent = tangent_fallback(stages, model, dtype)
+    tangent = tangent_fallback(stages, model, dt_s, dtype)
     penetration = hammerstein_stage(
         tangent, dt_s, dtype, "penetration", vector_width_of(scene.runtime)
     )

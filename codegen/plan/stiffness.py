@@ -15,7 +15,7 @@ _MAX_TICKS = 200
 
 
 def max_stiffness_npm(
-    stages: ModelStages, model: Model, trained: RangeConfig, dtype: type[Any]
+    stages: ModelStages, model: Model, trained: RangeConfig, dt_s: float, dtype: type[Any]
 ) -> float:
     """Maximum secant over 5 % of the depth, pressed from rest at any depth, N/m."""
     base_m = float(trained.min_m)
@@ -23,7 +23,7 @@ def max_stiffness_npm(
     starts_m = base_m + span_m * np.arange(0.0, RANGE_FACTOR, STEP)
     found = 0.0
     for share in _SPEEDS:
-        ticks = 1 + max(1, round(STEP * span_m / (share * model.trained.max_mps * model.dt_s)))
+        ticks = 1 + max(1, round(STEP * span_m / (share * model.trained.max_mps * dt_s)))
         ticks = min(ticks, _MAX_TICKS)
         rise_m = STEP * span_m * np.linspace(0.0, 1.0, ticks)
         motion = (starts_m[:, None] + rise_m).astype(dtype)
@@ -36,7 +36,9 @@ def max_stiffness_npm(
     return found
 
 
-def tangent_fallback(stages: ModelStages, model: Model, dtype: type[Any]) -> Hammerstein:
+def tangent_fallback(
+    stages: ModelStages, model: Model, dt_s: float, dtype: type[Any]
+) -> Hammerstein:
     """Kelvin-Voigt tangent at the maximum trained depth, for a model without a passive part.
 
     Spring: the secant over the last tenth, pressed at a sixteenth of the trained speed. Damper:
@@ -48,12 +50,12 @@ def tangent_fallback(stages: ModelStages, model: Model, dtype: type[Any]) -> Ham
     step_m = 0.1 * (end_m - max(trained.min_m, 0.0))
     slow_mps, fast_mps = trained.max_mps / 16.0, trained.max_mps
     slow_n, fast_n = (
-        _rise_n(stages, end_m - step_m, step_m, speed, model.dt_s, dtype)
+        _rise_n(stages, end_m - step_m, step_m, speed, dt_s, dtype)
         for speed in (slow_mps, fast_mps)
     )
     spring_npm = max(slow_n / step_m, 0.0)
     damper_nspm = max((fast_n - slow_n) / (fast_mps - slow_mps), 0.0)
-    tau_s = 5.0 * model.dt_s
+    tau_s = 5.0 * dt_s
     return Hammerstein(
         basis="powers",
         origin_m=end_m,

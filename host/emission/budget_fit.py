@@ -31,7 +31,6 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection.prune import Pruned, pruned_models
 
 _BEST = 3
-_MAX_TRIED = 40
 _EVALUATED = 4000  # samples that decide the order; what is reported is measured on all
 
 
@@ -108,8 +107,8 @@ def best_reductions(
     ranked = sorted(candidates, key=lambda item: evaluation.error_n(item.model))
     found: list[Reduction] = []
     leaves_found = set()
-    for tried, pruned in enumerate(ranked):
-        if len(found) == _BEST or tried == _MAX_TRIED:
+    for pruned in ranked:
+        if len(found) == _BEST:
             break
         if pruned.leaves in leaves_found:
             continue

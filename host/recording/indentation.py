@@ -93,6 +93,11 @@ class PressedDevice:
                         f"{self._url}: measures no force: recording needs a load cell, or an "
                         "ODrive of firmware 0.6 that sends its torques (0x1C)"
                     )
+                if rows.unlocated:
+                    raise DeviceError(
+                        f"{self._url}: sent a position that is no number, force zero, stopped: "
+                        "check its position sensor; what came before is kept"
+                    )
                 if progress.state.watchdog_trips and not rows.full:
                     raise trip_error(self._url, progress.state)
                 if rows.full:
@@ -120,7 +125,7 @@ class _Taken:
     def __init__(self, n: int, on_samples: Callable[[Samples, Samples], None]) -> None:
         self._n, self._on_samples = n, on_samples
         self.position_m, self.force_n = np.empty(0), np.empty(0)
-        self.unmeasured = False
+        self.unmeasured = self.unlocated = False
 
     @property
     def full(self) -> bool:
@@ -130,8 +135,10 @@ class _Taken:
         rows = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
         rows = rows[: self._n - len(self.position_m)]
         position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["measured_n"]]
-        if not np.isfinite(force_n).all():  # beyond the limit, if infinite: the loop has stopped
-            self.unmeasured = bool(np.isnan(force_n).any())
+        self.unmeasured |= bool(np.isnan(force_n).any())
+        self.unlocated |= not np.isfinite(position_m).all()
+        # An infinite force is beyond the limit: the loop has stopped.
+        if self.unlocated or not np.isfinite(force_n).all():
             return
         if len(rows):
             self.position_m = np.concatenate((self.position_m, position_m))

@@ -102,7 +102,7 @@ def spectral_radius(plan: Plan) -> float:
 
 
 def require_stable(plan: Plan) -> None:
-    """Raise UnsafeError for a radius of 1 or more or a unit error, with what would do."""
+    """Raise UnsafeError for a radius >= 1 or a unit error, naming gains that are stable."""
     radius = spectral_radius(plan)
     if plan.couple is not None:
         require_plausible_damping(plan.coupling.coupling)
@@ -114,7 +114,7 @@ def require_stable(plan: Plan) -> None:
     raise UnsafeError(
         f"{plan.scene.name}: the loop is unstable (spectral radius {radius:.4g} with the "
         f"{DESIGN_HAND.name} hand, object {1e-3 * plan.stiffness_npm:.3g} N/mm, this coupling "
-        f"allows {1e-3 * limit_npm:.3g} N/mm): what would do: coupling.mode = "
+        f"allows {1e-3 * limit_npm:.3g} N/mm): this would be stable: coupling.mode = "
         f'"{choice.coupling.mode}", stiffness_npm = {choice.coupling.stiffness_npm:g}, '
         f"damping_nspm = {choice.coupling.damping_nspm:g}, mass_kg = "
         f"{choice.coupling.mass_kg:g}, no smoothing, no delay or a faster loop; "

@@ -1,4 +1,4 @@
-/* Rounding: a feature in whole steps of 16 bits, for a forest that was fitted on such features. */
+/* Quantisation: a feature's bin of 16 bits, for a forest that was fitted on such bins. */
 #ifndef SP_QUANTISE_H
 #define SP_QUANTISE_H
 
@@ -6,11 +6,11 @@
 
 #include "sp_real.h"
 
-/* Within 0 .. 65535; to the nearest step. */
-static inline uint32_t sp_quantise(sp_real feature, float lower, float per_step)
+/* The nearest bin, within 0 .. 65535. */
+static inline uint32_t sp_quantise(sp_real feature, float feature_min, float bins_per_unit)
 {
-    const float steps = ((float)feature - lower) * per_step + 0.5f;
-    const float below = steps < 65535.0f ? steps : 65535.0f;
+    const float bin = ((float)feature - feature_min) * bins_per_unit + 0.5f;
+    const float below = bin < 65535.0f ? bin : 65535.0f;
     return (uint32_t)(below > 0.0f ? below : 0.0f);
 }
 

@@ -29,7 +29,7 @@ class Split:
 def recording_splits(
     recordings: Sequence[Recording], smooth_s: float, seed: int, folds: int = 3
 ) -> tuple[Split, ...]:
-    """Folds of whole recordings; each by itself where there are few, blocks of one or two.
+    """Folds of whole recordings: leave-one-out where there are few, blocks of one or two.
 
     Raises DataError where the recordings do not fit together.
     """

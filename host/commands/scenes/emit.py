@@ -37,13 +37,17 @@ if TYPE_CHECKING:
     metavar="REC",
     help="What smaller versions are measured on, where the scene does not fit its budget.",
 )
-@click.option("--fit", is_flag=True, help="Leave out what costs least until the budget is met.")
+@click.option("--fit", is_flag=True, help="Emit the most accurate reduction that fits the budget.")
 @click.option(
     "--bench", "bench_folder", type=click.Path(path_type=Path), default=Path("bench"),
     show_default=True, help="Benchmark that --pick and the budgets choose from.",
 )  # fmt: skip
 @click.option("--pick", "picked", metavar="NAME", help="Emit a pick of the benchmark: pc-1khz.")
-@click.option("--budget-us", type=POSITIVE, help="Emit its best stable model within this tick.")
+@click.option(
+    "--budget-us",
+    type=POSITIVE,
+    help="Emit the benchmark's best stable model whose tick takes at most this.",
+)
 @click.option("--flash", type=click.IntRange(1), help="... within these bytes of flash.")
 @click.option("--ram", type=click.IntRange(1), help="... within these bytes of RAM.")
 @json_option
@@ -61,7 +65,7 @@ def emit_(
     ram: int | None,
     as_json: bool,
 ) -> None:
-    """Emit the C source of a scene, or of a benchmark's choice (a scene's keys then rule it)."""
+    """Emit the C source of a scene, or of a benchmark's pick (keys of --scene override it)."""
     from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
     from springpot.host.benchmark.picks import PlatformBudget
     from springpot.host.emission.budget_fit import emit_fitting
