@@ -236,7 +236,9 @@ def test_wrong_use_is_one_line(tmp_path: Path) -> None:
         read_result(tmp_path)
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense://x"])
+@pytest.mark.parametrize(
+    "address", [pytest.param("tcp://127.0.0.1:9", marks=pytest.mark.slow), "nonsense://x"]
+)
 def test_no_scheduler_is_told(tmp_path: Path, address: str) -> None:
     recordings = write_training(tmp_path / "training")
     done = spring("bench", "--recording", str(recordings), "--model", "springpot", "--out",

@@ -92,6 +92,7 @@ def test_points_of_other_code_are_not_taken_over(tmp_path: Path) -> None:
     assert {item["key"] for item in result["points"]}.isdisjoint(old)
 
 
+@pytest.mark.slow
 def test_a_killed_sweep_resumes_without_repeating(tmp_path: Path) -> None:
     recordings = write_training(tmp_path / "training")
     out = tmp_path / "bench"

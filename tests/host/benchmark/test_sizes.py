@@ -96,6 +96,7 @@ def test_a_compiler_that_comes_later_adds_only_sizes(
     without: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = read_result(without)
+    monkeypatch.setenv("PATH", path_without(tmp_path / "plain"))  # no emulator either
     monkeypatch.setenv("PATH", path_with(tmp_path / "bin"))
     folder = shutil.copytree(without, tmp_path / "bench")
     _, result = measured(folder, monkeypatch)

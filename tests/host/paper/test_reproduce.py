@@ -68,6 +68,7 @@ def judged(result: ObjectResult) -> dict[str, Claim]:
     return {claim.claim: claim for claim in check_claims([result], sampled)}
 
 
+@pytest.mark.slow
 def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:
     result = little_result(tmp_path)
     # Give each model the other's place: what held must fail, and the other way round.
