@@ -47,7 +47,7 @@ static inline int32_t sp_wide_sum(const sp_wide_node *nodes, const uint32_t *roo
                 const sp_wide_node node = nodes[at[i]];
                 const float feature = features[node.link & SP_WIDE_LEAF];
                 const uint32_t next =
-                    (node.link >> SP_WIDE_SLOT_BITS) + (uint32_t) !(feature <= node.value);
+                    (node.link >> SP_WIDE_SLOT_BITS) + (uint32_t)!(feature <= node.value);
                 moved |= next ^ at[i];
                 at[i] = next;
             }

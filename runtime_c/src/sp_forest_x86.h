@@ -28,7 +28,7 @@ SP_TARGET_AVX512 static inline __m512i sp_forest_enter512(const sp_forest *fores
 {
     const uint32_t row = forest->n_padded;
     const sp_forest_node *top = forest->top + tree;
-#define SP_ROW(heap) _mm512_loadu_si512(top + ((heap)-1) * row)
+#define SP_ROW(heap) _mm512_loadu_si512(top + ((heap) - 1) * row)
 #define SP_EITHER(left, right, k) _mm512_mask_mov_epi32(left, k, right)
     const __mmask16 a = sp_forest_right512(SP_ROW(1), bins);
     const __mmask16 b = sp_forest_right512(SP_EITHER(SP_ROW(2), SP_ROW(3), a), bins);
@@ -114,7 +114,7 @@ SP_TARGET_AVX2 static inline __m256i sp_forest_enter256(const sp_forest *forest,
 {
     const uint32_t row = forest->n_padded;
     const sp_forest_node *top = forest->top + tree;
-#define SP_ROW(heap) sp_forest_load256(top + ((heap)-1) * row)
+#define SP_ROW(heap) sp_forest_load256(top + ((heap) - 1) * row)
 #define SP_EITHER(left, right, k) _mm256_blendv_epi8(left, right, k)
     const __m256i a = sp_forest_right256(SP_ROW(1), bins);
     const __m256i b = sp_forest_right256(SP_EITHER(SP_ROW(2), SP_ROW(3), a), bins);

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b6d900117281e6b199e38ac28abfb6644fc1914f01496b91fff19c6944fd7715 */
+/* springpot 0.1.0 abf74fd1ff002b19f0f7c20ff04d91d553b1c284b9b6be567d4f94bcbc4d41ca */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>
