@@ -9,6 +9,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
+from distributed import Client
 from support.bench_folder import write_training
 from support.in_process import spring
 
@@ -51,6 +52,8 @@ def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
                 process("worker", address, "--name", name, "--nthreads", "1", "--no-dashboard",
                         "--local-directory", str(tmp_path / name))
             )  # fmt: skip
+        with Client(address) as cluster:  # a worker that is late would find the work done
+            cluster.wait_for_workers(2, timeout=_WAIT_S)
         done = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
                       "--out", str(tmp_path / "cluster"), "--dask", address)  # fmt: skip
     assert done.returncode == 0, done.stderr
