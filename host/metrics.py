@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.reference.tick import RAMPED
+from springpot.codegen.reference.notes import RAMPED
 
 # Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
 # drawn, not scored.

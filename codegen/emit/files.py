@@ -72,7 +72,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "limits": {
             "min_n": float(plan.output.min_n),
             "max_n": float(plan.output.max_n),
-            "watchdog_s": float(plan.output.watchdog_s),
+            "watchdog_s": plan.watchdog_s,
             "jump_m": float(plan.guard.jump_m),
             "slew_nps": float(plan.output.slew_n) / plan.dt_s,
             "recovery_ticks": plan.recovery_ticks,

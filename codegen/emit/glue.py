@@ -3,7 +3,8 @@
 import re
 
 from springpot.codegen.emit.project import filled, prefixed
-from springpot.codegen.emit.tick import restart, step, step_dt
+from springpot.codegen.emit.step import hold, make_up, step, step_dt
+from springpot.codegen.emit.tick import restart, tick, tick_dt
 from springpot.codegen.literals import literal, struct_text
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
@@ -56,6 +57,10 @@ def scene_source(plan: Plan, manifest: str) -> str:
         + (f'\n#include "{prefix}_regressor.h"' if plan.regressor is not None else ""),
         _constants(plan),
         restart(plan),
+        tick(plan),
+        *([tick_dt(plan)] if plan.any_rate else []),
+        hold(plan),
+        make_up(plan),
         step(plan),
         *([step_dt(plan)] if plan.any_rate else []),
         _api(plan, manifest),
@@ -65,6 +70,7 @@ def scene_source(plan: Plan, manifest: str) -> str:
 
 def _constants(plan: Plan) -> str:
     parts = [
+        struct_text("silence", "sp_silence_config", plan.silence),
         struct_text("guard", "sp_guard_config", plan.guard),
         struct_text("range", "sp_range_config", plan.range),
         struct_text("output", "sp_output_config", plan.output),

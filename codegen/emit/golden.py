@@ -17,7 +17,7 @@ _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
 
 
 def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
-    """Positions, (n,), m, in the scene's number type: smooth legs, a glitch, a NaN and a jump."""
+    """Positions, (n,), m, in the scene's number type: smooth legs, a glitch, NaNs and a jump."""
     trained = plan.model.trained
     base_m = 0.0 if plan.contact else trained.min_m
     span_m = trained.max_m - base_m
@@ -28,7 +28,7 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
         plan.dtype
     )
     positions[LEG_TICKS + 7] += plan.dtype(_GLITCH_M)
-    positions[2 * LEG_TICKS + 11] = np.nan
+    positions[2 * LEG_TICKS + 11 : 2 * LEG_TICKS + 15] = np.nan
     positions[7 * LEG_TICKS :] += plan.dtype(3.0 * float(plan.guard.jump_m))
     return positions
 

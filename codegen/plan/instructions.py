@@ -1,7 +1,7 @@
 """Bound of the instructions of one tick, from the tables: what a budget is checked against.
 
 A tick that restarts (the first one, and one that takes a new position as true) fills the memory
-besides.
+besides; the first after a silence is all the ticks without a sample too.
 """
 
 from dataclasses import dataclass
@@ -14,10 +14,11 @@ _RESTART = 60.0  # beside what it fills
 
 @dataclass(frozen=True)
 class InstructionBound:
-    """Of sp_step. tick: of any tick but a restart; restart: of that one."""
+    """Of sp_step. tick: with a sample in the tick before; restart; after_silence: the longest."""
 
     tick: int
     restart: int
+    after_silence: int
 
 
 def instruction_bound(plan: Plan) -> InstructionBound | None:
@@ -36,6 +37,9 @@ def instruction_bound(plan: Plan) -> InstructionBound | None:
     tick = costs.tick + coupling + features + regressor + passive
     members = () if plan.features is None else plan.features.members
     filled = sum(len(member.scalars) for member in members)
+    longest = 1 + round(plan.watchdog_s / plan.dt_s)
     return InstructionBound(
-        tick=round(tick), restart=round(tick + passive + costs.filled * filled + _RESTART)
+        tick=round(tick),
+        restart=round(tick + passive + costs.filled * filled + _RESTART),
+        after_silence=round(longest * tick + _RESTART),
     )

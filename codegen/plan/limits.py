@@ -22,6 +22,8 @@ FORCE_MARGIN = 1.2
 # Maximum growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
 MIN_SLEW_NPS = 1500.0
 SLEW_S = 0.004
+# Minimum change in a tick on the way back after a silence: a tenth of a newton is felt as a kick.
+MAX_RETURN_N = 0.08
 
 
 @dataclass(frozen=True)
@@ -42,9 +44,17 @@ class OutputConfig:
     max_n: Real
     slew_n: Real
     rise: Real
-    fall_nps: Real
-    watchdog_s: Real
+    fall_n: Real
+    return_n: Real
+
+
+@dataclass(frozen=True)
+class SilenceConfig:
+    """sp_silence_config of sp_silence.h, member by member: how long samples may stay away."""
+
     dt_s: Real
+    per_dt: Real
+    watchdog_s: Real
 
 
 def watchdog_s_of(scene: Scene, dt_s: float) -> float:
@@ -86,7 +96,7 @@ def max_mps(model: Model) -> float:
 
 
 def output_config(
-    model: Model, scene: Scene, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
+    model: Model, scene: Scene, dt_s: float, contact: bool, real: type[Any]
 ) -> OutputConfig:
     """Forces that leave. Raises DataError where the model never pushes out."""
     trained = model.trained
@@ -103,7 +113,13 @@ def output_config(
         max_n=real(max_n),
         slew_n=real(dt_s * max(MIN_SLEW_NPS, max_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
-        fall_nps=real(max_n / WATCHDOG_FALL_S),
-        watchdog_s=real(watchdog_s),
-        dt_s=real(dt_s),
+        fall_n=real(dt_s * max_n / WATCHDOG_FALL_S),
+        return_n=real(min(MAX_RETURN_N, dt_s * max_n / RAMP_S)),
+    )
+
+
+def silence_config(watchdog_s: float, dt_s: float, real: type[Any]) -> SilenceConfig:
+    """When silence is latched: half a tick late, so that rounded sums of ticks agree on it."""
+    return SilenceConfig(
+        dt_s=real(dt_s), per_dt=real(1.0 / dt_s), watchdog_s=real(watchdog_s + 0.5 * dt_s)
     )

@@ -13,9 +13,11 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.plan.limits import (
     GuardConfig,
     OutputConfig,
+    SilenceConfig,
     guard_config,
     max_mps,
     output_config,
+    silence_config,
     watchdog_s_of,
 )
 from springpot.codegen.plan.model_stages import LeftOut, ModelStages, model_stages
@@ -53,6 +55,8 @@ class Plan:
     max_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
+    silence: SilenceConfig
+    watchdog_s: float
     left_out: tuple[LeftOut, ...]
     accept_unsafe: bool
     stiffness_npm: float
@@ -142,7 +146,9 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         at_proxy=choice.coupling.mode == "proxy",
         max_mps=dtype(max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
-        output=output_config(model, scene, watchdog_s, dt_s, contact, dtype),
+        output=output_config(model, scene, dt_s, contact, dtype),
+        silence=silence_config(watchdog_s, dt_s, dtype),
+        watchdog_s=float(dtype(watchdog_s)),
         left_out=(
             *stages.left_out,
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),

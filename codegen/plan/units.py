@@ -36,7 +36,7 @@ def planned_headers(plan: Plan) -> list[str]:
     parts: list[Stage | RegressorStage] = [*stages(plan)]
     if plan.regressor is not None:
         parts.append(plan.regressor)
-    headers = ["sp_number.h", "sp_guard.h", "sp_range.h"]
+    headers = ["sp_number.h", "sp_silence.h", "sp_guard.h", "sp_range.h"]
     headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
     headers += [header for part in parts for header in part.headers]
     measured = measured_stages(plan)
@@ -50,17 +50,18 @@ def planned_headers(plan: Plan) -> list[str]:
 
 def state_members(plan: Plan) -> list[Member]:
     """Members of sp_state, in order."""
-    members = [Member("sp_guard_state guard", (REAL, REAL, U32, U32))]
+    members = [
+        Member("sp_silence_state silence", (REAL, U32)),
+        Member("sp_guard_state guard", (REAL, REAL, U32, U32)),
+    ]
     members += [member for stage in stages(plan) for member in stage.members]
     if plan.regressor is not None:
         members += plan.regressor.members
-    if plan.needs_device_velocity:
-        members.append(Member("sp_real good_mps", (REAL,)))
     if plan.couple is not None:
         members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
-    return [*members, Member("sp_output_state output", (REAL, REAL, REAL, U32))]
+    return [*members, Member("sp_output_state output", (REAL, REAL, REAL, REAL))]
 
 
 def state_bytes(plan: Plan) -> int:

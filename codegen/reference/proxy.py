@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.followed import Followed
 from springpot.codegen.reference.tick import Coupled, shaped
 from springpot.codegen.stages.stage import Starts
 
@@ -20,24 +21,24 @@ _AHEAD = 4  # times the ticks that the last pass verified
 
 @dataclass(frozen=True, eq=False)
 class ContactTrace:
-    """What the coupling sees of a run, (n,): the tool's position, m, velocity, m/s, and contact."""
+    """What the coupling sees of a run: the tool's motion, and whether in contact, (rows,)."""
 
-    position: Reals
-    velocity: Reals
+    motion: Followed
     contact: NDArray[np.bool_]
-    starts: Starts
 
     @property
     def placed(self) -> NDArray[np.bool_]:
-        """Ticks, (n,), that set the proxy to the tool: contact begins, or history restarts."""
+        """Rows, (rows,), that set the proxy to the tool: contact begins, or history restarts."""
         begins = self.contact & ~np.concatenate([[False], self.contact[:-1]])
-        begins[self.starts] = self.contact[self.starts]
+        starts = self.motion.starts
+        begins[starts] = self.contact[starts]
         return np.asarray(begins)
 
     def restart_before(self, tick: int) -> int:
         """The last restart at or before a tick; the first tick where there was none."""
-        found = int(np.searchsorted(self.starts, tick, side="right"))
-        return int(self.starts[found - 1]) if found else 0
+        starts = self.motion.starts
+        found = int(np.searchsorted(starts, tick, side="right"))
+        return int(starts[found - 1]) if found else 0
 
 
 def proxy_motion(
@@ -55,7 +56,7 @@ def proxy_motion(
     predicted_m: (n,), the motion that the C reports, with which one pass is enough.
     """
     coupled = _Stepper(plan, trace)
-    pressed = trace.position.copy()
+    pressed = trace.motion.position.copy()
     if predicted_m is not None:
         predicted = trace.contact & ~trace.placed
         pressed[predicted] = predicted_m[predicted]
@@ -67,7 +68,8 @@ def proxy_motion(
         begin = trace.restart_before(done)
         asked = trace.contact[begin:end].copy()
         asked[: done - begin] = False  # verified: only the features' past
-        starts = trace.starts[(trace.starts >= begin) & (trace.starts < end)] - begin
+        starts = trace.motion.starts
+        starts = starts[(starts >= begin) & (starts < end)] - begin
         motion = pressed[begin:end]
         model_n = shaped(plan, motion, force(motion, starts, asked))
         verified = coupled.verify(pressed, model_n[done - begin :], done, end)
@@ -105,7 +107,7 @@ class _Stepper:
             self._coupled.proxy = None
         if not trace.contact[i]:
             return False
-        x, v = trace.position[i], trace.velocity[i]
+        x, v = trace.motion.position[i], trace.motion.velocity[i]
         at = self._coupled.place(x, v)
         # A NaN that was predicted is right: two of them are the same motion.
         wrong = bool(at != pressed[i]) and not (np.isnan(at) and np.isnan(pressed[i]))

@@ -7,8 +7,11 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.followed import followed
+from springpot.codegen.reference.guarding import guarded
+from springpot.codegen.reference.notes import OUTSIDE, RESYNC, Notes
 from springpot.codegen.reference.proxy import ContactTrace, proxy_motion
-from springpot.codegen.reference.tick import HELD, OUTSIDE, RESYNC, Guarding, Notes, OutputStage
+from springpot.codegen.reference.tick import OutputStage
 from springpot.codegen.stages.model_force import clip, model_force
 from springpot.codegen.stages.stage import Starts
 
@@ -34,28 +37,26 @@ def run_reference(
     """
     raw = np.asarray(position_m, dtype=plan.dtype)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        position, notes = Guarding(plan.guard).run(raw)
-        velocity, bad = _device_velocity(plan, velocity_mps, len(raw))
-        notes |= np.where(bad, HELD, 0).astype(np.int32)
-        held = (notes & HELD) != 0
-        starts = np.flatnonzero(notes & RESYNC)
-        started = np.arange(len(raw)) >= (starts[0] if len(starts) else len(raw))
-        contact = position > 0 if plan.contact else started
-        if plan.velocity is not None:
-            velocity = plan.velocity.reference(position, starts)
-        pressed = position
+        device, believed = _device_velocity(plan, velocity_mps, len(raw))
+        samples = guarded(plan, raw, believed)
+        motion = followed(plan, samples, device)
+        starts = motion.starts
+        contact = motion.position > 0 if plan.contact else np.ones(len(motion.position), dtype=bool)
+        pressed = motion.position
         if plan.at_proxy:
 
-            def at_proxy(motion: Reals, begun: Starts, asked: NDArray[np.bool_]) -> Reals:
-                return model_force(plan, _depths(plan, motion)[0], begun, asked)
+            def at_proxy(proxy: Reals, begun: Starts, asked: NDArray[np.bool_]) -> Reals:
+                return model_force(plan, _depths(plan, proxy)[0], begun, asked)
 
-            trace = ContactTrace(position, velocity, contact, starts)
-            pressed = proxy_motion(plan, trace, at_proxy, predicted_m)
-        motion, outside = _depths(plan, pressed)
-        notes |= np.where(outside, OUTSIDE, 0).astype(np.int32)
-        model_n = model_force(plan, motion, starts, contact)
+            predicted = None if predicted_m is None else motion.of_samples(predicted_m)
+            pressed = proxy_motion(plan, ContactTrace(motion, contact), at_proxy, predicted)
+        depths, outside = _depths(plan, pressed)
+        taken = motion.row >= 0
+        notes = np.where(samples.resync, RESYNC, 0).astype(np.int32)
+        notes[taken] |= np.where(outside[motion.row[taken]], OUTSIDE, 0).astype(np.int32)
+        model_n = model_force(plan, depths, starts, contact)
         output = OutputStage(plan)
-        force_n = output.run(position, velocity, pressed, model_n, contact, held, notes)
+        force_n = output.run(samples, motion, pressed, model_n, contact, notes)
     return Run(force_n=force_n, notes=notes)
 
 
@@ -70,11 +71,8 @@ def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bo
 def _device_velocity(
     plan: Plan, velocity_mps: Reals | None, length: int
 ) -> tuple[Reals, NDArray[np.bool_]]:
-    """sp_guard_velocity.h: believable velocities, (n,), m/s, and where the last one is held."""
+    """The device's velocities, (n,), m/s, and where sp_guard_velocity.h believes them."""
     if not plan.needs_device_velocity or velocity_mps is None:
-        return np.zeros(length, dtype=plan.dtype), np.zeros(length, dtype=bool)
-    velocity = np.asarray(velocity_mps, dtype=plan.dtype)
-    good = np.abs(velocity) <= plan.max_mps
-    last = np.maximum.accumulate(np.where(good, np.arange(length), -1))
-    kept = np.where(last >= 0, velocity[last], plan.dtype(0))
-    return kept.astype(plan.dtype), ~good
+        return np.zeros(length, dtype=plan.dtype), np.ones(length, dtype=bool)
+    velocity: Reals = np.asarray(velocity_mps, dtype=plan.dtype)
+    return velocity, np.abs(velocity) <= plan.max_mps

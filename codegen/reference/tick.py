@@ -1,4 +1,4 @@
-"""The reference's sequential halves: the guard before the model, and all that follows it."""
+"""The reference's sequential half after the model: coupling, smoothing, and what leaves."""
 
 from typing import Any
 
@@ -7,55 +7,14 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.coupling.gains import CoupleConfig
-from springpot.codegen.plan.limits import GuardConfig, OutputConfig
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.followed import Followed
+from springpot.codegen.reference.guarding import Guarded
+from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, RAMPED, RESYNC, Notes
 from springpot.codegen.stages.model_force import RangeConfig
-from springpot.codegen.stages.stage import SMALLEST, flushed
+from springpot.codegen.stages.stage import flushed
 
-# Bits of sp_notes.h; a test compares them with the header.
-HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED = 1, 2, 4, 8, 16, 32, 64
-
-Notes = NDArray[np.int32]
-
-
-class Guarding:
-    """sp_guard.h, over a run from a fresh state."""
-
-    def __init__(self, config: GuardConfig) -> None:
-        self._config = config
-
-    def run(self, raw: Reals) -> tuple[Reals, Notes]:
-        """Positions that the tick may believe, (n,), m, and HELD or RESYNC for each, (n,)."""
-        jump_m = self._config.jump_m
-        real = raw.dtype.type
-        raw = np.where(np.abs(raw) < real(SMALLEST), real(0), raw)
-        position = raw.copy()
-        notes = np.zeros(len(raw), dtype=np.int32)
-        good = suspect = raw.dtype.type(0)
-        agreeing = 0
-        started = False
-        plausible = (raw >= self._config.min_m) & (raw <= self._config.max_m)
-        for i, x in enumerate(raw):
-            if not plausible[i]:
-                agreeing = 0
-                notes[i] = HELD
-            elif not started:
-                started = True
-                good = x
-                notes[i] = RESYNC
-            elif abs(x - good) <= jump_m:
-                agreeing = 0
-                good = x
-            else:
-                agreeing = agreeing + 1 if agreeing and abs(x - suspect) <= jump_m else 1
-                suspect = x
-                notes[i] = HELD
-                if agreeing >= self._config.resync_ticks:
-                    agreeing = 0
-                    good = x
-                    notes[i] = RESYNC
-            position[i] = good
-        return position, notes
+PACE, HURRY = 1.2, 1.03  # SP_OUTPUT_PACE, SP_OUTPUT_HURRY
 
 
 def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
@@ -84,37 +43,37 @@ class OutputStage:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
         self._couple = Coupled(plan.couple) if plan.couple is not None else None
-        self._output = _Output(plan.output)
+        self._output = _Output(plan)
         self._smoothed = plan.dtype(0)
 
     def run(
-        self,
-        position: Reals,
-        velocity: Reals,
-        pressed: Reals,
-        model_n: Reals,
-        contact: NDArray[np.bool_],
-        held: NDArray[np.bool_],
-        notes: Notes,
-    ) -> Reals:
-        """Force of each tick, (n,), N; adds its notes to `notes`.
+        self, guarded: Guarded, followed: Followed, pressed: Reals, model_n: Reals,
+        contact: NDArray[np.bool_], notes: Notes,
+    ) -> Reals:  # fmt: skip
+        """Force of each tick, (n,), N; adds its notes to `notes`, (n,).
 
-        position, velocity: of the tool, m, m/s. pressed: where the model looks, m. All are (n,).
+        Of the rows of `followed`, (rows,): pressed, where the model looks, m, the model's force,
+        N, and whether there is contact.
         """
         model_n = shaped(self._plan, pressed, model_n)
-        force_n = np.zeros_like(model_n)
-        for i in range(len(position)):
-            self._output.watch(held[i])
+        force_n = np.zeros(len(notes), dtype=model_n.dtype)
+        for i, (ticks, latched) in enumerate(zip(guarded.ticks, guarded.latched, strict=True)):
+            if not ticks:
+                held_n, note = self._output.hold(latched, guarded.fall[i])
+                force_n[i], notes[i] = guarded.share[i] * held_n, note
+                continue
+            row = followed.row[i]
             if notes[i] & RESYNC:
                 self._forget()
                 self._output.restart()
-            force = model_n.dtype.type(0)
-            if contact[i]:
-                force = self._shape(position[i], velocity[i], model_n[i])
-            else:
-                self._forget()
-                self._output.free()
-            force_n[i], note = self._output.force(force)
+            for at in range(row - ticks + 1, row + 1):
+                force = model_n.dtype.type(0)
+                if contact[at]:
+                    force = self._shape(followed.position[at], followed.velocity[at], model_n[at])
+                else:
+                    self._forget()
+                    self._output.free()
+            force_n[i], note = self._output.force(latched, model_n.dtype.type(ticks), force)
             notes[i] |= note
         return force_n
 
@@ -165,55 +124,83 @@ class Coupled:
 
 
 class _Output:
-    def __init__(self, config: OutputConfig) -> None:
-        self._config = config
-        self._real = type(config.dt_s)
+    def __init__(self, plan: Plan) -> None:
+        self._config = plan.output
+        self._real = plan.dtype
+        # One tick in ticks, as the C has it: 1 but for rounding.
+        self._tick = plan.silence.dt_s * plan.silence.per_dt
         self._force: Any = self._real(0)
         self._share: Any = self._real(0)
-        self._silent: Any = self._real(0)
-        self._latched = False
+        self._target: Any = self._real(0)
+        self._pace: Any = self._real(0)
 
     def restart(self) -> None:
-        self._share = self._real(0)
+        self._share = self._pace = self._real(0)
 
     def free(self) -> None:
         self._share = self._real(1)
-        self._force = self._real(0)
+        self._force = self._pace = self._real(0)
 
-    def watch(self, held: bool) -> None:
-        self._silent = self._silent + self._config.dt_s if held else self._real(0)
-        if self._silent > self._config.watchdog_s:
-            self._latched = True
+    def hold(self, latched: Any, fall: Any) -> tuple[Any, int]:
+        """A tick without a good sample; fall: how much of it was latched."""
+        if self._pace > 0 and self._tick > fall:
+            self._return(self._tick - fall)
+        if latched:
+            return self._fall(fall), LATCHED
+        return self._force, HELD
 
-    def force(self, force: Any) -> tuple[Any, int]:
-        if self._latched:
-            return self._fall(), LATCHED
-        note = 0
+    def force(self, latched: Any, ticks: Any, force: Any) -> tuple[Any, int]:
+        """A good sample, `ticks` after the last one."""
+        if latched:
+            return self._fall(self._real(1)), LATCHED
+        last, note = self._force, 0
         if self._share < 1:
             force = force * self._share
-            self._share = self._share + self._config.rise
+            self._share = self._share + self._config.rise * ticks
             note |= RAMPED
-        force, limited = self._slewed(force)
-        note |= limited
-        min_n, max_n = self._config.min_n, self._config.max_n
-        if not min_n <= force <= max_n:
-            clamped = min_n if force < min_n else self._real(0)
-            force = max_n if force > max_n else clamped
-            note |= CLAMPED
-        self._force = force
-        return force, note
+        if self._pace > 0 or ticks > self._real(PACE):
+            force, clamped = self._after_silence(ticks, force)
+            note |= clamped
+        force, limited = self._slewed(ticks, last, force)
+        self._force, clamped = self._clamped(force)
+        return self._force, note | limited | clamped
 
-    def _slewed(self, force: Any) -> tuple[Any, int]:
-        zero, last = self._real(0), self._force
-        most = (last if last > 0 else zero) + self._config.slew_n
-        minimum = (last if last < 0 else zero) - self._config.slew_n
+    def _after_silence(self, ticks: Any, force: Any) -> tuple[Any, int]:
+        last = self._target if self._pace > 0 else self._force
+        self._target, note = self._clamped(force)
+        change = abs(self._target - last) / ticks
+        if not ticks > self._real(PACE):
+            change = min(change, self._real(HURRY) * self._pace)
+        self._pace = max(change, self._pace)
+        self._return(self._real(1))
+        return self._force, note | (LIMITED if self._pace > 0 else 0)
+
+    def _return(self, ticks: Any) -> None:
+        may = ticks * (self._real(PACE) * self._pace + self._config.return_n)
+        way = self._target - self._force
+        if abs(way) > may:
+            self._force = self._force + (may if way > 0 else -may)
+        else:
+            self._force, self._pace = self._target, self._real(0)
+
+    def _clamped(self, force: Any) -> tuple[Any, int]:
+        min_n, max_n = self._config.min_n, self._config.max_n
+        if min_n <= force <= max_n:
+            return force, 0
+        beyond = min_n if force < min_n else self._real(0)
+        return (max_n if force > max_n else beyond), CLAMPED
+
+    def _slewed(self, ticks: Any, last: Any, force: Any) -> tuple[Any, int]:
+        zero, slew = self._real(0), self._config.slew_n * ticks
+        most = (last if last > 0 else zero) + slew
+        minimum = (last if last < 0 else zero) - slew
         if force > most:
             return most, LIMITED
         return (minimum, LIMITED) if force < minimum else (force, 0)
 
-    def _fall(self) -> Any:
+    def _fall(self, ticks: Any) -> Any:
         size = abs(self._force)
-        step = self._config.fall_nps * self._config.dt_s
+        step = self._config.fall_n * ticks
         left = size - step if size > step else self._real(0)
         self._force = -left if self._force < 0 else left
         return self._force

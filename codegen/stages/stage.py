@@ -47,7 +47,7 @@ class Probe:
 
 @dataclass(frozen=True)
 class Measured:
-    """A stage over a measured time step, `dt_s` of the C: headers, tables, lines of every tick."""
+    """A stage over a measured time step, `dt_s` of the C: headers, tables, lines of a tick."""
 
     headers: tuple[str, ...]
     tables: tuple[str, ...]

@@ -1,12 +1,11 @@
 """Velocity of the tool, for a coupling: sp_tool_velocity.h."""
 
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-
-from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.arrays import Real
 from springpot.codegen.literals import literal
-from springpot.codegen.stages.stage import REAL, Member, Stage, Starts, flushed, segments
+from springpot.codegen.stages.stage import REAL, Member, Stage, flushed
 
 TIME_S = 0.004  # of the low-pass
 
@@ -36,17 +35,10 @@ class ToolVelocityStage(Stage):
             "    sp_tool_velocity(&state->tool_velocity, rate_hz, velocity_weight, position);",
         ]
 
-    def reference(self, x: Reals, starts: Starts) -> Reals:
-        """Velocity of every tick, shape (n,), m/s."""
-        result = np.zeros_like(x)
-        for begin, end, held in segments(len(x), starts):
-            before = x[begin] if held else x.dtype.type(0)
-            differences = np.diff(x[begin:end], prepend=before) * self.rate_hz
-            velocity = x.dtype.type(0)
-            for i, difference in enumerate(differences):
-                velocity = flushed(velocity + self.weight * (difference - velocity))
-                result[begin + i] = velocity
-        return result
+    def next(self, velocity_mps: Any, before_m: Any, x: Any) -> Any:
+        """sp_tool_velocity: the velocity at x, m/s, a tick after before_m."""
+        difference = (x - before_m) * self.rate_hz
+        return flushed(velocity_mps + self.weight * (difference - velocity_mps))
 
 
 def tool_velocity_stage(dt_s: float, dtype: type) -> ToolVelocityStage:

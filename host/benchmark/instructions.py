@@ -8,7 +8,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import make_plan
-from springpot.codegen.reference.tick import RESYNC
+from springpot.codegen.reference.notes import RESYNC
 from springpot.codegen.scene import Number, Target
 from springpot.host.benchmark.measure import bench_scene
 from springpot.host.boards.boards import Board, default_board, missing

@@ -72,7 +72,7 @@ def _metadata(plan: Plan, folder: Path) -> str:
         "/* What the firmware reports of its scene. */\n"
         "#ifndef SP_METADATA_H\n#define SP_METADATA_H\n\n"
         f"#define SP_METADATA_DT_S {_float(plan.dt_s)}\n"
-        f"#define SP_METADATA_WATCHDOG_S {_float(float(plan.output.watchdog_s))}\n"
+        f"#define SP_METADATA_WATCHDOG_S {_float(plan.watchdog_s)}\n"
         f"#define SP_METADATA_MAX_N {_float(max_n)}\n"
         f"#define SP_METADATA_HASH {{{{{items}}}}}\n\n#endif\n"
     )

@@ -9,7 +9,7 @@ import numpy as np
 from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.tick import LATCHED
+from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.url import parse_device
 from springpot.host.devices.wire import constant
@@ -100,7 +100,7 @@ def board_replay(url: str, plan: Plan, scene_hash: str) -> Iterator[BoardReplay]
     requirements = requirements_of(
         plan.scene.device,
         rate_hz=1 / plan.dt_s,
-        watchdog_s=float(plan.output.watchdog_s),
+        watchdog_s=plan.watchdog_s,
         max_n=0.0,
         hash=scene_hash,
     )

@@ -97,7 +97,7 @@ class SceneState:
         step = self._library.function("step_dt")
         notes = step(self._state, dt_s, position_m, velocity_mps, self._force)
         if notes < 0:
-            raise UsageError(f"dt_s = {dt_s}: give a time step above 0 and up to 1 s")
+            raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
         return self._force[0], notes
 
     def idle(self, dt_s: float) -> tuple[float, int]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.codegen.reference.tick import LATCHED
+from springpot.codegen.reference.notes import LATCHED
 from springpot.host.console.keys import reading_keys
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.url import parse_device

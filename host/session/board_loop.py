@@ -15,7 +15,7 @@ import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.codegen.reference.tick import LATCHED
+from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.device import OpenedDevice
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.wire import Frame, constant

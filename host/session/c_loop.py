@@ -4,7 +4,7 @@ import os
 from typing import Any
 
 from springpot.codegen.errors import DeviceError
-from springpot.codegen.reference.tick import LATCHED
+from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.device import OpenedDevice
 from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows
 from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState

@@ -58,7 +58,7 @@ class Session:
         requirements = requirements_of(
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
-            watchdog_s=float(plan.output.watchdog_s),
+            watchdog_s=plan.watchdog_s,
             max_n=min(max_n, settings.max_force_n),
             hash=self._scene.manifest["hash"],
         )

@@ -189,7 +189,7 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
 
 def _bursts(plan: Plan, at: NDArray[np.intp]) -> NDArray[np.intp]:
     """Ticks of bursts, each longer than the last, all shorter than the watchdog waits."""
-    longest = max(1, int(float(plan.output.watchdog_s) / plan.dt_s) - 2)
+    longest = max(1, round(plan.watchdog_s / plan.dt_s) - 2)
     lengths = np.unique(np.linspace(1, longest, len(at)).astype(int))
     found = np.concatenate(
         [begin + np.arange(n) for begin, n in zip(at, lengths, strict=False)]

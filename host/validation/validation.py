@@ -13,8 +13,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import MismatchError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
-from springpot.codegen.reference.run import run_reference
-from springpot.codegen.reference.tick import (
+from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,
     LATCHED,
@@ -23,6 +22,7 @@ from springpot.codegen.reference.tick import (
     RAMPED,
     RESYNC,
 )
+from springpot.codegen.reference.run import run_reference
 from springpot.host.boards.replay import BoardReplay, board_force, board_replay
 from springpot.host.emission.emission import read_emission
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp

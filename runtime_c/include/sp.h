@@ -15,6 +15,13 @@
  * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
  * tick of delay costs most of the stiffness that a loop can render stably.
  *
+ * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed, a long
+ * dt_s), the next good sample makes up for: the object's memory, the coupling's proxy and every
+ * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
+ * force goes from where it is to the model's a tick at a time, a little faster than the model's own
+ * changes: without a kick. Such a call takes as many ticks' time as went by. Without a good sample
+ * for longer than the watchdog's time, the force goes to zero and stays there until sp_reset.
+ *
  * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
  * misuse: nothing has changed, and *force_n was not written.
  */
@@ -51,7 +58,8 @@ void sp_reset(sp_state *state);
 int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n);
 
 /* springpot any rate begin */
-/* The same over a measured time step dt_s (s), up to 1 s: for loops whose ticks come late. */
+/* The same over a measured time step dt_s (s), for loops whose ticks come late: what is longer than
+ * a tick is sp_idle before it. */
 int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,
                sp_real *force_n);
 
@@ -60,8 +68,8 @@ int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real veloci
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);
 
-/* dt_s (s) have passed without a sample: the last force, until the watchdog takes it to zero. The
- * object's memory waits: it advances with samples only. */
+/* dt_s (s) have passed without a sample: the last force, or on along its way, until the watchdog
+ * takes it to zero. */
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that

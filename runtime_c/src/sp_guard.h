@@ -1,9 +1,8 @@
 /* Guard: the position that the rest of the tick may believe.
  *
  * A sample that is not finite, too far away to be real, or further from the last good one than the
- * hand can move in a tick is replaced by the last good one; a denormal one is 0. After
- * `resync_ticks` samples that agree with each other, the new position is taken as true: a stall
- * must not hold for ever. */
+ * hand can have moved since is not taken; a denormal one is 0. After `resync_ticks` samples that
+ * agree with each other, the new position is taken as true: a stall must not hold for ever. */
 #ifndef SP_GUARD_H
 #define SP_GUARD_H
 
@@ -13,7 +12,7 @@
 #include "sp_number.h"
 
 typedef struct {
-    sp_real jump_m;        /* maximum believable step in one tick */
+    sp_real jump_m;        /* maximum believable step, m a tick */
     sp_real min_m;         /* believable positions: from here */
     sp_real max_m;         /* to here */
     uint32_t resync_ticks; /* agreeing samples after which a new position is true */
@@ -31,14 +30,10 @@ static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
     return x >= config->min_m && x <= config->max_m; /* a NaN is neither */
 }
 
-static inline int sp_guard_near(const sp_guard_config *config, sp_real x, sp_real y)
-{
-    return sp_abs(x - y) <= config->jump_m;
-}
-
-/* Returns the position to use, m; before the first believable sample, 0. */
+/* ticks: since the last good sample. Returns the position to use, m; before the first believable
+ * sample, 0. */
 static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_state *state,
-                                        sp_real x, int *notes)
+                                        sp_real ticks, sp_real x, int *notes)
 {
     x = sp_flushed(x);
     if (!sp_guard_plausible(config, x)) {
@@ -52,13 +47,13 @@ static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_
         *notes |= SP_NOTE_RESYNC;
         return x;
     }
-    if (sp_guard_near(config, x, state->good_m)) {
+    if (sp_abs(x - state->good_m) <= config->jump_m * ticks) {
         state->agreeing = 0;
         state->good_m = x;
         return x;
     }
-    state->agreeing =
-        state->agreeing && sp_guard_near(config, x, state->suspect_m) ? state->agreeing + 1 : 1;
+    const int agrees = state->agreeing && sp_abs(x - state->suspect_m) <= config->jump_m;
+    state->agreeing = agrees ? state->agreeing + 1 : 1;
     state->suspect_m = x;
     if (state->agreeing < config->resync_ticks) {
         *notes |= SP_NOTE_HELD;
@@ -68,6 +63,19 @@ static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_
     state->good_m = x;
     *notes |= SP_NOTE_RESYNC;
     return x;
+}
+
+/* Share of the held force that a sample which is not taken may feel: where it may be true and is
+ * shallower, no more than its depth's. */
+static inline sp_real sp_guard_share(const sp_guard_config *config, const sp_guard_state *state,
+                                     sp_real x)
+{
+    const sp_real zero = (sp_real)0;
+    x = sp_flushed(x);
+    if (!sp_guard_plausible(config, x) || !(x < state->good_m && state->good_m > zero)) {
+        return (sp_real)1;
+    }
+    return x > zero ? x / state->good_m : zero;
 }
 
 #endif

@@ -8,6 +8,16 @@
 #error "springpot needs IEEE arithmetic: build without -ffast-math (see flags.mk)"
 #endif
 
+/* A function that few ticks call, out of the way of the others; and one that every tick calls,
+ * where space matters less than time. */
+#if defined(__GNUC__)
+#define SP_RARE __attribute__((noinline, cold, unused)) static
+#define SP_OFTEN __attribute__((always_inline)) static inline
+#else
+#define SP_RARE static inline
+#define SP_OFTEN static inline
+#endif
+
 /* Not NaN and not infinite, without libm. */
 static inline int sp_is_finite(sp_real x)
 {

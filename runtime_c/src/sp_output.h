@@ -1,5 +1,9 @@
 /* Output: the last word on the force. It rises from zero after a restart at depth, stays within
- * the scene's limits, and goes to zero when samples stop coming; that last state is latched. */
+ * the scene's limits, and goes to zero when samples stop coming.
+ *
+ * After ticks without a good sample the model's force may be far from the last one. The force goes
+ * to it a tick at a time, a little faster than the model's itself has changed since: no kick, and
+ * it arrives. */
 #ifndef SP_OUTPUT_H
 #define SP_OUTPUT_H
 
@@ -11,24 +15,29 @@
 typedef struct {
     sp_real min_n;
     sp_real max_n;
-    sp_real slew_n;     /* maximum growth of the force in one tick: a fault's, not a touch's */
-    sp_real rise;       /* share of the force gained in one tick of the ramp */
-    sp_real fall_nps;   /* speed of the watchdog's way to zero */
-    sp_real watchdog_s; /* longest time without a good sample */
-    sp_real dt_s;
+    sp_real slew_n;   /* maximum growth of the force in one tick: a fault's, not a touch's */
+    sp_real rise;     /* share of the force gained in one tick of the ramp */
+    sp_real fall_n;   /* of the force in one tick once it is latched */
+    sp_real return_n; /* change in one tick, at least, of a force on its way to the model's */
 } sp_output_config;
+
+/* Speed of that way, of the model's own change in a tick; and how fast that may grow: what the even
+ * motion did not have is felt little by little. */
+#define SP_OUTPUT_PACE ((sp_real)1.2)
+#define SP_OUTPUT_HURRY ((sp_real)1.03)
 
 typedef struct {
     sp_real force_n;
-    sp_real share; /* 0 .. 1: how far the ramp has risen */
-    sp_real silent_s;
-    uint32_t latched;
+    sp_real share;    /* 0 .. 1: how far the ramp has risen */
+    sp_real target_n; /* on the way to the model's force: where that is */
+    sp_real pace_n;   /* change in one tick that is natural on the way; 0: force_n is there */
 } sp_output_state;
 
 /* The ramp starts again: a position was taken as true without a history. */
 static inline void sp_output_restart(sp_output_state *state)
 {
     state->share = (sp_real)0;
+    state->pace_n = (sp_real)0;
 }
 
 /* No contact: whatever comes next starts from zero by itself. */
@@ -36,26 +45,61 @@ static inline void sp_output_free(sp_output_state *state)
 {
     state->share = (sp_real)1;
     state->force_n = (sp_real)0;
+    state->pace_n = (sp_real)0;
 }
 
-/* dt_s have passed; was there a good sample in them? */
-static inline void sp_output_watch(const sp_output_config *config, sp_output_state *state,
-                                   sp_real dt_s, int good)
-{
-    state->silent_s = good ? (sp_real)0 : state->silent_s + dt_s;
-    if (state->silent_s > config->watchdog_s) {
-        state->latched = 1;
-    }
-}
-
+/* Latched, for so many ticks. */
 static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
-                                     sp_real dt_s, int *notes)
+                                     sp_real ticks, int *notes)
 {
-    const sp_real step = config->fall_nps * dt_s;
+    const sp_real step = config->fall_n * ticks;
     const sp_real size = sp_abs(state->force_n);
     const sp_real left = size > step ? size - step : (sp_real)0;
     state->force_n = state->force_n < (sp_real)0 ? -left : left;
     *notes |= SP_NOTE_LATCHED;
+    return state->force_n;
+}
+
+/* Within the scene's limits; a NaN compares with nothing: it becomes 0. */
+static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real force_n, int *notes)
+{
+    if (force_n >= config->min_n && force_n <= config->max_n) {
+        return force_n;
+    }
+    *notes |= SP_NOTE_CLAMPED;
+    return force_n > config->max_n   ? config->max_n
+           : force_n < config->min_n ? config->min_n
+                                     : (sp_real)0;
+}
+
+/* So many ticks on the way to the model's force. */
+static inline void sp_output_return(const sp_output_config *config, sp_output_state *state,
+                                    sp_real ticks)
+{
+    const sp_real may_n = ticks * (SP_OUTPUT_PACE * state->pace_n + config->return_n);
+    const sp_real way_n = state->target_n - state->force_n;
+    if (sp_abs(way_n) > may_n) {
+        state->force_n += way_n > (sp_real)0 ? may_n : -may_n;
+    } else {
+        state->force_n = state->target_n;
+        state->pace_n = (sp_real)0;
+    }
+}
+
+/* A good sample `ticks` after the last one; returns the force of this tick, N. */
+SP_RARE sp_real sp_output_after_silence(const sp_output_config *config, sp_output_state *state,
+                                        sp_real ticks, sp_real force_n, int *notes)
+{
+    const sp_real last_n = state->pace_n > (sp_real)0 ? state->target_n : state->force_n;
+    state->target_n = sp_output_clamp(config, force_n, notes);
+    const sp_real change_n = sp_abs(state->target_n - last_n) / ticks;
+    const sp_real most_n = ticks > SP_OUTPUT_PACE ? change_n : SP_OUTPUT_HURRY * state->pace_n;
+    const sp_real grown_n = change_n < most_n ? change_n : most_n;
+    state->pace_n = grown_n > state->pace_n ? grown_n : state->pace_n;
+    sp_output_return(config, state, (sp_real)1);
+    if (state->pace_n > (sp_real)0) {
+        *notes |= SP_NOTE_LIMITED;
+    }
     return state->force_n;
 }
 
@@ -79,38 +123,31 @@ static inline sp_real sp_output_slew(sp_real slew_n, sp_real last_n, sp_real for
     return may_n;
 }
 
+/* The model's force of a good sample, `ticks` after the last one; returns what leaves, N. */
 static inline sp_real sp_output_force(const sp_output_config *config, sp_output_state *state,
-                                      sp_real force_n, int *notes)
+                                      sp_real ticks, sp_real force_n, int *notes)
 {
-    if (state->latched) {
-        return sp_output_fall(config, state, config->dt_s, notes);
-    }
+    const sp_real last_n = state->force_n;
     if (state->share < (sp_real)1) {
         force_n *= state->share;
-        state->share += config->rise;
+        state->share += config->rise * ticks;
         *notes |= SP_NOTE_RAMPED;
     }
-    force_n = sp_output_slew(config->slew_n, state->force_n, force_n, notes);
-    if (!(force_n >= config->min_n && force_n <= config->max_n)) {
-        /* A NaN compares with nothing: it becomes 0. */
-        force_n = force_n > config->max_n   ? config->max_n
-                  : force_n < config->min_n ? config->min_n
-                                            : (sp_real)0;
-        *notes |= SP_NOTE_CLAMPED;
+    if (state->pace_n > (sp_real)0 || ticks > SP_OUTPUT_PACE) {
+        force_n = sp_output_after_silence(config, state, ticks, force_n, notes);
     }
-    state->force_n = force_n;
-    return force_n;
+    force_n = sp_output_slew(config->slew_n * ticks, last_n, force_n, notes);
+    state->force_n = sp_output_clamp(config, force_n, notes);
+    return state->force_n;
 }
 
-static inline sp_real sp_output_idle(const sp_output_config *config, sp_output_state *state,
-                                     sp_real dt_s, int *notes)
+/* So many ticks without a good sample: the force stays, or goes on along its way. */
+static inline void sp_output_wait(const sp_output_config *config, sp_output_state *state,
+                                  sp_real ticks)
 {
-    sp_output_watch(config, state, dt_s, 0);
-    if (state->latched) {
-        return sp_output_fall(config, state, dt_s, notes);
+    if (state->pace_n > (sp_real)0 && ticks > (sp_real)0) {
+        sp_output_return(config, state, ticks);
     }
-    *notes |= SP_NOTE_HELD;
-    return state->force_n;
 }
 
 #endif

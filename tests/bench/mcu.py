@@ -14,7 +14,7 @@ import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan.instructions import instruction_bound
-from springpot.codegen.reference.tick import RESYNC
+from springpot.codegen.reference.notes import RESYNC
 from springpot.codegen.scene import Coupling, Runtime, Scene
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.emulator import run_batch, steps

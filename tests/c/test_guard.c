@@ -12,10 +12,10 @@ static void first_believable_sample_is_taken(void)
 {
     sp_guard_state state = {0};
     int notes = 0;
-    CHECK(sp_guard_position(&config, &state, (sp_real)NAN, &notes) == (sp_real)0);
+    CHECK(sp_guard_position(&config, &state, (sp_real)1, (sp_real)NAN, &notes) == (sp_real)0);
     CHECK(notes == SP_NOTE_HELD);
     notes = 0;
-    CHECK(sp_guard_position(&config, &state, (sp_real)0.05, &notes) == (sp_real)0.05);
+    CHECK(sp_guard_position(&config, &state, (sp_real)1, (sp_real)0.05, &notes) == (sp_real)0.05);
     CHECK(notes == SP_NOTE_RESYNC);
 }
 
@@ -26,12 +26,13 @@ static void unbelievable_samples_hold_the_last_good_one(void)
     for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         sp_guard_state state = {0};
         int notes = 0;
-        (void)sp_guard_position(&config, &state, (sp_real)0.001, &notes);
+        (void)sp_guard_position(&config, &state, (sp_real)1, (sp_real)0.001, &notes);
         notes = 0;
-        CHECK(sp_guard_position(&config, &state, bad[i], &notes) == (sp_real)0.001);
+        CHECK(sp_guard_position(&config, &state, (sp_real)1, bad[i], &notes) == (sp_real)0.001);
         CHECK(notes == SP_NOTE_HELD);
         notes = 0;
-        CHECK(sp_guard_position(&config, &state, (sp_real)0.0015, &notes) == (sp_real)0.0015);
+        CHECK(sp_guard_position(&config, &state, (sp_real)1, (sp_real)0.0015, &notes) ==
+              (sp_real)0.0015);
         CHECK(notes == 0);
     }
 }
@@ -40,12 +41,12 @@ static void agreeing_samples_become_true(void)
 {
     sp_guard_state state = {0};
     int notes = 0;
-    (void)sp_guard_position(&config, &state, (sp_real)0, &notes);
+    (void)sp_guard_position(&config, &state, (sp_real)1, (sp_real)0, &notes);
     const sp_real far[] = {(sp_real)0.02, (sp_real)0.0203, (sp_real)0.0206};
     const int expected[] = {SP_NOTE_HELD, SP_NOTE_HELD, SP_NOTE_RESYNC};
     for (int i = 0; i < 3; i++) {
         notes = 0;
-        const sp_real x = sp_guard_position(&config, &state, far[i], &notes);
+        const sp_real x = sp_guard_position(&config, &state, (sp_real)1, far[i], &notes);
         CHECK(notes == expected[i]);
         CHECK(x == (i < 2 ? (sp_real)0 : far[2]));
     }
@@ -55,25 +56,44 @@ static void disagreeing_samples_never_do(void)
 {
     sp_guard_state state = {0};
     int notes = 0;
-    (void)sp_guard_position(&config, &state, (sp_real)0, &notes);
+    (void)sp_guard_position(&config, &state, (sp_real)1, (sp_real)0, &notes);
     for (int i = 0; i < 1000; i++) {
         notes = 0;
         const sp_real x = i % 2 ? (sp_real)0.05 : (sp_real)0.07;
-        CHECK(sp_guard_position(&config, &state, x, &notes) == (sp_real)0);
+        CHECK(sp_guard_position(&config, &state, (sp_real)1, x, &notes) == (sp_real)0);
         CHECK(notes == SP_NOTE_HELD);
     }
 }
 
-static void a_bad_device_velocity_is_replaced_by_the_last_good_one(void)
+static void a_tool_may_have_moved_in_every_tick_without_a_sample(void)
+{
+    sp_guard_state state = {0};
+    int notes = 0;
+    (void)sp_guard_position(&config, &state, (sp_real)1, (sp_real)0, &notes);
+    notes = 0;
+    CHECK(sp_guard_position(&config, &state, (sp_real)4, (sp_real)0.0039, &notes) ==
+          (sp_real)0.0039);
+    CHECK(notes == 0);
+    (void)sp_guard_position(&config, &state, (sp_real)4, (sp_real)0.0081, &notes);
+    CHECK(notes == SP_NOTE_HELD);
+}
+
+static void a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth(void)
+{
+    const sp_guard_state state = {.good_m = (sp_real)0.008, .started = 1};
+    CHECK(sp_guard_share(&config, &state, (sp_real)0.002) == (sp_real)0.25);
+    CHECK(sp_guard_share(&config, &state, (sp_real)-0.002) == (sp_real)0);
+    CHECK(sp_guard_share(&config, &state, (sp_real)0.01) == (sp_real)1);
+    CHECK(sp_guard_share(&config, &state, (sp_real)-11) == (sp_real)1);
+    CHECK(sp_guard_share(&config, &state, (sp_real)NAN) == (sp_real)1);
+}
+
+static void only_believable_device_velocities_are_taken(void)
 {
     const sp_real bad[] = {(sp_real)1.1, (sp_real)-1.1, (sp_real)NAN, (sp_real)INFINITY};
+    CHECK(sp_guard_velocity((sp_real)1, (sp_real)0.9));
     for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        sp_real good = (sp_real)0;
-        int notes = 0;
-        CHECK(sp_guard_velocity((sp_real)1, &good, (sp_real)0.9, &notes) == (sp_real)0.9);
-        CHECK(notes == 0);
-        CHECK(sp_guard_velocity((sp_real)1, &good, bad[i], &notes) == (sp_real)0.9);
-        CHECK(notes == SP_NOTE_HELD);
+        CHECK(!sp_guard_velocity((sp_real)1, bad[i]));
     }
 }
 
@@ -95,7 +115,9 @@ int main(void)
     unbelievable_samples_hold_the_last_good_one();
     agreeing_samples_become_true();
     disagreeing_samples_never_do();
-    a_bad_device_velocity_is_replaced_by_the_last_good_one();
+    a_tool_may_have_moved_in_every_tick_without_a_sample();
+    a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth();
+    only_believable_device_velocities_are_taken();
     depth_is_clipped_to_the_trained_range();
     return failed;
 }

@@ -7,9 +7,8 @@ static const sp_output_config config = {.min_n = (sp_real)0,
                                         .max_n = (sp_real)12,
                                         .slew_n = (sp_real)100,
                                         .rise = (sp_real)0.25,
-                                        .fall_nps = (sp_real)1500,
-                                        .watchdog_s = (sp_real)0.02,
-                                        .dt_s = (sp_real)0.001};
+                                        .fall_n = (sp_real)1.5,
+                                        .return_n = (sp_real)0.08};
 
 static sp_output_state at_rest(void)
 {
@@ -33,7 +32,7 @@ static void force_stays_within_limits(void)
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         sp_output_state state = at_rest();
         int notes = 0;
-        CHECK(sp_output_force(&config, &state, cases[i].in, &notes) == cases[i].out);
+        CHECK(sp_output_force(&config, &state, (sp_real)1, cases[i].in, &notes) == cases[i].out);
         CHECK(notes == cases[i].notes);
     }
 }
@@ -44,54 +43,94 @@ static void force_ramps_in_after_a_restart(void)
     sp_output_restart(&state);
     for (int i = 0; i < 4; i++) {
         int notes = 0;
-        CHECK(sp_output_force(&config, &state, (sp_real)8, &notes) == (sp_real)(2 * i));
+        CHECK(sp_output_force(&config, &state, (sp_real)1, (sp_real)8, &notes) == (sp_real)(2 * i));
         CHECK(notes == SP_NOTE_RAMPED);
     }
     int notes = 0;
-    CHECK(sp_output_force(&config, &state, (sp_real)8, &notes) == (sp_real)8 && notes == 0);
+    CHECK(sp_output_force(&config, &state, (sp_real)1, (sp_real)8, &notes) == (sp_real)8 &&
+          notes == 0);
 }
 
-static void silence_takes_the_force_to_zero_and_latches(void)
+static void a_latched_force_falls_to_zero_from_either_side(void)
+{
+    for (int side = -1; side <= 1; side += 2) {
+        sp_output_state state = at_rest();
+        state.force_n = (sp_real)(side * 12);
+        for (int i = 1; i <= 9; i++) {
+            int notes = 0;
+            const sp_real force = sp_output_fall(&config, &state, (sp_real)1, &notes);
+            CHECK(force == (sp_real)(side * (i < 8 ? 12.0 - 1.5 * i : 0.0)));
+            CHECK(notes == SP_NOTE_LATCHED);
+        }
+    }
+}
+
+/* The model's force grew by 0.5 N in each of ten ticks without a sample, and goes on so. */
+static void after_a_silence_the_force_comes_back_little_by_little(void)
 {
     sp_output_state state = at_rest();
     int notes = 0;
-    (void)sp_output_force(&config, &state, (sp_real)12, &notes);
-    int held = 0;
-    int falling = 0;
-    sp_real before = (sp_real)12;
-    for (int i = 0; i < 60; i++) {
-        notes = 0;
-        const sp_real force = sp_output_idle(&config, &state, config.dt_s, &notes);
-        CHECK(force <= before && force >= (sp_real)0);
-        held += notes == SP_NOTE_HELD;
-        falling += notes == SP_NOTE_LATCHED && force > (sp_real)0;
-        before = force;
+    (void)sp_output_force(&config, &state, (sp_real)1, (sp_real)2, &notes);
+    for (int i = 0; i < 9; i++) {
+        sp_output_wait(&config, &state, (sp_real)1);
+        CHECK(state.force_n == (sp_real)2);
     }
-    CHECK(held >= 19 && held <= 21);
-    CHECK(falling <= 9);
-    CHECK(before == (sp_real)0);
-    sp_output_watch(&config, &state, config.dt_s, 1);
+    sp_real last = (sp_real)2, model = (sp_real)7;
+    int arrived = 0;
+    for (int i = 0; i < 60 && !arrived; i++) {
+        notes = 0;
+        const sp_real ticks = (sp_real)(i == 0 ? 10 : 1);
+        const sp_real force = sp_output_force(&config, &state, ticks, model, &notes);
+        CHECK(force > last && force - last <= (sp_real)0.7);
+        arrived = force == model;
+        CHECK(notes == (arrived ? 0 : SP_NOTE_LIMITED));
+        last = force;
+        if (!arrived) {
+            model += (sp_real)0.02;
+        }
+    }
+    CHECK(arrived);
     notes = 0;
-    CHECK(sp_output_force(&config, &state, (sp_real)5, &notes) == (sp_real)0);
-    CHECK(notes == SP_NOTE_LATCHED);
+    CHECK(sp_output_force(&config, &state, (sp_real)1, (sp_real)12, &notes) == (sp_real)12);
 }
 
-static void a_good_sample_in_time_keeps_the_force(void)
+static void on_its_way_the_force_goes_on_without_samples_too(void)
 {
     sp_output_state state = at_rest();
-    for (int i = 0; i < 1000; i++) {
-        int notes = 0;
-        sp_output_watch(&config, &state, config.dt_s, i % 15 == 0);
-        CHECK(sp_output_force(&config, &state, (sp_real)5, &notes) == (sp_real)5);
+    int notes = 0;
+    (void)sp_output_force(&config, &state, (sp_real)10, (sp_real)5, &notes);
+    sp_real last = state.force_n;
+    for (int i = 0; i < 20; i++) {
+        sp_output_wait(&config, &state, (sp_real)1);
+        const sp_real force = state.force_n;
+        CHECK(force >= last && force - last <= (sp_real)0.7 && force <= (sp_real)5);
+        last = force;
     }
-    CHECK(!state.latched);
+    CHECK(last == (sp_real)5);
+}
+
+static void endless_forces_after_a_silence_stay_within_limits(void)
+{
+    const sp_real from[] = {(sp_real)NAN, (sp_real)INFINITY, (sp_real)-INFINITY, (sp_real)1e30};
+    for (unsigned i = 0; i < sizeof from / sizeof from[0]; i++) {
+        sp_output_state state = at_rest();
+        int notes = 0;
+        (void)sp_output_force(&config, &state, (sp_real)1, (sp_real)6, &notes);
+        (void)sp_output_force(&config, &state, (sp_real)5, from[i], &notes);
+        for (int k = 0; k < 100; k++) {
+            CHECK(state.force_n >= config.min_n && state.force_n <= config.max_n);
+            sp_output_wait(&config, &state, (sp_real)3);
+        }
+    }
 }
 
 int main(void)
 {
     force_stays_within_limits();
     force_ramps_in_after_a_restart();
-    silence_takes_the_force_to_zero_and_latches();
-    a_good_sample_in_time_keeps_the_force();
+    a_latched_force_falls_to_zero_from_either_side();
+    after_a_silence_the_force_comes_back_little_by_little();
+    on_its_way_the_force_goes_on_without_samples_too();
+    endless_forces_after_a_silence_stay_within_limits();
     return failed;
 }

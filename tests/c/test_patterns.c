@@ -14,9 +14,8 @@ static const sp_output_config output = {.min_n = (sp_real)0,
                                         .max_n = (sp_real)12,
                                         .slew_n = (sp_real)3,
                                         .rise = (sp_real)0.25,
-                                        .fall_nps = (sp_real)1500,
-                                        .watchdog_s = (sp_real)0.02,
-                                        .dt_s = (sp_real)0.001};
+                                        .fall_n = (sp_real)1.5,
+                                        .return_n = (sp_real)0.08};
 
 static sp_real pattern(uint32_t bits)
 {
@@ -38,17 +37,22 @@ static int gets_past(uint32_t bits)
     sp_guard_state held = {.good_m = (sp_real)0.005, .started = 1};
     sp_output_state rest = {.share = (sp_real)1};
     sp_output_state pressed = {.share = (sp_real)1, .force_n = (sp_real)11};
-    sp_real good_mps = (sp_real)0.1;
+    sp_output_state late = {.share = (sp_real)1, .force_n = (sp_real)6};
     int notes = 0;
-    const sp_real first_m = sp_guard_position(&guard, &fresh, x, &notes);
-    const sp_real next_m = sp_guard_position(&guard, &held, x, &notes);
-    const sp_real v = sp_guard_velocity((sp_real)2, &good_mps, x, &notes);
-    const sp_real slow_n = sp_output_force(&output, &rest, x, &notes);
-    const sp_real fast_n = sp_output_force(&output, &pressed, x, &notes);
+    const sp_real first_m = sp_guard_position(&guard, &fresh, (sp_real)1, x, &notes);
+    const sp_real next_m = sp_guard_position(&guard, &held, (sp_real)1, x, &notes);
+    const sp_real slow_n = sp_output_force(&output, &rest, (sp_real)1, x, &notes);
+    const sp_real fast_n = sp_output_force(&output, &pressed, (sp_real)1, x, &notes);
+    const sp_real late_n = sp_output_force(&output, &late, (sp_real)7, x, &notes);
+    sp_output_wait(&output, &late, (sp_real)5);
+    const sp_real waited_n = late.force_n;
     return !(first_m >= guard.min_m && first_m <= guard.max_m) ||
-           !(sp_abs(next_m - (sp_real)0.005) <= guard.jump_m) || !(sp_abs(v) <= (sp_real)2) ||
+           !(sp_abs(next_m - (sp_real)0.005) <= guard.jump_m) ||
+           (sp_guard_velocity((sp_real)2, x) && !(sp_abs(x) <= (sp_real)2)) ||
            !(slow_n >= (sp_real)0 && slow_n <= (sp_real)3) ||
            !(fast_n >= (sp_real)0 && fast_n <= (sp_real)12) ||
+           !(late_n >= (sp_real)0 && late_n <= (sp_real)12) ||
+           !(waited_n >= (sp_real)0 && waited_n <= (sp_real)12) ||
            (first_m != (sp_real)0 && sp_abs(first_m) < SP_SMALLEST);
 }
 

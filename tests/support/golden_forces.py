@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
@@ -28,6 +29,10 @@ _EXP = "numpy's exponentials"
 
 def models() -> list[str]:
     return sorted(file.stem for file in FOLDER.glob("*.spm"))
+
+
+def model(name: str) -> Model:
+    return read_model(FOLDER / f"{name}.spm")
 
 
 def motion_m() -> np.ndarray:
@@ -56,7 +61,7 @@ def force_hash(name: str, number: str, mode: str) -> str:
         smoothing=Smoothing(time_constant_s=0.00083 if mode == "tool" else 0.0),
         guard=Guard(outside="zero" if mode == "tool" else "fallback"),
     )
-    plan = make_plan(read_model(FOLDER / f"{name}.spm"), scene, accept_unsafe=True)
+    plan = make_plan(model(name), scene, accept_unsafe=True)
     position = motion_m().astype(plan.dtype)
     with built(plan) as library:
         force_n, notes = Replay(library).run(position, backward_velocity(position, plan.dt_s))

@@ -19,9 +19,7 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
     if (!(sp_is_finite(dt_s) && dt_s > (sp_real)0)) {
         return SP_ERROR_TIME_STEP;
     }
-    int notes = 0;
-    *force_n = sp_output_idle(&output, &state->output, dt_s, &notes);
-    return notes;
+    return hold(state, dt_s, (sp_real)1, force_n);
 }
 
 void sp_init(sp_state *state)

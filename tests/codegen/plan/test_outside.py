@@ -9,7 +9,7 @@ from support.small import DEPTH_M, model_file, scene, small_model, training
 
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.reference.tick import OUTSIDE
+from springpot.codegen.reference.notes import OUTSIDE
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary

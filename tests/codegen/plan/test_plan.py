@@ -6,7 +6,7 @@ from support.small import DEPTH_M, scene, small_model
 
 from springpot.codegen.errors import UnsafeError, UsageError
 from springpot.codegen.plan.plan import make_plan
-from springpot.codegen.reference.tick import (
+from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,
     LATCHED,
@@ -30,7 +30,7 @@ def test_defaults_come_from_the_model() -> None:
     plan = make_plan(small_model(), SCENE)
     trained = small_model().trained
     assert plan.output.max_n == np.float32(1.2 * trained.max_n)
-    assert plan.output.watchdog_s == np.float32(0.02)
+    assert plan.watchdog_s == np.float32(0.02)
     assert plan.per_onset == pytest.approx(1 / (0.01 * DEPTH_M), rel=1e-2)
     assert plan.guard.jump_m >= np.float32(1e-3)
     assert plan.coupling.why.startswith("off: auto")

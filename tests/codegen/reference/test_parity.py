@@ -13,8 +13,7 @@ from support.small import DT_S, model_file, press, scene, small_model, training,
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.reference import run as codegen_reference
-from springpot.codegen.reference.run import Run, run_reference
-from springpot.codegen.reference.tick import (
+from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,
     LATCHED,
@@ -23,6 +22,7 @@ from springpot.codegen.reference.tick import (
     RAMPED,
     RESYNC,
 )
+from springpot.codegen.reference.run import Run, run_reference
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import Stages, model_force
 from springpot.host.emission.emission import emit

@@ -11,6 +11,7 @@ from support.paths import C_TESTS
 from support.small import DT_S, model_file, press, scene, training
 
 from springpot.codegen.model.model import Model
+from springpot.codegen.reference.notes import LATCHED
 from springpot.codegen.stages.recursive import SLOW_TICKS
 from springpot.host.emission.emission import emit
 from springpot.host.native.c_library import CLibrary
@@ -142,7 +143,7 @@ def test_a_late_tick_gives_the_force_of_its_time(tmp_path: Path) -> None:
     assert np.abs(found - wanted)[settled].max() < 0.01 * np.ptp(exact)
 
 
-@pytest.mark.parametrize("dt_s", [0.0, -1e-3, np.nan, np.inf, 1.5])
+@pytest.mark.parametrize("dt_s", [0.0, -1e-3, np.nan, np.inf])
 def test_a_time_step_out_of_bounds_changes_nothing(tmp_path: Path, dt_s: float) -> None:
     library = built(tmp_path, fitted("hammerstein"))
     state = library.new_state()
@@ -153,6 +154,18 @@ def test_a_time_step_out_of_bounds_changes_nothing(tmp_path: Path, dt_s: float) 
         TIME_STEP_ERROR
     )
     assert state._force[0] == before
+
+
+@pytest.mark.parametrize("dt_s", [0.03, 0.9, 1.5, 1e9])
+def test_a_long_time_step_is_silence_before_the_sample(tmp_path: Path, dt_s: float) -> None:
+    library = built(tmp_path, fitted("hammerstein"))
+    state = library.new_state()
+    for x in press(2.0)[:60]:
+        state.step_dt(DT_S, x)
+    force_n, notes = state.step_dt(dt_s, 0.011)
+    assert notes & LATCHED
+    assert force_n == 0.0
+    assert state.step_dt(DT_S, 0.011) == (0.0, LATCHED)
 
 
 def test_a_scene_of_one_rate_has_no_measured_step(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 abf74fd1ff002b19f0f7c20ff04d91d553b1c284b9b6be567d4f94bcbc4d41ca */
+/* springpot 0.1.0 efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

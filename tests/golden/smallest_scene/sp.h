@@ -1,4 +1,4 @@
-/* springpot 0.1.0 abf74fd1ff002b19f0f7c20ff04d91d553b1c284b9b6be567d4f94bcbc4d41ca */
+/* springpot 0.1.0 efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
@@ -15,6 +15,13 @@
  * Nothing here allocates, blocks, reads a clock, or keeps anything outside the state; two states
  * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
  * tick of delay costs most of the stiffness that a loop can render stably.
+ *
+ * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed, a long
+ * dt_s), the next good sample makes up for: the object's memory, the coupling's proxy and every
+ * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
+ * force goes from where it is to the model's a tick at a time, a little faster than the model's own
+ * changes: without a kick. Such a call takes as many ticks' time as went by. Without a good sample
+ * for longer than the watchdog's time, the force goes to zero and stays there until sp_reset.
  *
  * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
  * misuse: nothing has changed, and *force_n was not written.
@@ -54,8 +61,8 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
 int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n);
 
-/* dt_s (s) have passed without a sample: the last force, until the watchdog takes it to zero. The
- * object's memory waits: it advances with samples only. */
+/* dt_s (s) have passed without a sample: the last force, or on along its way, until the watchdog
+ * takes it to zero. */
 int sp_idle(sp_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that

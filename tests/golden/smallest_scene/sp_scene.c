@@ -1,10 +1,15 @@
-/* springpot 0.1.0 abf74fd1ff002b19f0f7c20ff04d91d553b1c284b9b6be567d4f94bcbc4d41ca */
+/* springpot 0.1.0 efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73 */
 #include <stddef.h>
 
 #include "sp_scene.h"
 #include "sp_tables.h"
 #include "sp_regressor.h"
 
+static const sp_silence_config silence = {
+    .dt_s = 0.001f,
+    .per_dt = 1000.0f,
+    .watchdog_s = 0.0205f,
+};
 static const sp_guard_config guard = {
     .jump_m = 0.001f,
     .min_m = -10.0f,
@@ -20,9 +25,8 @@ static const sp_output_config output = {
     .max_n = 12.0f,
     .slew_n = 3.0f,
     .rise = 0.02f,
-    .fall_nps = 1500.0f,
-    .watchdog_s = 0.02f,
-    .dt_s = 0.001f,
+    .fall_n = 1.5f,
+    .return_n = 0.08f,
 };
 static const sp_real per_onset = 10000.0f;
 
@@ -36,20 +40,11 @@ static void restart(sp_state *state, sp_real position)
     sp_output_restart(&state->output);
 }
 
-int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)
+/* One tick with the tool at `position`; returns the model's force, N. */
+SP_OFTEN sp_real tick(sp_state *state, sp_real position, int *notes)
 {
-    if (state == NULL || force_n == NULL) {
-        return SP_ERROR_NULL;
-    }
-    int notes = 0;
-    const sp_real position = sp_guard_position(&guard, &state->guard, position_m, &notes);
-    (void)velocity_mps;
-    sp_output_watch(&output, &state->output, output.dt_s, !(notes & SP_NOTE_HELD));
-    if (notes & SP_NOTE_RESYNC) {
-        restart(state, position);
-    }
     const sp_real penetration = position > (sp_real)0 ? position : (sp_real)0;
-    const sp_real clipped = sp_range_clip(&range, penetration, &notes);
+    const sp_real clipped = sp_range_clip(&range, penetration, notes);
     const sp_real *window =
         sp_window_push(state->history, &state->newest, N_TAPS, clipped);
     sp_real force = (sp_real)0;
@@ -68,7 +63,68 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     } else {
         sp_output_free(&state->output);
     }
-    *force_n = sp_output_force(&output, &state->output, force, &notes);
+    return force;
+}
+
+/* dt_s have passed without a good sample; share: of the force that may be felt. */
+static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
+{
+    int notes = SP_NOTE_HELD;
+    const sp_real ticks = dt_s * silence.per_dt;
+    const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
+    sp_output_wait(&output, &state->output, ticks - latched);
+    if (state->silence.latched) {
+        notes = 0;
+        (void)sp_output_fall(&output, &state->output, latched, &notes);
+    }
+    *force_n = share * state->output.force_n;
+    return notes;
+}
+
+/* The ticks without a sample since `before`, `left` of the `ticks` up to this one. */
+SP_RARE void make_up(sp_state *state, sp_real before, sp_real position, sp_real ticks,
+                     uint32_t left)
+{
+    const sp_real step = (position - before) / ticks;
+    for (; left > 0; left--) {
+        const sp_real at = position - (sp_real)left * step;
+        int ignored = 0;
+        (void)tick(state, at, &ignored);
+    }
+}
+
+int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)
+{
+    if (state == NULL || force_n == NULL) {
+        return SP_ERROR_NULL;
+    }
+    uint32_t left = 0;
+    sp_real ticks = (sp_real)1;
+    if (state->silence.silent_s > (sp_real)0) {
+        left = sp_silence_missed(&silence, &state->silence, silence.dt_s);
+        ticks = (sp_real)(left + 1);
+    }
+    (void)velocity_mps;
+    int notes = 0;
+    const sp_real before = state->guard.good_m;
+    const sp_real position =
+        sp_guard_position(&guard, &state->guard, ticks, position_m, &notes);
+    if (notes & SP_NOTE_HELD) {
+        return hold(state, silence.dt_s, sp_guard_share(&guard, &state->guard, position_m), force_n);
+    }
+    state->silence.silent_s = (sp_real)0;
+    if (notes & SP_NOTE_RESYNC) {
+        restart(state, position);
+        left = 0;
+        ticks = (sp_real)1;
+    }
+    if (left > 0) {
+        make_up(state, before, position, ticks, left);
+    }
+    const sp_real force = tick(state, position, &notes);
+    *force_n = state->silence.latched
+                   ? sp_output_fall(&output, &state->output, (sp_real)1, &notes)
+                   : sp_output_force(&output, &state->output, ticks, force, &notes);
     return notes;
 }
 
@@ -94,9 +150,7 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
     if (!(sp_is_finite(dt_s) && dt_s > (sp_real)0)) {
         return SP_ERROR_TIME_STEP;
     }
-    int notes = 0;
-    *force_n = sp_output_idle(&output, &state->output, dt_s, &notes);
-    return notes;
+    return hold(state, dt_s, (sp_real)1, force_n);
 }
 
 void sp_init(sp_state *state)
@@ -124,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"abf74fd1ff002b19f0f7c20ff04d91d553b1c284b9b6be567d4f94bcbc4d41ca\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 abf74fd1ff002b19f0f7c20ff04d91d553b1c284b9b6be567d4f94bcbc4d41ca */
+/* springpot 0.1.0 efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -7,6 +7,7 @@
 #include "sp.h"
 #include "sp_real.h"
 #include "sp_number.h"
+#include "sp_silence.h"
 #include "sp_guard.h"
 #include "sp_range.h"
 #include "sp_window.h"
@@ -20,6 +21,7 @@
 
 /* smallest: what one tick hands to the next. */
 struct sp_state {
+    sp_silence_state silence;
     sp_guard_state guard;
     sp_real history[2 * 16];
     uint32_t newest;
@@ -29,6 +31,6 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 172 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 180 ? 1 : -1];
 
 #endif

@@ -23,7 +23,7 @@ from support.mcu import (
 from support.peer import CLI, wait_until
 from support.small import model_file
 
-from springpot.codegen.reference.tick import LATCHED
+from springpot.codegen.reference.notes import LATCHED
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.replay import board_force
 from springpot.host.devices.wire import Sender, constant

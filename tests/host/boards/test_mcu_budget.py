@@ -18,7 +18,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import make_plan
-from springpot.codegen.reference.tick import RESYNC
+from springpot.codegen.reference.notes import HELD, RESYNC
 from springpot.codegen.scene import Guard, Scene
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.emulator import run_batch, steps
@@ -87,11 +87,14 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
         bound = instruction_bound(make_plan(model, scene_of(BOARDS[board].target, shape), True))
         assert bound is not None
         restarts = (batch.notes & RESYNC) != 0
-        assert restarts.sum() > 1
-        most, max_restarting = (
-            int(batch.instructions[rows].max()) for rows in (~restarts, restarts)
+        held = (batch.notes & HELD) != 0
+        late = ~restarts & ~held & np.concatenate([[False], held[:-1]])
+        assert restarts.sum() > 1 and late.any()
+        most, max_restarting, max_late = (
+            int(batch.instructions[rows].max()) for rows in (~restarts & ~late, restarts, late)
         )
         assert most <= bound.tick < 1.5 * most, board
+        assert max_late <= bound.after_silence
         assert max_restarting <= bound.restart < 2.0 * max_restarting, board
 
 

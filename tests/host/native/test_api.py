@@ -9,7 +9,7 @@ import pytest
 from support.small import model_file, press, scene, small_model
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.reference.tick import HELD, LATCHED, RAMPED, RESYNC
+from springpot.codegen.reference.notes import HELD, LATCHED, RAMPED, RESYNC
 from springpot.codegen.scene import Device
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary

@@ -15,7 +15,7 @@ import pytest
 from support.peer import CLI, Peer, peer, wait_until
 from support.small import model_file, scene
 
-from springpot.codegen.reference.tick import LATCHED
+from springpot.codegen.reference.notes import LATCHED
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import NONE, RESET, SILENT
 from springpot.host.validation.validation import validate

@@ -1,0 +1,166 @@
+"""The generated calls of a loop: which sample is taken, the ticks up to it, what leaves."""
+
+from springpot.codegen.emit.tick import indented
+from springpot.codegen.plan.plan import Plan
+
+
+def hold(plan: Plan) -> str:
+    """C function `hold`: sp_idle, and a step whose sample is not taken."""
+    return """/* dt_s have passed without a good sample; share: of the force that may be felt. */
+static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
+{
+    int notes = SP_NOTE_HELD;
+    const sp_real ticks = dt_s * silence.per_dt;
+    const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
+    sp_output_wait(&output, &state->output, ticks - latched);
+    if (state->silence.latched) {
+        notes = 0;
+        (void)sp_output_fall(&output, &state->output, latched, &notes);
+    }
+    *force_n = share * state->output.force_n;
+    return notes;
+}"""
+
+
+def make_up(plan: Plan) -> str:
+    """C function `make_up`: the ticks without a sample before this one, `left` of the `ticks`.
+
+    The tool moved evenly; with a coupling's estimate of its velocity at a constant acceleration
+    from the velocity before: the damper would feel a kink.
+    """
+    argument, passed = "", ""
+    if plan.needs_device_velocity:
+        argument, passed = ", sp_real velocity_mps", ", velocity_mps"
+    lines = [
+        "const sp_real step = (position - before) / ticks;",
+        *_bend(plan),
+        "for (; left > 0; left--) {",
+        *indented(_at(plan)),
+        "    int ignored = 0;",
+        f"    (void)tick(state, at{passed}, &ignored);",
+        "}",
+    ]
+    head = [
+        "/* The ticks without a sample since `before`, `left` of the `ticks` up to this one. */",
+        "SP_RARE void make_up(sp_state *state, sp_real before, sp_real position, sp_real ticks,",
+        f"                     uint32_t left{argument})",
+    ]
+    return "\n".join([*head, "{", *indented(lines), "}"])
+
+
+def _bend(plan: Plan) -> list[str]:
+    if plan.velocity is None:
+        return []
+    return [
+        "const sp_real begin = state->tool_velocity.velocity_mps * silence.dt_s;",
+        "const sp_real bend = (step - begin) / ticks;",
+    ]
+
+
+def _at(plan: Plan) -> list[str]:
+    if plan.velocity is None:
+        return ["const sp_real at = position - (sp_real)left * step;"]
+    return [
+        "const sp_real curve = bend * (ticks - (sp_real)left);",
+        "const sp_real at = position - (sp_real)left * (step + curve);",
+    ]
+
+
+def step(plan: Plan) -> str:
+    """C function sp_step."""
+    device = ", velocity_mps" if plan.needs_device_velocity else ""
+    lines = [
+        *_REFUSE_NULL,
+        "uint32_t left = 0;",
+        "sp_real ticks = (sp_real)1;",
+        "if (state->silence.silent_s > (sp_real)0) {",
+        "    left = sp_silence_missed(&silence, &state->silence, silence.dt_s);",
+        "    ticks = (sp_real)(left + 1);",
+        "}",
+        *_sample(plan, "silence.dt_s"),
+        "if (left > 0) {",
+        f"    make_up(state, before, position, ticks, left{device});",
+        "}",
+        f"const sp_real force = tick(state, position{device}, &notes);",
+        *_leave("(sp_real)1"),
+    ]
+    head = (
+        "int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)"
+    )
+    return "\n".join([head, "{", *indented(lines), "}"])
+
+
+def step_dt(plan: Plan) -> str:
+    """C function sp_step_dt: what is longer than a tick is silence before it."""
+    lines = [
+        *_REFUSE_NULL,
+        "if (!(sp_is_finite(dt_s) && dt_s > (sp_real)0)) {",
+        "    return SP_ERROR_TIME_STEP;",
+        "}",
+        "sp_real tick_s = dt_s;",
+        "if (dt_s > silence.dt_s) {",
+        "    tick_s = silence.dt_s;",
+        "    (void)hold(state, dt_s - tick_s, (sp_real)1, force_n);",
+        "}",
+        "uint32_t left = sp_silence_missed(&silence, &state->silence, tick_s);",
+        "sp_real last_s = state->silence.silent_s + tick_s - (sp_real)left * silence.dt_s;",
+        "sp_real ticks = (sp_real)left + last_s * silence.per_dt;",
+        *_sample(plan, "tick_s"),
+        "if (left > 0) {",
+        "    make_up(state, before, position, ticks, left);",
+        "}",
+        "const sp_real force = tick_dt(state, last_s, position, &notes);",
+        *_leave("tick_s * silence.per_dt"),
+    ]
+    head = (
+        "int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,\n"
+        "               sp_real *force_n)"
+    )
+    return "\n".join([head, "{", *indented(lines), "}"])
+
+
+_REFUSE_NULL = (
+    "if (state == NULL || force_n == NULL) {",
+    "    return SP_ERROR_NULL;",
+    "}",
+)
+
+
+def _sample(plan: Plan, tick_s: str) -> list[str]:
+    """The sample, taken or not; then the tool's way through the ticks up to it.
+
+    Even; with a coupling at a constant acceleration from the velocity before.
+    """
+    share = "sp_guard_share(&guard, &state->guard, position_m)" if plan.contact else "(sp_real)1"
+    velocity = ["(void)velocity_mps;"]
+    if plan.needs_device_velocity:
+        velocity = [
+            "if (!sp_guard_velocity(max_mps, velocity_mps)) {",
+            f"    return hold(state, {tick_s}, (sp_real)1, force_n);",
+            "}",
+        ]
+    return [
+        *velocity,
+        "int notes = 0;",
+        "const sp_real before = state->guard.good_m;",
+        "const sp_real position =",
+        "    sp_guard_position(&guard, &state->guard, ticks, position_m, &notes);",
+        "if (notes & SP_NOTE_HELD) {",
+        f"    return hold(state, {tick_s}, {share}, force_n);",
+        "}",
+        "state->silence.silent_s = (sp_real)0;",
+        "if (notes & SP_NOTE_RESYNC) {",
+        "    restart(state, position);",
+        "    left = 0;",
+        "    ticks = (sp_real)1;",
+        "}",
+    ]
+
+
+def _leave(passed: str) -> list[str]:
+    return [
+        "*force_n = state->silence.latched",
+        f"               ? sp_output_fall(&output, &state->output, {passed}, &notes)",
+        "               : sp_output_force(&output, &state->output, ticks, force, &notes);",
+        "return notes;",
+    ]

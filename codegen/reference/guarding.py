@@ -1,0 +1,82 @@
+"""The reference of the guard: which samples are taken, and how long there was none."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.stages.stage import SMALLEST
+
+# Bits of sp_notes.h; a test compares them with the header.
+HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED = 1, 2, 4, 8, 16, 32, 64
+
+Notes = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Guarded:
+    """What the guard made of the samples of a run, (n,) each.
+
+    position: m. ticks: since the sample taken before; 0 where none is taken. share: of the held
+    force that is felt then. resync: the history restarts at it. latched: the watchdog has fallen;
+    fall: for so much of a tick without a sample.
+    """
+
+    position: Reals
+    ticks: NDArray[np.int64]
+    share: Reals
+    resync: NDArray[np.bool_]
+    latched: NDArray[np.bool_]
+    fall: Reals
+
+
+def guarded(plan: Plan, raw: Reals, believed: NDArray[np.bool_]) -> Guarded:
+    """sp_guard.h and sp_silence.h over a run from a fresh state.
+
+    raw: (n,), m. believed: (n,), whether the device's own velocity is.
+    """
+    config, silence, real = plan.guard, plan.silence, raw.dtype.type
+    raw = np.where(np.abs(raw) < real(SMALLEST), real(0), raw)
+    n = len(raw)
+    position, share = raw.copy(), np.ones(n, dtype=raw.dtype)
+    ticks = np.zeros(n, dtype=np.int64)
+    resync, latches = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+    fall = np.zeros(n, dtype=raw.dtype)
+    good = suspect = silent = real(0)
+    agreeing = 0
+    started = latched = False
+    tick = silence.dt_s * silence.per_dt
+    plausible = (raw >= config.min_m) & (raw <= config.max_m)
+    for i, x in enumerate(raw):
+        elapsed = (silent + silence.dt_s) * silence.per_dt
+        since = 1 + (int(elapsed - real(0.5)) if elapsed >= 1.5 else 0)
+        if believed[i] and not plausible[i]:
+            agreeing = 0
+        elif believed[i] and started and abs(x - good) > config.jump_m * real(since):
+            agrees = agreeing and abs(x - suspect) <= config.jump_m
+            agreeing = agreeing + 1 if agrees else 1
+            suspect = x
+            if agreeing >= config.resync_ticks:
+                agreeing = 0
+                resync[i], ticks[i], good = True, 1, x
+            elif plan.contact and good > 0 and x < good:
+                share[i] = x / good if x > 0 else real(0)
+        elif believed[i]:
+            agreeing = 0
+            resync[i] = not started
+            ticks[i], good, started = 1 if not started else since, x, True
+        if ticks[i]:
+            silent = real(0)
+        elif latched:
+            fall[i] = tick
+        else:
+            silent = silent + silence.dt_s
+            latched = not silent <= silence.watchdog_s
+            over = (silent - silence.watchdog_s) * silence.per_dt + real(0.5)
+            if latched:
+                fall[i], silent = min(over, tick), real(0)
+        latches[i] = latched
+        position[i] = good
+    return Guarded(position, ticks, share, resync, latches, fall)

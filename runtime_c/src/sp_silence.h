@@ -1,0 +1,47 @@
+/* Silence: how long no good sample came. Everything that remembers is moved through that time by
+ * the next good sample, as if the tool had moved evenly; too long a silence is latched. */
+#ifndef SP_SILENCE_H
+#define SP_SILENCE_H
+
+#include <stdint.h>
+
+#include "sp_number.h"
+
+typedef struct {
+    sp_real dt_s;       /* of a tick */
+    sp_real per_dt;     /* 1/dt_s, 1/s */
+    sp_real watchdog_s; /* longest time without a good sample, and half a tick */
+} sp_silence_config;
+
+typedef struct {
+    sp_real silent_s; /* since the last good sample; 0 once it is latched */
+    uint32_t latched;
+} sp_silence_state;
+
+/* dt_s have passed without a good sample; returns how many ticks of them it was latched. */
+static inline sp_real sp_silence_passed(const sp_silence_config *config, sp_silence_state *state,
+                                        sp_real dt_s)
+{
+    const sp_real ticks = dt_s * config->per_dt;
+    if (state->latched) {
+        return ticks;
+    }
+    state->silent_s += dt_s;
+    if (state->silent_s <= config->watchdog_s) {
+        return (sp_real)0;
+    }
+    const sp_real over = (state->silent_s - config->watchdog_s) * config->per_dt + (sp_real)0.5;
+    state->latched = 1;
+    state->silent_s = (sp_real)0;
+    return over < ticks ? over : ticks;
+}
+
+/* Ticks without a good sample before this one, which lasts tick_s. */
+static inline uint32_t sp_silence_missed(const sp_silence_config *config,
+                                         const sp_silence_state *state, sp_real tick_s)
+{
+    const sp_real ticks = (state->silent_s + tick_s) * config->per_dt;
+    return ticks >= (sp_real)1.5 ? (uint32_t)(ticks - (sp_real)0.5) : 0;
+}
+
+#endif

@@ -1,0 +1,58 @@
+#include <math.h>
+
+#include "check.h"
+#include "sp_silence.h"
+
+static const sp_silence_config config = {
+    .dt_s = (sp_real)0.001, .per_dt = (sp_real)1000, .watchdog_s = (sp_real)0.0205};
+
+static void ticks_without_a_sample_are_counted(void)
+{
+    sp_silence_state state = {0};
+    for (uint32_t i = 0; i <= 20; i++) {
+        CHECK(sp_silence_missed(&config, &state, config.dt_s) == i);
+        CHECK(!state.latched);
+        const sp_real latched = sp_silence_passed(&config, &state, config.dt_s);
+        CHECK(i < 20 ? latched == (sp_real)0 : sp_abs(latched - (sp_real)1) < (sp_real)1e-3);
+    }
+    CHECK(state.latched);
+    CHECK(sp_silence_missed(&config, &state, config.dt_s) == 0);
+}
+
+static void measured_times_are_rounded_to_ticks(void)
+{
+    sp_silence_state state = {0};
+    CHECK(sp_silence_missed(&config, &state, (sp_real)0.0014) == 0);
+    CHECK(sp_silence_missed(&config, &state, (sp_real)0.0016) == 1);
+    (void)sp_silence_passed(&config, &state, (sp_real)0.0076);
+    CHECK(sp_silence_missed(&config, &state, config.dt_s) == 8);
+    CHECK(sp_silence_missed(&config, &state, (sp_real)1e-9) == 7);
+}
+
+static void a_long_silence_is_latched_from_the_watchdog_on(void)
+{
+    sp_silence_state state = {0};
+    CHECK(sp_abs(sp_silence_passed(&config, &state, (sp_real)0.025) - (sp_real)5) < (sp_real)1e-3);
+    state.silent_s = (sp_real)0; /* a good sample changes nothing */
+    CHECK(sp_silence_passed(&config, &state, (sp_real)0.002) > (sp_real)1.9);
+}
+
+static void endless_silence_is_latched(void)
+{
+    const sp_real times[] = {(sp_real)1, (sp_real)1e30, (sp_real)INFINITY, (sp_real)NAN};
+    for (unsigned i = 0; i < sizeof times / sizeof times[0]; i++) {
+        sp_silence_state state = {0};
+        (void)sp_silence_passed(&config, &state, times[i]);
+        CHECK(state.latched);
+        CHECK(sp_silence_missed(&config, &state, config.dt_s) == 0);
+    }
+}
+
+int main(void)
+{
+    ticks_without_a_sample_are_counted();
+    measured_times_are_rounded_to_ticks();
+    a_long_silence_is_latched_from_the_watchdog_on();
+    endless_silence_is_latched();
+    return failed;
+}
