@@ -9,11 +9,6 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.stage import SMALLEST
 
-# Bits of sp_notes.h; a test compares them with the header.
-HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED = 1, 2, 4, 8, 16, 32, 64
-
-Notes = NDArray[np.int32]
-
 
 @dataclass(frozen=True, eq=False)
 class Guarded:

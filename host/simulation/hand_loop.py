@@ -24,7 +24,7 @@ class Scenario:
 
     dt_s: real time. intended_m: where the hand intends to be at the tick's end. push_n: its force
     in place of its spring, NaN for the spring. error_m: added to what the scene sees, may be NaN.
-    dropped: no sample comes.
+    dropped: 0, the sample comes; 1, it is lost; 2, it comes with the next one.
     """
 
     dt_s: Samples

@@ -172,19 +172,25 @@ def _verdict(result: Stability) -> Iterator[str]:
         yield "Unstable: do not hold the device with this scene."
     else:
         yield f"The linear loop is stable (radius {checked.spectral_radius:.4f})."
-    unbounded = [item for item in result.outcomes if not item.bounded]
+    unbounded = [item for item in result.outcomes if not item.bounded and not _refused(item)]
     if unbounded:
         yield f"Not bounded: {_named(unbounded)}."
     holds = [item for item in result.outcomes if item.case in ("hold", "long-hold", "stiff")]
     loud = [item for item in holds if item.hf_speed_mps > QUIET_MPS]
     if loud:
         yield f"Vibrates above 1 mm/s on: {_named(loud)}."
-    unfaithful = [item for item in result.outcomes
+    lossy = [item for item in result.outcomes if item.losses is not None]
+    kicks = [item for item in lossy if item.losses and item.losses.kicks and not _refused(item)]
+    kicks = [item for item in kicks if not item.case.endswith("-fast")]
+    if kicks:
+        yield f"Lost samples are felt as a kick on: {_named(kicks)}."
+    whole = [item for item in result.outcomes if item.losses is None]
+    unfaithful = [item for item in whole
               if item.case != "stiff" and item.fidelity_percent > FAITHFUL_PERCENT]  # fmt: skip
     if unfaithful:
         yield f"Fidelity error above 10 % of peak on: {_named(unfaithful)}."
-    if not (unbounded or loud or unfaithful):
-        worst = max(item.fidelity_percent for item in result.outcomes if item.case != "stiff")
+    if not (unbounded or loud or unfaithful or kicks):
+        worst = max(item.fidelity_percent for item in whole if item.case != "stiff")
         yield (
             "All cases are bounded and quiet with all hands; what is felt differs from the model "
             f"by at most {worst:.1f} % of peak."
@@ -196,6 +202,11 @@ def _verdict(result: Stability) -> Iterator[str]:
             "may feel it buzz; hammerstein, or boosted with --monotone, has none."
         )
     yield f"Coupling {plan.coupling.why}."
+
+
+def _refused(item: Outcome) -> bool:
+    """A rate of samples that no session goes on with."""
+    return item.case.startswith(("rate-50", "rate-10"))
 
 
 def _named(items: Sequence[Outcome]) -> str:

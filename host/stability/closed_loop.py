@@ -1,7 +1,7 @@
 """What the closed loop did: bounds, vibration, fidelity and energy of each case and hand."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -10,12 +10,36 @@ from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
+from springpot.host.simulation.losses import TAKEN, losing_cases
 from springpot.host.simulation.scenarios import Case, Workspace, cases, hold_case
 
 HIGH_PASS_HZ = 15.0
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
 STIFFER = 10.0
 DELAYS = (0, 1)
+# A loss is not felt where the force changes no faster than this, of the loss-free run's changes.
+KICK_SHARE, KICK_N = 1.5, 0.1
+_TOUCH = 0.05  # of the trained depth, and of the peak force: contact beyond doubt
+
+
+@dataclass(frozen=True)
+class Losses:
+    """What losses of samples did to the force.
+
+    force_step_n: its greatest change in a tick of contact. zero_ticks: of no force, with a sample,
+    where the model alone has one. clean_...: of the same strokes without a loss.
+    """
+
+    force_step_n: float
+    clean_force_step_n: float
+    zero_ticks: int
+    clean_zero_ticks: int
+
+    @property
+    def kicks(self) -> bool:
+        """Whether a hand feels it."""
+        allowed_n = KICK_SHARE * self.clean_force_step_n + KICK_N
+        return self.zero_ticks > self.clean_zero_ticks or self.force_step_n > allowed_n
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +58,15 @@ class Outcome:
     trace: Trace
     model_only_n: Samples
     dt_s: Samples
+    losses: Losses | None = None
 
     def as_dict(self) -> dict[str, object]:
         names = (
             "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n",
             "hf_speed_mps", "fidelity_percent", "energy_out_j",
         )  # fmt: skip
-        return {name: getattr(self, name) for name in names}
+        lost = {} if self.losses is None else asdict(self.losses)
+        return {**{name: getattr(self, name) for name in names}, **lost}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +92,40 @@ def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
         for delay_samples in DELAYS:
             for rendered, case in [*listed, (stiff, hold)]:
                 yield _outcome(rendered, case, hand, delay_samples)
+            yield from lossy_outcomes(scene, hand, delay_samples)
+
+
+def lossy_outcomes(scene: Rendered, hand: Hand, delay_samples: int) -> Iterator[Outcome]:
+    """The cases that lose samples, beside the same without a loss."""
+    found: dict[str, Outcome] = {}
+    for case, clean in losing_cases(scene.plan, scene.force, hand):
+        if clean.name not in found:
+            found[clean.name] = _outcome(scene, clean, hand, delay_samples)
+        outcome = _outcome(scene, case, hand, delay_samples)
+        without = found[clean.name]
+        losses = Losses(
+            force_step_n=_force_step_n(outcome),
+            clean_force_step_n=_force_step_n(without),
+            zero_ticks=_zero_ticks(scene.plan, case, outcome),
+            clean_zero_ticks=_zero_ticks(scene.plan, clean, without),
+        )
+        yield replace(outcome, losses=losses)
+
+
+def _zero_ticks(plan: Plan, case: Case, outcome: Outcome) -> int:
+    space, model_n = Workspace.of(plan), outcome.model_only_n
+    touching = outcome.trace.position_m > space.base_m + _TOUCH * space.span_m
+    touching &= model_n > _TOUCH * model_n.max()
+    sampled = (case.scenario.dropped == TAKEN) & np.isfinite(case.scenario.error_m)
+    sampled[1:] &= sampled[:-1]  # what a silence began with is not known before its second one
+    return int(np.sum((outcome.trace.force_n == 0.0) & touching & sampled))
+
+
+def _force_step_n(outcome: Outcome) -> float:
+    """Greatest change in a tick of contact: what leaves an object without a sample is let go."""
+    touching = outcome.trace.position_m > 0.0
+    steps_n = np.abs(np.diff(outcome.trace.force_n))
+    return float(steps_n[touching[1:] & touching[:-1]].max(initial=0.0))
 
 
 def stiff_plan(plan: Plan) -> Plan:

@@ -28,6 +28,11 @@ static calls calls_of(const sp_closed_loop_scene *scene)
     return found;
 }
 
+typedef struct {
+    sp_real position_m, velocity_mps;
+    int come;
+} sample;
+
 /* xorshift64* (Vigna 2016). */
 static uint64_t random_bits(uint64_t *state)
 {
@@ -49,14 +54,24 @@ int64_t sp_closed_loop_run(const sp_closed_loop_scene *scene, sim_tool *hand, ui
     const calls call = calls_of(scene);
     int64_t not_finite = 0;
     double seen_m, seen_mps;
+    sample late = {0};
+    sp_real force = 0;
     sim_tool_truth(hand, &seen_m, &seen_mps);
     for (uint32_t i = 0; i < n; i++) {
-        sp_real force = 0;
+        const sample now = {(sp_real)(seen_m + scenario->error_m[i]), (sp_real)seen_mps, 1};
         sim_tool_truth(hand, &trace->position_m[i], &trace->velocity_mps[i]);
-        trace->notes[i] = scenario->dropped[i]
-                              ? call.idle(call.state, (sp_real)scenario->dt_s[i], &force)
-                              : call.step(call.state, (sp_real)(seen_m + scenario->error_m[i]),
-                                          (sp_real)seen_mps, &force);
+        if (scenario->dropped[i] == SP_CLOSED_LOOP_LATE) {
+            trace->notes[i] = SP_NOTE_HELD; /* the last force is sent again, and the tick is owed */
+            late = now;
+        } else if (scenario->dropped[i] == SP_CLOSED_LOOP_LOST) {
+            trace->notes[i] = call.idle(call.state, (sp_real)scenario->dt_s[i], &force);
+        } else {
+            if (late.come) {
+                (void)call.step(call.state, late.position_m, late.velocity_mps, &force);
+                late.come = 0;
+            }
+            trace->notes[i] = call.step(call.state, now.position_m, now.velocity_mps, &force);
+        }
         trace->force_n[i] = (double)force;
         const double acting_n = isfinite(force) ? (double)force : 0.0;
         not_finite += isfinite(force) ? 0 : 1;

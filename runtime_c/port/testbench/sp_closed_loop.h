@@ -16,13 +16,19 @@ typedef struct {
     void *state;
 } sp_closed_loop_scene;
 
+enum sp_closed_loop_dropped {
+    SP_CLOSED_LOOP_TAKEN = 0,
+    SP_CLOSED_LOOP_LOST = 1, /* no sample comes: sp_idle is called */
+    SP_CLOSED_LOOP_LATE = 2  /* it comes with the next one, and is stepped before it */
+};
+
 /* What happens at each tick; arrays of n. */
 typedef struct {
     const double *dt_s;       /* real time that the tick lasts */
     const double *intended_m; /* where the hand intends to be at its end */
     const double *push_n;     /* the hand's force in place of its spring; NaN: the spring */
     const double *error_m;    /* added to the position that the scene sees; may be NaN */
-    const uint8_t *dropped;   /* 1: no sample comes, sp_idle is called */
+    const uint8_t *dropped;   /* of sp_closed_loop_dropped */
 } sp_closed_loop_scenario;
 
 /* What came of it; arrays of n. Position and velocity are true ones at the tick's start. */

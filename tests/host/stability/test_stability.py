@@ -52,10 +52,19 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     plan = make_plan(simulated_model(name, kind), PLAIN)
     found = stability(plan)
     assert found.check.stable
-    assert len(found.outcomes) == 11 * 3 * 2
-    for outcome in found.outcomes:
+    whole = [outcome for outcome in found.outcomes if outcome.losses is None]
+    assert len(whole) == 11 * 3 * 2
+    for outcome in whole:
         assert outcome.bounded, outcome.as_dict()
         _is_quiet_and_faithful(outcome)
+    lossy = [outcome for outcome in found.outcomes if outcome.losses is not None]
+    assert len(lossy) == 16 * 3 * 2
+    for outcome in lossy:
+        if not outcome.case.endswith("-fast") and not outcome.case.startswith(
+            ("rate-50", "rate-10")
+        ):
+            assert outcome.bounded and outcome.losses is not None
+            assert not outcome.losses.kicks, outcome.as_dict()
     deep_m = max(outcome.max_depth_m for outcome in found.outcomes if outcome.case == "deep")
     assert deep_m < 1.3 * plan.model.trained.max_m
     _agrees_with_the_stiffer_object(found)
@@ -169,10 +178,13 @@ def test_command_prints_the_contract(tmp_path: Path) -> None:
         "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n", "hf_speed_mps",
         "fidelity_percent", "energy_out_j",
     }  # fmt: skip
-    assert {item["case"] for item in found["closed_loop"]} == {
+    lossy = {item["case"] for item in found["closed_loop"] if "zero_ticks" in item}
+    assert {item["case"] for item in found["closed_loop"]} - lossy == {
         "hold", "tap-4hz", "tap-8hz", "fast", "deep", "stiff", "jitter", "drops", "long-hold",
         "glitch", "nan",
     }  # fmt: skip
+    names = ("lost-1", "lost-2", "lost-10", "late", "nan-5", "rate-90", "rate-50", "rate-10")
+    assert lossy == {name + suffix for suffix in ("", "-fast") for name in names}
     text = page.read_text()
     assert text.count("<svg") == 2 + 11
     assert "http" not in text.replace("http://www.w3.org", "").replace(
