@@ -26,6 +26,11 @@ class CanBus(Protocol):
 
     fd: int
 
+    @property
+    def failure(self) -> str:
+        """Why the bus is gone, where something says so; or empty."""
+        ...
+
     def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
         """Send one frame. Raises DeviceError where the bus is gone."""
         ...
@@ -39,6 +44,8 @@ class CanBus(Protocol):
 
 class SlcanBus:
     """A Lawicel adapter: text over a serial port."""
+
+    failure = ""
 
     def __init__(self, address: Address, bitrate: int) -> None:
         """Open port and bus. Raises DeviceError where no adapter answers."""
@@ -108,6 +115,10 @@ class SlcanBus:
 class SocketBus:
     """A raw socket of the kernel's CAN, or one that carries the same frames."""
 
+    @property
+    def failure(self) -> str:
+        return ""
+
     def __init__(self, address: Address, raw: socket.socket | None = None) -> None:
         """Bind to the interface; raw: a socket that carries struct can_frame already."""
         self._url = address.url
@@ -163,12 +174,16 @@ class PythonCanBus(SocketBus):
         self._bridge = CanBridge(address, bitrate)
         super().__init__(address, self._bridge.near)
 
+    @property
+    def failure(self) -> str:
+        return self._bridge.failure
+
     def close(self) -> None:
         self._bridge.close()
         super().close()
 
     def _gone(self, reason: str) -> DeviceError:
-        return DeviceError(f"{self._url}: {self._bridge.failure or reason}: check the bus")
+        return DeviceError(f"{self._url}: {self.failure or reason}: check the bus")
 
 
 def open_bus(address: Address, bitrate: int) -> CanBus:

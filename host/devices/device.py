@@ -36,6 +36,16 @@ class OpenedDevice(Protocol):
 
     comes_back: bool  # can be unplugged and plugged in again
 
+    @property
+    def rate_advice(self) -> str:
+        """What to do where it sends fewer samples than the scene wants."""
+        ...
+
+    @property
+    def failure(self) -> str:
+        """Why it is gone, where something below it says so; or empty."""
+        ...
+
     def link(self, library: "CLibrary") -> Any:
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
         ...

@@ -2,18 +2,22 @@
 
 import contextlib
 import math
+import time
 from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.odrive import Drive
+from springpot.host.devices.odrive import ENCODER, Drive, identifier
+from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.serial_port import require_fast_adapter
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 
 BITRATE = 1_000_000
+MAX_RATE_HZ = 1000  # of cyclic messages: their interval is a whole number of ms
+_RATE_KEYS = {"0.5": "encoder_rate_ms", "0.6": "encoder_msg_rate_ms"}
 _KEYS = ("node", "bitrate", "port", "m_per_turn", "sign", "zero_turns", "max_torque_nm",
          "surface_mm")  # fmt: skip
 
@@ -50,12 +54,30 @@ class OdriveDevice:
             require_fast_adapter(address.place, requirements.rate_hz)
         self.bus = open_bus(address, bitrate)
         self.drive = Drive(self.bus, self.node, address.url)
+        self._rate_hz = requirements.rate_hz
         self._kept: Any = None
         try:
             self.drive.make_ready()
+            require_sample_rate(
+                address.url, requirements.rate_hz, self._estimates_until, self.rate_advice
+            )
         except BaseException:
             self.bus.close()
             raise
+
+    @property
+    def rate_advice(self) -> str:
+        if self._rate_hz > MAX_RATE_HZ:
+            return f"a drive sends at most {MAX_RATE_HZ} a second: set runtime.rate_hz"
+        key = _RATE_KEYS[self.drive.family]
+        return (
+            f"set `odrv0.axis0.config.can.{key} = {int(1000 / self._rate_hz)}` and save, or render "
+            "a scene of its rate ([runtime] rate_hz, where the model allows it)"
+        )
+
+    @property
+    def failure(self) -> str:
+        return self.bus.failure
 
     def link(self, library: CLibrary) -> Any:
         train = self.transmission
@@ -74,6 +96,15 @@ class OdriveDevice:
         )
         self._kept = library.memory(library.c.sp_link_odrive_size())
         return library.c.sp_link_odrive_init(self._kept, self.bus.fd, settings)
+
+    def _estimates_until(self, until_s: float) -> int:
+        """How many come; those that waited until now are no measure."""
+        while self.bus.receive(time.monotonic()) is not None:
+            pass
+        estimates = 0
+        while (frame := self.bus.receive(until_s)) is not None:
+            estimates += frame[0] == identifier(self.node, ENCODER)
+        return estimates
 
     def rendering_board(self) -> None:
         pass

@@ -9,6 +9,7 @@ import serial
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.url import Address
 from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
@@ -23,6 +24,7 @@ class SerialDevice:
     """A simple device (position in, force out), or a board that renders by itself."""
 
     comes_back = True
+    failure = ""
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""
@@ -39,6 +41,8 @@ class SerialDevice:
             self.hello = self._hello()
             self._check(self.hello)
             self.command("PRESS" if requirements.presses else "START")
+            if not self.renders:
+                self._require_rate()
         except BaseException:
             self.close()
             raise
@@ -46,6 +50,13 @@ class SerialDevice:
     @property
     def renders(self) -> bool:
         return bool(self.hello["role"] == constant("RENDERS"))
+
+    @property
+    def rate_advice(self) -> str:
+        return (
+            f"set its firmware to {self.requirements.rate_hz:g} Hz, or render a scene of its rate "
+            "([runtime] rate_hz, where the model allows it)"
+        )
 
     def rendering_board(self) -> Self | None:
         return self if self.renders else None
@@ -134,6 +145,22 @@ class SerialDevice:
                     return frame.values
             time.sleep(0.0005)
         return None
+
+    def _require_rate(self) -> None:
+        try:
+            require_sample_rate(
+                self.address.url, self.requirements.rate_hz, self._samples_until, self.rate_advice
+            )
+        except DeviceError:
+            self.stop()
+            raise
+
+    def _samples_until(self, until_s: float) -> int:
+        samples = 0
+        while time.monotonic() < until_s:
+            time.sleep(0.0005)
+            samples += sum(frame.name == "sample" and not frame.old for frame in self.frames())
+        return samples
 
     def _hello(self) -> dict[str, Any]:
         hello = self._ask(

@@ -22,6 +22,7 @@ class SimulatedDevice:
     """A hand that presses into whatever the scene renders."""
 
     comes_back = False
+    rate_advice = failure = ""
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Take the hand of the URL. Raises UsageError for a wrong one."""
@@ -51,6 +52,7 @@ class ReplayDevice:
     """The positions of a recording, one a tick; its end ends the session."""
 
     comes_back = False
+    rate_advice = failure = ""
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Read it. Raises DataError where it cannot be read or has another rate."""

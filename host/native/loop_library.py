@@ -40,6 +40,7 @@ class Stop(IntEnum):
     DEPTH = 4
     ENDED = 5
     MISUSE = 6
+    RATE = 7
 
 
 LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))

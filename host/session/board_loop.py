@@ -63,7 +63,8 @@ class BoardLoop:
     def attach(self, device: OpenedDevice) -> None:
         """Go on with a board that came back: it has started anew, and so must the log."""
         self._next = device.rendering_board()
-        assert self._next is not None, "opened with the hash of the scene: a board that renders it"
+        if self._next is None:
+            raise DeviceError(f"{self._device.address.url}: came back without its scene: flash it")
 
     def ask_stop(self) -> None:
         self._want_stop = True

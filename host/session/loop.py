@@ -25,6 +25,7 @@ class LoopState:
     ticks: int = 0
     late: int = 0
     stale: int = 0
+    unused: int = 0
     ring_dropped: int = 0
     watchdog_trips: int = 0
     disconnects: int = 0

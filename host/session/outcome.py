@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.errors import SpringpotError
+from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.native.loop_library import (
     COLUMN,
     GOT_CPU,
@@ -18,11 +18,11 @@ from springpot.host.session.loop import LoopSettings, LoopState
 
 
 def why_stopped(
-    state: LoopState, row: Any, settings: LoopSettings
+    state: LoopState, row: Any, settings: LoopSettings, rate_advice: str = ""
 ) -> tuple[str, SpringpotError | None]:
     """One line: why the loop ended and what to do; the error, where it was one.
 
-    row: the newest, shape (columns,).
+    row: the newest, shape (columns,). rate_advice: of the device.
     """
     match state.reason:
         case Stop.FORCE:
@@ -37,6 +37,12 @@ def why_stopped(
                 f"the tool came {depth_mm:.3g} mm deep, the limit is "
                 f"{1e3 * settings.max_depth_m:g} mm: raise --max-depth-mm, or press less"
             )
+        case Stop.RATE:
+            line = (
+                f"stopped: a fifth of the last 100 periods of {1e3 * settings.period_s:g} ms were "
+                f"without a sample, force zero: {rate_advice}"
+            )
+            return line, DeviceError(line)
         case Stop.MISUSE:
             return _stopped("the scene refused its arguments: report this")
         case Stop.TIME:

@@ -153,7 +153,8 @@ class SessionRunner:
         """One line: why it stopped and what to do; the error, where it was one."""
         if self.error is not None:
             return str(self.error), self.error
-        return why_stopped(self.state, self._latest[-1], self._settings)
+        advice = self._supervisor.device.rate_advice
+        return why_stopped(self.state, self._latest[-1], self._settings, advice)
 
     def flight(self) -> LoopRows:
         """The last seconds of rows, after the end."""

@@ -146,6 +146,7 @@ class Session:
             "sequence_gaps": counts.sequence_gaps,
             "samples": counts.samples,
             "stale_samples": state.stale,
+            "unused_samples": state.unused,
             "unsent": counts.unsent,
             "crc_errors": counts.crc_errors,
             "watchdog_trips": state.watchdog_trips,

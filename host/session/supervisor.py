@@ -69,30 +69,33 @@ class DeviceSupervisor:
             )
 
     def _bring_back(self) -> None:
+        why = f" ({self.device.failure})" if self.device.failure else ""
         if not self.device.comes_back or not self._reconnect_s:
-            self._fail(DeviceError(f"{self.url}: gone, force zero, stopped: plug it in"))
+            self._fail(DeviceError(f"{self.url}: gone{why}, force zero, stopped: plug it in"))
             return
         begin_s = time.monotonic()
-        self._report(f"{self.url}: gone, force zero; waiting {self._reconnect_s:g} s for it")
+        self._report(f"{self.url}: gone{why}, force zero; waiting {self._reconnect_s:g} s for it")
         self.device.close()
-        device = self._reopened(begin_s + self._reconnect_s)
-        if device is not None:
+        while (device := self._reopened(begin_s + self._reconnect_s)) is not None:
             self.device = device
             state = self._go_on(device)
-            then = (
-                "it had tripped before: reset with r"
-                if state.tripped_before_disconnect
-                else "force ramps in"
-            )
-            self._report(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
-            self._returning = None
+            if state.connected:
+                then = (
+                    "it had tripped before: reset with r"
+                    if state.tripped_before_disconnect
+                    else "force ramps in"
+                )
+                self._report(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
+                self._returning = None
+                return
+            device.close()  # it went again before its first sample
 
     def _reopened(self, until_s: float) -> OpenedDevice | None:
         """Open the device again until the time for that is over; then the session ends."""
         last: SpringpotError = DeviceError("")
         while time.monotonic() < until_s and not self._loop.get_status().over:
             try:
-                return open_device(self.url, self._requirements)
+                return self._opened()
             except SpringpotError as error:
                 last = error
                 time.sleep(_RETRY_S)
@@ -104,11 +107,24 @@ class DeviceSupervisor:
         )
         return None
 
+    def _opened(self) -> OpenedDevice:
+        device = open_device(self.url, self._requirements)
+        if (device.rendering_board() is None) == (self.device.rendering_board() is None):
+            return device
+        device.close()
+        raise DeviceError(f"{self.url}: another kind of device came back: plug the first one in")
+
     def _go_on(self, device: OpenedDevice) -> LoopState:
+        """The loop goes on with it: until its first sample, or until it is gone again."""
+        state, samples = self._loop.get_status(), self._loop.counts().samples
+        disconnects, self._reported_trips = state.disconnects, state.watchdog_trips
+        self._fresh_s = time.monotonic()
         self._loop.attach(device)
-        while not self._loop.get_status().connected and not self._loop.get_status().over:
+        while True:
+            state = self._loop.get_status()
+            came = state.connected and self._loop.counts().samples > samples
+            if came or state.over or state.disconnects > disconnects:
+                break
             time.sleep(0.001)
-        state = self._loop.get_status()
-        self._reported_trips = state.watchdog_trips
         self._fresh_s = time.monotonic()
         return state

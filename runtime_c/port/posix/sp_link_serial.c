@@ -9,18 +9,19 @@ typedef struct {
     uint32_t sequence;
     double surface_m;
     sp_wire_command command; /* under way until its ack */
-    uint32_t command_sequence;
+    uint32_t first_command;  /* sequence: it was sent as this, and again */
+    uint32_t last_command;
     uint64_t command_ns;
     int tripped;
 } serial;
 
 enum { CAPACITY = 4096 };
-static const uint64_t command_again_ns = 10000000;
+static const uint64_t command_again_ns = 50000000;
 
 static void send_command(serial *self, uint64_t now_ns)
 {
     uint8_t bytes[SP_WIRE_MAX_BYTES];
-    self->command_sequence = self->sequence;
+    self->last_command = self->sequence;
     self->command_ns = now_ns;
     const uint32_t count = sp_wire_send_command(&self->sequence, &self->command, bytes);
     (void)sp_link_put(self->link.fd, bytes, count);
@@ -31,7 +32,8 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
 {
     sp_wire_sample sample;
     sp_wire_ack ack;
-    if (sp_wire_get_ack(frame, &ack) && ack.command == self->command_sequence && !ack.refused) {
+    if (sp_wire_get_ack(frame, &ack) && !ack.refused &&
+        ack.command - self->first_command <= self->last_command - self->first_command) {
         self->link.ready = 1;
     }
     if (!sp_wire_get_sample(frame, &sample)) {
@@ -39,7 +41,8 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     }
     sp_motion *motion = sp_link_place(motions, capacity, count);
     self->link.samples++;
-    self->tripped = (sample.status & SP_WIRE_TRIPPED) != 0;
+    /* Samples from before the ack tell of the trip that the reset takes back. */
+    self->tripped = self->link.ready && (sample.status & SP_WIRE_TRIPPED);
     motion->position_m = (double)sample.position_m - self->surface_m;
     motion->velocity_mps = (double)sample.velocity_mps;
     motion->measured_n =
@@ -72,7 +75,7 @@ static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
     if (count < 0) {
         return SP_LINK_GONE;
     }
-    return self->tripped && link->ready ? SP_LINK_TRIPPED : fresh;
+    return self->tripped ? SP_LINK_TRIPPED : fresh;
 }
 
 static int write_serial(sp_link *link, uint64_t now_ns, double force_n)
@@ -94,6 +97,8 @@ static void reset_serial(sp_link *link, uint64_t now_ns)
 {
     serial *self = (serial *)link;
     self->command.action = SP_WIRE_RESET;
+    self->first_command = self->sequence;
+    self->tripped = 0;
     link->ready = 0;
     send_command(self, now_ns);
 }

@@ -7,6 +7,10 @@
 #include "sp_realtime.h"
 
 static const uint64_t first_sample_ns = 200000000; /* longest wait for it before the first tick */
+/* How long a period stays open for its sample, if that is more than one period. What holds samples
+ * back is mostly a USB host, which hands them over once a ms; the scene's watchdog must not hear of
+ * silence much later. */
+static const uint64_t owed_ns = 2000000;
 
 static void accept_requests(sp_loop *self)
 {
@@ -18,6 +22,7 @@ static void accept_requests(sp_loop *self)
         self->connected = 1;
         self->waiting_count = 0;
         self->motion.measured_n = (double)NAN;
+        sp_loop_watch_anew(self);
         self->arming_ns = 0;
         if (!next->ready) {
             sp_loop_make_ready(self);
@@ -60,6 +65,7 @@ static void first_deadline(sp_loop *self)
     }
     if (self->link->fd >= 0) {
         sp_loop_listen(self, self->deadline_ns + first_sample_ns, 1);
+        sp_loop_use(self, self->waiting_count - (self->waiting_count > 0)); /* before it began */
         self->deadline_ns = sp_loop_now() + self->period_ns / 4;
     }
     self->start_ns = self->deadline_ns;
@@ -89,13 +95,14 @@ static void *run(void *argument)
             self->reason = SP_STOP_ASKED;
             break;
         }
-        const uint64_t late_ns = sp_loop_now() - self->deadline_ns;
-        const int behind = late_ns < UINT64_MAX / 2 && late_ns >= self->period_ns;
-        const int fresh = sp_loop_sample(self, behind);
+        const uint64_t now_ns = sp_loop_now();
+        const uint64_t late_ns = now_ns > self->deadline_ns ? now_ns - self->deadline_ns : 0;
+        const int behind = late_ns >= self->period_ns;
+        sp_loop_look_for_samples(self, late_ns);
         if (self->reason) {
             break;
         }
-        sp_loop_tick(self, sp_loop_now(), fresh, behind);
+        const int fresh = sp_loop_tick(self, behind);
         self->elapsed_ns = sp_loop_now() - self->start_ns;
         advance(self, fresh && !behind);
         if (!self->reason && self->deadline_ns >= self->end_ns) {
@@ -103,6 +110,9 @@ static void *run(void *argument)
         }
     }
     stop_device(self);
+    if (self->reason == SP_STOP_ASKED || self->reason == SP_STOP_TIME) {
+        sp_loop_settle(self);
+    }
     self->over = 1;
     return NULL;
 }
@@ -122,6 +132,8 @@ int sp_loop_start(sp_loop *loop, const sp_loop_config *config, sp_link *link)
     loop->ring.rows = config->rows;
     loop->ring.mask = config->capacity - 1;
     loop->period_ns = (uint64_t)(1e9 * config->period_s + 0.5);
+    const uint64_t owed = owed_ns / loop->period_ns;
+    loop->max_owed = owed < 1 ? 1 : owed > MAX_OWED ? MAX_OWED : (int)owed;
     loop->motion.measured_n = (double)NAN;
     loop->link = link;
     loop->connected = 1;
@@ -133,9 +145,14 @@ void sp_loop_ask_stop(sp_loop *loop)
     loop->want_stop = 1;
 }
 
-void sp_loop_join(sp_loop *loop)
+int sp_loop_join(sp_loop *loop)
 {
+    if (loop->joined) {
+        return 0;
+    }
+    loop->joined = 1;
     (void)pthread_join(loop->thread, NULL);
+    return 1;
 }
 
 void sp_loop_pause(sp_loop *loop, int pause)
@@ -158,6 +175,7 @@ void sp_loop_get_status(sp_loop *loop, sp_loop_state *state)
     *state = (sp_loop_state){.ticks = loop->ticks,
                              .late = loop->late,
                              .stale = loop->stale,
+                             .unused = loop->unused,
                              .ring_dropped = loop->ring.dropped,
                              .watchdog_trips = loop->trips,
                              .disconnects = loop->disconnects,

@@ -1,11 +1,20 @@
-/* The real-time loop of a PC: a thread on absolute deadlines that reads the newest sample, calls
- * the scene, and sends the force in the same period. Another thread starts it, watches counters,
- * drains a ring of rows, and stops it; nothing that other thread does or fails to do delays a tick.
+/* The real-time loop of a PC: a thread on absolute deadlines that reads samples, calls the scene,
+ * and sends the force in the same period. Another thread starts it, watches counters, drains a ring
+ * of rows, and stops it; nothing that other thread does or fails to do delays a tick.
  *
- * Every period gives one row, whatever happened in it: with a new sample the scene's sp_step was
- * called, without one sp_idle; the row holds the inputs bit for bit and what was returned. A thread
- * that was kept away makes up for its missed periods at once, with the samples that came meanwhile:
- * time is complete.
+ * Every period gives one row, in order, whatever happened in it: with a sample the scene's sp_step
+ * was called, without one sp_idle; the row holds the inputs bit for bit and what was returned.
+ *
+ * A sample that comes late is that of its period all the same. A period without one gets the last
+ * force again and stays open, for 2 ms and one period at least; samples that come meanwhile are
+ * given to the open periods, oldest first, before that of the period under way. Where fewer come
+ * than periods are open, the oldest of these were without, and are settled with sp_idle. So silence
+ * reaches the scene's watchdog, and latches it, as much later. A thread that was kept away makes up
+ * for its missed periods at once, with the samples that came meanwhile: time is complete.
+ *
+ * Samples that no period has room for are thrown away, the oldest first (`unused`): those of a
+ * device that sends more than one a period, and those of periods that were settled without. What
+ * is left waiting is for periods that have begun: the newest sample is never older than that.
  *
  * Built once for each number type.
  */
@@ -22,10 +31,11 @@ enum { /* why a loop ended */
        SP_STOP_NONE = 0,
        SP_STOP_ASKED = 1,
        SP_STOP_TIME = 2,
-       SP_STOP_FORCE = 3, /* beyond max_force_n */
-       SP_STOP_DEPTH = 4, /* beyond max_depth_m */
-       SP_STOP_ENDED = 5, /* the replay has no more samples */
-       SP_STOP_MISUSE = 6 /* the scene refused its arguments */
+       SP_STOP_FORCE = 3,  /* beyond max_force_n */
+       SP_STOP_DEPTH = 4,  /* beyond max_depth_m */
+       SP_STOP_ENDED = 5,  /* the replay has no more samples */
+       SP_STOP_MISUSE = 6, /* the scene refused its arguments */
+       SP_STOP_RATE = 7    /* a fifth of the last 100 periods were without a sample */
 };
 
 enum {                     /* bits of sp_row.call */
@@ -33,7 +43,8 @@ enum {                     /* bits of sp_row.call */
        SP_CALL_RESET = 2,  /* sp_reset before it */
        SP_CALL_NONE = 4,   /* no call: paused, or the device had switched its motor off */
        SP_CALL_SILENT = 8, /* zero was sent instead of what was returned */
-       SP_CALL_UNSENT = 16 /* nothing was sent: no device, no room, or the next period had begun */
+       SP_CALL_UNSENT = 16 /* what was returned was not sent: no device, no room, or the next
+                              period had begun */
 };
 
 enum { SP_GOT_FIFO = 1, SP_GOT_LOCKED = 2, SP_GOT_SLACK = 4, SP_GOT_CPU = 8 };
@@ -49,7 +60,7 @@ typedef struct {         /* one period; doubles throughout, so that a table of r
     double measured_n; /* NaN where there is no load cell, or no device */
     double notes;
     double call;
-    double age_s;      /* of the sample when the tick began; NaN without a new one */
+    double age_s;      /* of the sample when the scene was given it; NaN without a new one */
     double lateness_s; /* of the tick behind its deadline */
     double tick_s;     /* time that the scene's call took */
 } sp_row;
@@ -73,8 +84,9 @@ typedef struct {
 
 typedef struct {
     uint64_t ticks;
-    uint64_t late;  /* more than one period behind */
-    uint64_t stale; /* without a new sample */
+    uint64_t late;   /* more than one period behind */
+    uint64_t stale;  /* without a sample of its own */
+    uint64_t unused; /* samples that no period had room for */
     uint64_t ring_dropped;
     uint64_t watchdog_trips;
     uint64_t disconnects;
@@ -99,7 +111,8 @@ uint32_t sp_loop_size(void);
  * must live until sp_loop_join. */
 int sp_loop_start(sp_loop *loop, const sp_loop_config *config, sp_link *link);
 void sp_loop_ask_stop(sp_loop *loop);
-void sp_loop_join(sp_loop *loop);
+/* Wait for its end: 1, or 0 where that was done before. */
+int sp_loop_join(sp_loop *loop);
 /* Zero force and no calls until resumed; the scene is reset then. */
 void sp_loop_pause(sp_loop *loop, int pause);
 void sp_loop_reset(sp_loop *loop);

@@ -30,10 +30,10 @@ static void take(sp_loop *self)
     }
 }
 
-void sp_loop_listen(sp_loop *self, uint64_t until_ns, int only_first)
+void sp_loop_listen(sp_loop *self, uint64_t until_ns, int enough)
 {
     uint64_t time_ns;
-    while ((time_ns = sp_loop_now()) < until_ns && !(only_first && self->waiting_count)) {
+    while ((time_ns = sp_loop_now()) < until_ns && !(enough && self->waiting_count >= enough)) {
         if (self->link == NULL || self->link->fd < 0) {
             const struct timespec until = as_timespec(until_ns);
             (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
@@ -47,34 +47,30 @@ void sp_loop_listen(sp_loop *self, uint64_t until_ns, int only_first)
     }
 }
 
-static void look_for_sample(sp_loop *self, int behind)
+void sp_loop_use(sp_loop *self, int count)
 {
-    if (self->link != NULL && !self->waiting_count) {
+    self->waiting_count -= count;
+    memmove(self->waiting, self->waiting + count,
+            (size_t)self->waiting_count * sizeof *self->waiting);
+}
+
+void sp_loop_look_for_samples(sp_loop *self, uint64_t late_ns)
+{
+    const int open = self->owed_count + 1;
+    if (self->link != NULL && self->waiting_count < open) {
         take(self);
     }
     /* A sample that is a little late is worth waiting for, while the tick itself is in time. */
-    if (self->link != NULL && self->link->fd >= 0 && !behind) {
-        sp_loop_listen(self, self->deadline_ns + self->period_ns / 4, 1);
+    if (self->link != NULL && self->link->fd >= 0 && late_ns < self->period_ns) {
+        sp_loop_listen(self, self->deadline_ns + self->period_ns / 4, open);
     }
-}
-
-/* The sample of this tick: the newest. Periods that were missed take one each, oldest first, so
- * that the scene's memory has no hole. Returns whether there is one. */
-static int next_sample(sp_loop *self, int behind)
-{
-    if (!self->waiting_count) {
-        return 0;
+    /* More than one a period: the device's clock is faster, or samples came so late that their
+     * periods are settled. The newest are those of the open periods; and of the periods after them
+     * that a late thread finds begun, or about to. None waits longer than that. */
+    const int later = (int)((late_ns + self->period_ns / 4 * 3) / self->period_ns);
+    if (self->waiting_count > open + later) {
+        const int surplus = self->waiting_count - open - later;
+        self->unused += (uint64_t)surplus;
+        sp_loop_use(self, surplus);
     }
-    const int used = behind ? 1 : self->waiting_count;
-    self->motion = self->waiting[used - 1];
-    self->waiting_count -= used;
-    memmove(self->waiting, self->waiting + used,
-            (size_t)self->waiting_count * sizeof *self->waiting);
-    return 1;
-}
-
-int sp_loop_sample(sp_loop *self, int behind)
-{
-    look_for_sample(self, behind);
-    return next_sample(self, behind);
 }

@@ -15,12 +15,26 @@ typedef void (*reset_function)(void *);
 /* Samples of a second at 1 kHz: what waits in a descriptor is no silence of the device. */
 enum { WAITING = 1024 };
 
+/* Periods of 2 ms at 8 kHz: as many stay open for their samples. */
+enum { MAX_OWED = 16 };
+
+/* Too few samples: 20 of the last 100 calls were without. Of a silence the first 6 count only: its
+ * length is the matter of the scene's watchdog. */
+enum { WATCHED = 100, MAX_IDLE = 20, COUNTED_RUN = 6 };
+
+typedef struct { /* a period that has no row yet */
+    uint64_t begin_ns;
+    uint64_t deadline_ns;
+    double sent_n; /* what the device had last been sent when it ended */
+} sp_period;
+
 struct sp_loop {
     sp_loop_config config;
     step_function step;
     idle_function idle;
     reset_function reset;
     pthread_t thread;
+    int joined;
     sp_ring ring;
 
     /* Asked by the other thread. */
@@ -30,18 +44,23 @@ struct sp_loop {
     _Atomic(sp_link *) next_link;
 
     /* Read by the other thread, under no lock: each by itself. */
-    _Atomic uint64_t ticks, late, stale, trips, disconnects, resets, elapsed_ns;
+    _Atomic uint64_t ticks, late, stale, unused, trips, disconnects, resets, elapsed_ns;
     _Atomic int connected, latched, tripped, tripped_before_disconnect, paused, reason, over, got;
 
     /* The thread's own. */
     sp_link *link;
-    sp_motion motion;           /* of this tick */
+    sp_motion motion;           /* that the scene was given last */
     sp_motion waiting[WAITING]; /* samples that no tick has used, oldest first */
     int waiting_count;
     uint64_t period_ns, start_ns, deadline_ns, end_ns;
     int reset_next;     /* the scene, before its next call */
     uint64_t arming_ns; /* since when the device was asked to be ready; 0: it is */
     sp_row row;
+    sp_period owed[MAX_OWED]; /* open ones before the one under way, oldest first */
+    int owed_count, max_owed;
+    double sent_n;
+    uint8_t was_idle[WATCHED]; /* of the last calls, in a ring */
+    int idle_count, idle_run, watched_at;
 };
 
 /* CLOCK_MONOTONIC, ns. */
@@ -56,13 +75,20 @@ void sp_loop_make_ready(sp_loop *self);
 /* Whether the scene may be called: no force reaches a device that is not ready. */
 int sp_loop_at_work(sp_loop *self);
 
-/* Read what comes until a time, or only until a sample came. */
-void sp_loop_listen(sp_loop *self, uint64_t until_ns, int only_first);
-/* The sample of this tick at self->motion; whether there is one. behind: the next period has begun
- * too. */
-int sp_loop_sample(sp_loop *self, int behind);
+/* Read what comes until a time, or only until so many samples wait; 0: however many. */
+void sp_loop_listen(sp_loop *self, uint64_t until_ns, int enough);
+/* So many of the waiting samples, oldest first, wait no longer. */
+void sp_loop_use(sp_loop *self, int count);
+/* Have the samples of this period and of those before it that are open; late_ns: how far the thread
+ * is behind the period's begin. */
+void sp_loop_look_for_samples(sp_loop *self, uint64_t late_ns);
 
-/* One period: the scene's call, the limits, the force to the device, the row. */
-void sp_loop_tick(sp_loop *self, uint64_t begin_ns, int fresh, int behind);
+/* One period: a row for each of the open ones that has its sample or waits no longer, the force to
+ * the device. behind: the next period has begun too. Returns whether there was a sample. */
+int sp_loop_tick(sp_loop *self, int behind);
+/* At the end: rows for the periods that are still open. */
+void sp_loop_settle(sp_loop *self);
+/* Forget how many of the last calls were without a sample. */
+void sp_loop_watch_anew(sp_loop *self);
 
 #endif

@@ -1,18 +1,30 @@
 /* One period of the loop. */
 #include <math.h>
+#include <string.h>
 
 #include "sp_loop_self.h"
 
-static void begin_row(sp_loop *self, uint64_t begin_ns, int fresh)
+static void begin_row(sp_loop *self, const sp_period *period)
 {
     sp_row *row = &self->row;
-    row->time_s = 1e-9 * (double)(int64_t)(begin_ns - self->start_ns);
-    row->lateness_s = 1e-9 * (double)(int64_t)(begin_ns - self->deadline_ns);
+    row->time_s = 1e-9 * (double)(int64_t)(period->begin_ns - self->start_ns);
+    row->lateness_s = 1e-9 * (double)(int64_t)(period->begin_ns - period->deadline_ns);
     row->dt_s = (double)(sp_real)self->config.period_s;
     row->call = 0;
     row->notes = 0;
     row->tick_s = 0;
-    if (self->link == NULL && !fresh) {
+}
+
+/* What there is of the period's sample; now_ns: when the tick began. */
+static void take_sample(sp_loop *self, uint64_t now_ns, int fresh)
+{
+    sp_row *row = &self->row;
+    row->age_s = (double)NAN;
+    if (fresh) {
+        self->motion = self->waiting[0];
+        sp_loop_use(self, 1);
+        row->age_s = 1e-9 * (double)(int64_t)(now_ns - self->motion.arrived_ns);
+    } else if (self->link == NULL) {
         self->motion.measured_n = (double)NAN; /* what a device that is gone last measured is old */
     }
     row->measured_n = self->motion.measured_n;
@@ -77,37 +89,54 @@ static void check_limits(sp_loop *self)
     }
 }
 
-static void send_force(sp_loop *self, int behind)
+void sp_loop_watch_anew(sp_loop *self)
 {
-    sp_row *row = &self->row;
-    int call = (int)row->call;
-    double force_n = row->returned_n;
-    if (self->reason || !sp_loop_at_work(self)) {
-        force_n = 0.0;
-        call |= SP_CALL_SILENT;
+    memset(self->was_idle, 0, sizeof self->was_idle);
+    self->idle_count = 0;
+    self->idle_run = 0;
+}
+
+/* Too few samples are not the motion: the force would be that of another one. */
+static void check_rate(sp_loop *self)
+{
+    if (self->reason || self->link == NULL || !sp_loop_at_work(self)) {
+        return;
     }
-    int put = 1;
+    const int idle = ((int)self->row.call & SP_CALL_IDLE) != 0;
+    self->idle_run = idle ? self->idle_run + 1 : 0;
+    const int counted = idle && self->idle_run <= COUNTED_RUN;
+    self->idle_count += counted - self->was_idle[self->watched_at];
+    self->was_idle[self->watched_at] = (uint8_t)counted;
+    self->watched_at = (self->watched_at + 1) % WATCHED;
+    if (self->idle_count >= MAX_IDLE) {
+        self->reason = SP_STOP_RATE;
+    }
+}
+
+/* Send what the scene returned last, or zero where it must be; whether it is zero by that. */
+static int send_force(sp_loop *self, int behind, int *put)
+{
+    const int silent = self->reason || !sp_loop_at_work(self);
+    const double force_n = silent ? 0.0 : self->row.returned_n;
+    *put = 1;
     if (self->link != NULL && !behind) {
-        put = self->link->write(self->link, sp_loop_now(), force_n);
-        if (put == SP_LINK_GONE) {
+        *put = self->link->write(self->link, sp_loop_now(), force_n);
+        if (*put == 0) {
+            self->sent_n = force_n;
+        } else if (*put == SP_LINK_GONE) {
             sp_loop_lose_link(self);
-        } else if (put == SP_LINK_TRIPPED) {
+        } else if (*put == SP_LINK_TRIPPED) {
             sp_loop_trip(self);
         }
     }
-    if (put == 0) {
-        row->sent_n = force_n;
-    } else {
-        call |= SP_CALL_UNSENT;
-    }
-    row->call = call;
+    return silent;
 }
 
-void sp_loop_tick(sp_loop *self, uint64_t begin_ns, int fresh, int behind)
+/* The scene's call of a period, and its limits. */
+static void call_of(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
 {
-    begin_row(self, begin_ns, fresh);
-    self->row.age_s =
-        fresh ? 1e-9 * (double)(int64_t)(begin_ns - self->motion.arrived_ns) : (double)NAN;
+    begin_row(self, period);
+    take_sample(self, now_ns, fresh);
     if (!sp_loop_at_work(self)) {
         self->row.call = SP_CALL_NONE;
         self->row.returned_n = 0.0;
@@ -117,9 +146,80 @@ void sp_loop_tick(sp_loop *self, uint64_t begin_ns, int fresh, int behind)
         call_scene(self, fresh);
     }
     check_limits(self);
-    send_force(self, behind);
+    check_rate(self);
+}
+
+static void put_row(sp_loop *self, const sp_period *period, double sent_n, int call, int fresh)
+{
+    self->row.sent_n = sent_n;
+    self->row.call = (double)((int)self->row.call | call);
     self->stale += !fresh;
-    self->late += begin_ns - self->deadline_ns > self->period_ns && begin_ns > self->deadline_ns;
+    self->late += period->begin_ns > period->deadline_ns + self->period_ns;
     self->ticks++;
     sp_ring_put(&self->ring, &self->row);
+}
+
+/* A period that was left open, and in which the last force was sent again. */
+static void settle_owed(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
+{
+    const int before = self->reason;
+    int put;
+    call_of(self, period, now_ns, fresh);
+    if (self->reason != before) {
+        (void)send_force(self, 0, &put);
+        put_row(self, period, self->sent_n, SP_CALL_SILENT | (put ? SP_CALL_UNSENT : 0), fresh);
+    } else {
+        put_row(self, period, period->sent_n, SP_CALL_UNSENT, fresh);
+    }
+}
+
+static void settle_current(sp_loop *self, const sp_period *period, int behind, int fresh)
+{
+    int put;
+    call_of(self, period, period->begin_ns, fresh);
+    const int silent = send_force(self, behind, &put);
+    put_row(self, period, self->sent_n, (silent ? SP_CALL_SILENT : 0) | (put ? SP_CALL_UNSENT : 0),
+            fresh);
+}
+
+/* Whether a sample may still come for a period without one. */
+static int may_owe(sp_loop *self)
+{
+    return self->link != NULL && self->link->fd >= 0 && !self->reset_next && sp_loop_at_work(self);
+}
+
+/* Rows for the oldest open periods: first for `idle` of them without a sample, then for those that
+ * have one waiting. */
+static void settle(sp_loop *self, int count, int idle, uint64_t now_ns)
+{
+    const int before = self->reason;
+    for (int i = 0; i < count && self->reason == before; i++) {
+        settle_owed(self, &self->owed[i], now_ns, i >= idle);
+    }
+    self->owed_count -= count;
+    memmove(self->owed, self->owed + count, (size_t)self->owed_count * sizeof *self->owed);
+}
+
+int sp_loop_tick(sp_loop *self, int behind)
+{
+    sp_period now = {.begin_ns = sp_loop_now(), .deadline_ns = self->deadline_ns};
+    const int fresh = self->waiting_count > 0;
+    if (!fresh && may_owe(self)) {
+        int put;
+        settle(self, self->owed_count == self->max_owed, MAX_OWED, now.begin_ns);
+        (void)send_force(self, behind, &put);
+        now.sent_n = self->sent_n;
+        self->owed[self->owed_count++] = now;
+        return fresh;
+    }
+    settle(self, self->owed_count, self->owed_count + 1 - self->waiting_count, now.begin_ns);
+    if (!self->reason) {
+        settle_current(self, &now, behind, self->waiting_count > 0);
+    }
+    return fresh;
+}
+
+void sp_loop_settle(sp_loop *self)
+{
+    settle(self, self->owed_count, MAX_OWED, sp_loop_now());
 }

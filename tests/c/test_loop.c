@@ -1,0 +1,433 @@
+/* The loop of a PC on a simulated clock: which period gets which sample, and what is sent. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <string.h>
+#include <time.h>
+
+#include "check.h"
+
+static int sim_clock(clockid_t clock, struct timespec *time);
+static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
+                     struct timespec *left);
+static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
+                    const sigset_t *mask);
+static int sim_join(void);
+#define clock_gettime sim_clock
+#define clock_nanosleep sim_sleep
+#define ppoll sim_poll
+#define pthread_create(thread, attributes, run, argument) ((void)run(argument), 0)
+#define pthread_join(thread, result) sim_join()
+#include "../../runtime_c/port/posix/sp_loop.c"
+#include "../../runtime_c/port/posix/sp_loop_link.c"
+#include "../../runtime_c/port/posix/sp_loop_sample.c"
+#include "../../runtime_c/port/posix/sp_loop_tick.c"
+
+enum { TICKS = 400, PERIOD_US = 1000, LOST = -1, CAPACITY = 4096, LATCHED = 32 };
+
+/* Sample k arrives at arrival_us[k], in order, and says position k; the scene returns k + 1. */
+static struct {
+    uint64_t now_ns;
+    int64_t arrival_us[4 * TICKS];
+    int count, at;
+    int joins;
+    int calls, steps, idles, resets;
+    int busy_call;    /* the call after which the thread is kept away ... */
+    uint64_t busy_us; /* ... so long */
+    double written[CAPACITY];
+    int writes;
+    double force_n;
+    sp_loop loop;
+    sp_row rows[CAPACITY];
+    uint32_t n;
+    sp_loop_state end;
+} sim;
+
+static uint64_t as_ns(const struct timespec *time)
+{
+    return (uint64_t)time->tv_sec * 1000000000u + (uint64_t)time->tv_nsec;
+}
+
+static int sim_clock(clockid_t clock, struct timespec *time)
+{
+    (void)clock;
+    time->tv_sec = (time_t)(sim.now_ns / 1000000000u);
+    time->tv_nsec = (long)(sim.now_ns % 1000000000u);
+    return 0;
+}
+
+static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
+                     struct timespec *left)
+{
+    (void)clock;
+    (void)flags;
+    (void)left;
+    sim.now_ns = as_ns(until);
+    return 0;
+}
+
+static int sim_join(void)
+{
+    sim.joins++;
+    return 0;
+}
+
+int32_t sp_realtime_ask(int32_t priority, int32_t cpu)
+{
+    return priority + cpu;
+}
+
+sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
+{
+    CHECK((uint32_t)count < capacity);
+    return &motions[count];
+}
+
+static uint64_t arrival_ns(int k)
+{
+    return 1000u * (uint64_t)sim.arrival_us[k];
+}
+
+static void skip_lost(void)
+{
+    while (sim.at < sim.count && sim.arrival_us[sim.at] == LOST) {
+        sim.at++;
+    }
+}
+
+static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
+                    const sigset_t *mask)
+{
+    const uint64_t until_ns = sim.now_ns + as_ns(left);
+    (void)waits;
+    (void)n;
+    (void)mask;
+    skip_lost();
+    if (sim.at < sim.count && arrival_ns(sim.at) <= until_ns) {
+        sim.now_ns = arrival_ns(sim.at) > sim.now_ns ? arrival_ns(sim.at) : sim.now_ns;
+        return 1;
+    }
+    sim.now_ns = until_ns;
+    return 0;
+}
+
+static int read_sim(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
+{
+    int count = 0;
+    (void)capacity;
+    for (skip_lost(); sim.at < sim.count && arrival_ns(sim.at) <= now_ns; skip_lost()) {
+        motions[count++] =
+            (sp_motion){.position_m = sim.at++, .measured_n = (double)NAN, .arrived_ns = now_ns};
+        link->samples++;
+    }
+    return count;
+}
+
+static int write_sim(sp_link *link, uint64_t now_ns, double force_n)
+{
+    (void)link;
+    (void)now_ns;
+    sim.written[sim.writes++] = force_n;
+    return 0;
+}
+
+static void reset_sim(sp_link *link, uint64_t now_ns)
+{
+    (void)now_ns;
+    link->ready = 1;
+}
+
+static int called(sp_real *force_n)
+{
+    *force_n = (sp_real)sim.force_n;
+    if (++sim.calls == sim.busy_call) {
+        sim.now_ns += 1000u * sim.busy_us;
+    }
+    return 0;
+}
+
+static int step(void *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)
+{
+    (void)state;
+    (void)velocity_mps;
+    sim.steps++;
+    sim.force_n = (double)position_m + 1.0;
+    return called(force_n);
+}
+
+static int idle(void *state, sp_real dt_s, sp_real *force_n)
+{
+    (void)state;
+    CHECK(dt_s == (sp_real)1e-3);
+    sim.idles++;
+    return called(force_n);
+}
+
+static void reset(void *state)
+{
+    (void)state;
+    sim.resets++;
+}
+
+/* A device that sends at its clock; the phase of a sample to its period is what the loop makes it.
+ */
+static void samples_each(double period_us)
+{
+    memset(&sim, 0, sizeof sim);
+    sim.now_ns = 1;
+    sim.count = (int)((TICKS + 20) * PERIOD_US / period_us);
+    for (int k = 0; k < sim.count; k++) {
+        sim.arrival_us[k] = (int64_t)(100.0 + k * period_us);
+    }
+}
+
+/* Sample k so much later, and none after it before it. */
+static void late(int k, int64_t by_us)
+{
+    sim.arrival_us[k] += by_us;
+    for (int i = k + 1; i < sim.count; i++) {
+        if (sim.arrival_us[i] != LOST && sim.arrival_us[i] < sim.arrival_us[k]) {
+            sim.arrival_us[i] = sim.arrival_us[k];
+        }
+    }
+}
+
+static void run_loop(void)
+{
+    static sp_link link;
+    static sp_row ring[CAPACITY];
+    sp_loop_config config = {.state = &sim,
+                             .period_s = 1e-3,
+                             .seconds = 1e-6 * PERIOD_US * TICKS,
+                             .max_force_n = 1e9,
+                             .max_depth_m = 1e9,
+                             .latched_note = LATCHED,
+                             .rows = ring,
+                             .capacity = CAPACITY};
+    int (*const steps)(void *, sp_real, sp_real, sp_real *) = step;
+    int (*const idles)(void *, sp_real, sp_real *) = idle;
+    void (*const resets)(void *) = reset;
+    memcpy(&config.step, &steps, sizeof config.step);
+    memcpy(&config.idle, &idles, sizeof config.idle);
+    memcpy(&config.reset, &resets, sizeof config.reset);
+    link = (sp_link){.fd = 3, .ready = 1, .read = read_sim, .write = write_sim, .reset = reset_sim};
+    CHECK(sp_loop_start(&sim.loop, &config, &link) == 0);
+    sim.n = sp_loop_drain(&sim.loop, sim.rows, CAPACITY);
+    sp_loop_get_status(&sim.loop, &sim.end);
+    CHECK(sim.end.over && sim.end.ticks == sim.n);
+    for (uint32_t i = 1; i < sim.n; i++) {
+        CHECK(sim.rows[i].time_s >= sim.rows[i - 1].time_s);
+    }
+}
+
+static int is_idle(uint32_t row)
+{
+    return ((int)sim.rows[row].call & SP_CALL_IDLE) != 0;
+}
+
+/* Rows in which not the sample of the same number was used. */
+static int out_of_place(void)
+{
+    int count = 0;
+    for (uint32_t i = 0; i < sim.n; i++) {
+        count += is_idle(i) || sim.rows[i].position_m != (double)i;
+    }
+    return count;
+}
+
+static void each_period_gets_its_sample(void)
+{
+    samples_each(PERIOD_US);
+    run_loop();
+    CHECK(sim.n >= TICKS - 1 && sim.end.reason == SP_STOP_TIME);
+    CHECK(out_of_place() == 0 && sim.end.unused == 0 && sim.end.stale == 0);
+}
+
+/* By half a period to two and more: every sample is stepped once, in order, in its period's row,
+ * and a force goes out in each period. */
+static void a_late_sample_is_that_of_its_period(void)
+{
+    for (int64_t by_us = 0; by_us <= 2400; by_us += 100) {
+        samples_each(PERIOD_US);
+        late(100, by_us);
+        late(200, by_us);
+        run_loop();
+        CHECK(out_of_place() == 0 && sim.end.unused == 0 && sim.idles == 0);
+        CHECK((uint32_t)sim.writes == sim.n + 3); /* zero three times at the end */
+        /* meanwhile what came last was sent again, and the rows say so */
+        const int open = (int)sim.rows[100].call & SP_CALL_UNSENT;
+        CHECK(sim.written[100] == (by_us < 500 ? 101.0 : by_us > 600 ? 100.0 : sim.written[100]));
+        CHECK(sim.rows[100].sent_n == (open ? 100.0 : 101.0));
+        CHECK(sim.rows[100].returned_n == 101.0);
+    }
+}
+
+static void a_lost_sample_is_one_idle_period(void)
+{
+    for (int lost = 1; lost <= 6; lost++) {
+        samples_each(PERIOD_US);
+        for (int k = 0; k < lost; k++) {
+            sim.arrival_us[100 + k] = LOST;
+        }
+        run_loop();
+        CHECK(out_of_place() == lost && sim.idles == lost && sim.end.unused == 0);
+        for (int k = 0; k < lost; k++) {
+            CHECK(is_idle((uint32_t)(100 + k)));
+        }
+        CHECK(sim.rows[100 + lost].position_m == 100.0 + lost);
+    }
+}
+
+/* Two periods stay open, the others are settled: their samples come too late, and are the oldest.
+ */
+static void a_burst_fills_the_open_periods(void)
+{
+    samples_each(PERIOD_US);
+    late(100, 12000);
+    run_loop();
+    CHECK(sim.idles == 10 && (int)sim.end.unused == 10 && out_of_place() == 10);
+    CHECK(is_idle(100) && is_idle(109) && sim.rows[110].position_m == 110.0);
+    CHECK(sim.end.reason == SP_STOP_TIME);
+}
+
+/* The scene hears of each period without a sample, two periods later: so late is its watchdog. */
+static void silence_reaches_the_scene_two_periods_later(void)
+{
+    samples_each(PERIOD_US);
+    sim.count = 100;
+    sim.busy_call = 100 + 30; /* the 30th idle call */
+    sim.busy_us = 1;
+    run_loop();
+    CHECK(sim.end.reason == SP_STOP_TIME && sim.n >= TICKS - 1);
+    CHECK(sim.steps == 100 && sim.idles == (int)sim.n - 100);
+    CHECK(sim.writes == (int)sim.n + 3);
+}
+
+/* Whole periods and parts of one: no sample is lost to a thread that was kept away. */
+static void a_late_thread_loses_no_sample(void)
+{
+    for (uint64_t busy_us = 0; busy_us < 20000; busy_us += 130) {
+        samples_each(PERIOD_US);
+        sim.busy_call = 100;
+        sim.busy_us = busy_us;
+        run_loop();
+        CHECK(out_of_place() == 0 && sim.idles == 0 && sim.end.unused == 0);
+    }
+}
+
+/* Late samples and a late thread at once. */
+static void both_late(void)
+{
+    for (uint64_t busy_us = 0; busy_us < 6000; busy_us += 170) {
+        for (int64_t by_us = 300; by_us <= 1500; by_us += 300) {
+            samples_each(PERIOD_US);
+            late(101, by_us);
+            sim.busy_call = 100;
+            sim.busy_us = busy_us;
+            run_loop();
+            CHECK(out_of_place() == 0 && sim.idles == 0 && sim.end.unused == 0);
+        }
+    }
+}
+
+/* A faster clock: what is too much is thrown away, and nothing gets older for it. */
+static void surplus_does_not_pile_up(void)
+{
+    const double rates[] = {1.0004, 1.002, 1.01, 1.3, 2.0, 3.0};
+    for (unsigned r = 0; r < sizeof rates / sizeof rates[0]; r++) {
+        samples_each(PERIOD_US / rates[r]);
+        run_loop();
+        CHECK(sim.idles == 0);
+        CHECK(sim.at - sim.steps - (int)sim.end.unused <= (int)rates[r] + 2);
+        for (uint32_t i = 0; i < sim.n; i++) {
+            CHECK(sim.rows[i].age_s < 1.5e-3);
+        }
+        if (rates[r] >= 2.0) { /* evenly spaced */
+            for (uint32_t i = 101; i < sim.n; i++) {
+                CHECK(sim.rows[i].position_m - sim.rows[i - 1].position_m == rates[r]);
+            }
+        }
+    }
+}
+
+/* A device that sends too seldom: no force after a fifth of the last hundred were missing. */
+static void too_few_samples_end_it(void)
+{
+    const int every[] = {2, 3, 4, 10, 15};
+    for (unsigned e = 0; e < sizeof every / sizeof every[0]; e++) {
+        samples_each(PERIOD_US * every[e]);
+        run_loop();
+        CHECK(sim.end.reason == SP_STOP_RATE);
+        CHECK(sim.n < 130 && sim.written[sim.writes - 1] == 0.0);
+        CHECK((int)sim.rows[sim.n - 1].call & SP_CALL_SILENT);
+        CHECK(sim.rows[sim.n - 1].sent_n == 0.0);
+    }
+    samples_each(PERIOD_US); /* three quarters */
+    for (int k = 3; k < sim.count; k += 4) {
+        sim.arrival_us[k] = LOST;
+    }
+    run_loop();
+    CHECK(sim.end.reason == SP_STOP_RATE);
+}
+
+/* Losses that happen, and a silence of any length, are not another rate. */
+static void losses_do_not_end_it(void)
+{
+    samples_each(PERIOD_US);
+    uint32_t draw = 1;
+    int lost = 0;
+    for (int k = 5; k < sim.count - 5; k++) {
+        draw = draw * 1664525u + 1013904223u;
+        if (draw >> 16 < 655) {
+            sim.arrival_us[k] = LOST;
+            lost++;
+        } else if (draw >> 16 < 655 + 1311) {
+            late(k, 900);
+        }
+    }
+    run_loop();
+    CHECK(sim.end.reason == SP_STOP_TIME && lost > 0);
+    CHECK(sim.idles == lost && out_of_place() == lost && sim.end.unused == 0);
+
+    for (int length = 1; length < 150; length += 7) {
+        samples_each(PERIOD_US);
+        for (int k = 0; k < length; k++) {
+            sim.arrival_us[100 + k] = LOST;
+        }
+        run_loop();
+        CHECK(sim.end.reason == SP_STOP_TIME && sim.idles == length);
+    }
+    samples_each(PERIOD_US); /* a tenth */
+    for (int k = 9; k < sim.count; k += 10) {
+        sim.arrival_us[k] = LOST;
+    }
+    run_loop();
+    CHECK(sim.end.reason == SP_STOP_TIME);
+}
+
+static void a_loop_is_joined_once(void)
+{
+    samples_each(PERIOD_US);
+    run_loop();
+    CHECK(sp_loop_join(&sim.loop) == 1);
+    CHECK(sp_loop_join(&sim.loop) == 0);
+    CHECK(sim.joins == 1);
+}
+
+int main(void)
+{
+    each_period_gets_its_sample();
+    a_late_sample_is_that_of_its_period();
+    a_lost_sample_is_one_idle_period();
+    a_burst_fills_the_open_periods();
+    silence_reaches_the_scene_two_periods_later();
+    a_late_thread_loses_no_sample();
+    both_late();
+    surplus_does_not_pile_up();
+    too_few_samples_end_it();
+    losses_do_not_end_it();
+    a_loop_is_joined_once();
+    return failed;
+}
