@@ -64,8 +64,10 @@ static void first_deadline(sp_loop *self)
         sp_loop_make_ready(self);
     }
     if (self->link->fd >= 0) {
+        /* What came first may have waited for long; what comes after it has just come. */
         sp_loop_listen(self, self->deadline_ns + first_sample_ns, 1);
-        sp_loop_use(self, self->waiting_count - (self->waiting_count > 0)); /* before it began */
+        sp_loop_listen(self, sp_loop_now() + 2 * self->period_ns, self->waiting_count + 1);
+        sp_loop_use(self, self->waiting_count - (self->waiting_count > 0));
         self->deadline_ns = sp_loop_now() + self->period_ns / 4;
     }
     self->start_ns = self->deadline_ns;

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -207,3 +208,23 @@ def test_only_the_user_takes_back_a_trip(tmp_path):
             assert session.runner.state.resets == 1
         assert device.wait_for("reset")
     assert any("force zero until reset" in line for line in told)
+
+
+def test_a_device_that_tripped_takes_forces_after_a_reset(tmp_path):
+    """It switched its motor off by itself: one reset by the user, and it stays on."""
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
+    with peer("serial_device", "--trip-after", 0.4, "--presses-hz", 4) as device:
+        with Session(tmp_path / "c", device.url, report=list) as session:
+            session.start()
+            wait_until(lambda: session.runner.state.tripped, 5, "no trip")
+            fault_s = device.wait_for("fault")["at_s"]
+            wait_until(lambda: time.monotonic() > fault_s + 0.05, 5, "no time")
+            session.reset()
+            wait_until(lambda: session.runner.state.resets == 1, 5, "no reset")
+            at = session.runner.state.ticks
+            wait_until(lambda: session.runner.state.ticks > at + 300, 5, "no ticks")
+            assert session.runner.state.watchdog_trips == 1
+            assert not session.runner.state.tripped
+        assert len(device.named("reset")) == 1
+        device.wait_for("stop")
+        assert any(event["was_n"] > 0 for event in device.named("zero"))

@@ -93,7 +93,7 @@ class Axis:
         else:
             position_m, velocity_mps = self.tool.in_hand(force_n)
         scale = self.options.sign / self.options.m_per_turn
-        if not self.faults.now("silent"):
+        if not self.faults.no_sample():
             estimates = struct.pack("<ff", scale * position_m, scale * velocity_mps)
             frames.append(self._frame(0x09, estimates))
             if self.options.firmware == "0.6" and self.options.on_object:

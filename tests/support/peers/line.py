@@ -29,7 +29,7 @@ def arguments(description: str) -> argparse.ArgumentParser:
     parser.add_argument("--intended-mm", type=float, default=20.0, help="how deep the hand means")
     parser.add_argument("--presses-hz", type=float, default=0.5)
     parser.add_argument("--seed", type=int, default=1)
-    for name in ("damage", "drop", "duplicate", "reorder"):
+    for name in ("damage", "drop", "duplicate", "reorder", "late"):
         parser.add_argument(f"--{name}", type=float, default=0.0, metavar="P")
     parser.add_argument("--delay-ms", type=float, default=0.0, help="of every frame, 0 .. twice it")
     parser.add_argument("--gone-after", type=float, metavar="S", help="s after the first force")
@@ -39,6 +39,8 @@ def arguments(description: str) -> argparse.ArgumentParser:
     )
     parser.add_argument("--silent-after", type=float, metavar="S")
     parser.add_argument("--silent-for", type=float, default=1e9, metavar="S")
+    parser.add_argument("--thin-after", type=float, metavar="S", help="send each tenth sample ...")
+    parser.add_argument("--thin-for", type=float, default=1e9, metavar="S", help="... so long")
     parser.add_argument("--burst-after", type=float, metavar="S", help="hold all frames back ...")
     parser.add_argument("--burst-for", type=float, default=0.015, metavar="S", help="... so long")
     return parser
@@ -57,15 +59,20 @@ def be_a_device() -> None:
 
 
 class Noise:
-    """Damages, drops, doubles, delays and reorders frames on their way out."""
+    """Damages, drops, doubles, delays and reorders frames on their way out.
+
+    A late frame goes out together with the next one, before it.
+    """
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
         self._draw = random.Random(options.seed)
         self._waiting: list[tuple[float, int, bytes]] = []
         self._held: bytes | None = None
+        self._late: list[bytes] = []
         self._count = 0
-        options_set = (options.damage, options.drop, options.duplicate, options.reorder)
+        options_set = (options.damage, options.drop, options.duplicate, options.reorder,
+                       options.late)  # fmt: skip
         self.quiet = not any(options_set) and not options.delay_ms
 
     def out(self, frame: bytes, now_s: float) -> bytes:
@@ -85,6 +92,10 @@ class Noise:
             self._held = None
         elif frames and chance() < options.reorder:
             self._held = frames.pop()
+        frames = self._late + frames
+        self._late = []
+        if frames and chance() < options.late:
+            self._late, frames = frames, []
         for content in frames:
             self._count += 1
             due_s = now_s + chance() * 2e-3 * options.delay_ms
@@ -137,6 +148,12 @@ class Faults:
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
         self._begin_s: float | None = None
+        self._samples = 0
+
+    def no_sample(self) -> bool:
+        """Whether this one is not sent."""
+        self._samples += 1
+        return self.now("silent") or (self.now("thin") and self._samples % 10 != 0)
 
     def force_came(self) -> None:
         if self._begin_s is None:

@@ -73,7 +73,7 @@ def main() -> None:
     options = parser.parse_args()
     scene = SceneLibrary(options.scene)
     options.model, options.layout = scene.manifest["hash"], 0
-    options.max_n, options.max_hz = 20.0, 8000.0
+    options.max_n, options.max_hz, options.rate_hz = 20.0, 8000.0, None
     port = Port()
     board = RenderingBoard(options, port, scene)
     be_a_device()

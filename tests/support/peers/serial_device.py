@@ -57,6 +57,7 @@ class Board:
         if not 10 <= rate_hz <= self.options.max_hz:
             refused = constant("REFUSED_RATE")
         elif action in (START, PRESS):
+            rate_hz = self.options.rate_hz or rate_hz
             self.rate_hz, self.watchdog_s = rate_hz, watchdog_s
             self.tool = Tool(self.options, 1 / rate_hz)
             self.clock = Clock(1 / rate_hz)
@@ -89,6 +90,9 @@ class Board:
 
     def watch(self) -> None:
         """The device's own watchdog: latched until a command."""
+        if self.faults.now("trip") and not self.tripped:
+            say(event="fault", was_n=self.force_n)
+            self.force_n, self.tripped = 0.0, True
         if self.running and not self.tripped and self.force_came_s is not None:
             silent_s = time.monotonic() - self.force_came_s
             if silent_s > self.watchdog_s:
@@ -105,7 +109,7 @@ class Board:
         else:
             position_m, velocity_mps = self.tool.in_hand(self.force_n)
         status = constant("RUNNING") | cell | (constant("TRIPPED") if self.tripped else 0)
-        if not self.faults.now("silent"):
+        if not self.faults.no_sample():
             self.send("sample", status=status, position_m=position_m, velocity_mps=velocity_mps,
                       measured_n=measured_n)  # fmt: skip
 
@@ -133,6 +137,9 @@ def main() -> None:
     parser = arguments(__doc__.splitlines()[0])
     parser.add_argument("--max-n", type=float, default=20.0, help="of the motor")
     parser.add_argument("--max-hz", type=float, default=8000.0)
+    parser.add_argument("--rate-hz", type=float, help="send at this rate, whatever is asked")
+    parser.add_argument("--trip-after", type=float, metavar="S", help="a fault of its own ...")
+    parser.add_argument("--trip-for", type=float, default=0.01, metavar="S", help="... so long")
     parser.add_argument("--model", default="", help="say that it renders the scene of this hash")
     parser.add_argument("--layout", type=int, default=0, help="say another layout of messages")
     options = parser.parse_args()

@@ -6,6 +6,7 @@ The first line is the URL to use, then one JSON object for each event. Stops on 
 """
 
 import argparse
+import struct
 import time
 
 import can
@@ -13,6 +14,7 @@ from axis import Axis, add_options
 from line import Noise, arguments, be_a_device
 
 GROUP = "239.74.163.2"
+FRAME = struct.Struct("<H8s")
 
 
 class Bus:
@@ -26,11 +28,9 @@ class Bus:
         faults = self.axis.faults
         if faults.now("gone") or faults.now("burst"):
             return
-        # The noise works on the data: a datagram has a checksum of its own.
-        content = self.noise.out(data, time.monotonic())
-        for begin in range(0, len(content), 8):
-            data = content[begin : begin + 8]
-            self.bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
+        content = self.noise.out(FRAME.pack(identifier, data), time.monotonic())
+        for number, part in FRAME.iter_unpack(content):
+            self.bus.send(can.Message(arbitration_id=number, data=part, is_extended_id=False))
 
     def tick(self) -> None:
         self.axis.clock.wait()

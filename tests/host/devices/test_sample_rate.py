@@ -1,0 +1,97 @@
+"""A device that sends at another rate than the scene's: refused before it is armed, or stopped."""
+
+import pytest
+from support.peer import peer, wait_until
+from support.small import model_file, scene
+
+from springpot.codegen.errors import DeviceError
+from springpot.host.cli import exit_status
+from springpot.host.devices import sample_rate
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import open_device
+from springpot.host.devices.sample_rate import require_sample_rate
+from springpot.host.emission.emission import emit
+from springpot.host.native.loop_library import Stop
+from springpot.host.session.session import Session
+
+REQUIREMENTS = DeviceRequirements(rate_hz=1000, watchdog_s=0.02, max_n=12.0)
+
+
+@pytest.fixture
+def count_of(monkeypatch):
+    """Make a count that waits on a clock of its own: samples of each window, given as rates."""
+    clock = [0.0]
+    monkeypatch.setattr(sample_rate.time, "monotonic", lambda: clock[0])
+
+    def make(*rates_hz):
+        rates, windows_s = iter(rates_hz), []
+
+        def count(until_s):
+            windows_s.append(until_s - clock[0])
+            clock[0] = until_s
+            return round(windows_s[-1] * next(rates))
+
+        return count, windows_s
+
+    return make
+
+
+@pytest.mark.parametrize("rates_hz", [(1000,), (910,), (3000,), (500, 1000), (0, 0, 990)])
+def test_enough_samples(count_of, rates_hz):
+    count, windows_s = count_of(*rates_hz)
+    require_sample_rate("x", 1000, count, "do this")
+    assert windows_s == pytest.approx([0.1] * len(rates_hz))
+
+
+@pytest.mark.parametrize("rates_hz", [(100, 100, 100), (880, 880, 880), (0, 10, 0)])
+def test_too_few_samples(count_of, rates_hz):
+    count, _ = count_of(*rates_hz)
+    told = f"x: sends {max(rates_hz)} samples a second, the scene runs at 1000 Hz: do this"
+    with pytest.raises(DeviceError, match=told):
+        require_sample_rate("x", 1000, count, "do this")
+
+
+@pytest.mark.parametrize(("rate_hz", "window_s"), [(10, 2.0), (200, 0.5), (8000, 0.1)])
+def test_the_count_is_short(count_of, rate_hz, window_s):
+    count, windows_s = count_of(rate_hz)
+    require_sample_rate("x", rate_hz, count, "do this")
+    assert windows_s == pytest.approx([window_s])
+
+
+def test_a_silent_device_is_the_sessions_matter(count_of):
+    count, _ = count_of(0, 0, 0)
+    require_sample_rate("x", 1000, count, "do this")
+
+
+@pytest.mark.parametrize(
+    ("firmware", "key"), [("0.5", "encoder_rate_ms"), ("0.6", "encoder_msg_rate_ms")]
+)
+def test_a_drive_at_its_default_rate(firmware, key):
+    with peer("slcan_odrive", "--rate-hz", 100, "--firmware", firmware) as drive:
+        with pytest.raises(DeviceError) as caught:
+            open_device(drive.url, REQUIREMENTS)
+        assert not drive.named("zero")  # no torque came
+    assert "samples a second, the scene runs at 1000 Hz: " in str(caught.value)
+    assert f"set `odrv0.axis0.config.can.{key} = 1` and save" in str(caught.value)
+    assert exit_status(caught.value) == 5
+
+
+def test_a_serial_device_of_another_rate():
+    with peer("serial_device", "--rate-hz", 500) as device:
+        with pytest.raises(DeviceError, match="set its firmware to 1000 Hz, or render a scene"):
+            open_device(device.url, REQUIREMENTS)
+        assert device.wait_for("stop")["force_n"] == 0
+
+
+def test_a_rate_that_falls_in_a_session(tmp_path):
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
+    with peer("serial_device", "--thin-after", 0.4) as device:
+        with Session(tmp_path / "c", device.url, report=list) as session:
+            session.start()
+            wait_until(lambda: session.runner.over, 20, "does not end")
+        assert device.wait_for("stop")["force_n"] == 0
+    assert session.runner.state.reason == Stop.RATE
+    assert "a fifth of the last 100 periods of 1 ms were without a sample" in session.line
+    assert "set its firmware to 1000 Hz" in session.line
+    assert session.error is not None
+    assert exit_status(session.error) == 5
