@@ -39,8 +39,8 @@ def why_stopped(
             )
         case Stop.RATE:
             line = (
-                f"stopped: a fifth of the last 100 periods of {1e3 * settings.period_s:g} ms were "
-                f"without a sample, force zero: {rate_advice}"
+                f"stopped: for a fifth of the last 100 periods of {1e3 * settings.period_s:g} ms "
+                f"no sample came, force zero: {rate_advice}"
             )
             return line, DeviceError(line)
         case Stop.MISUSE:

@@ -402,6 +402,12 @@ static void losses_do_not_end_it(void)
         run_loop();
         CHECK(sim.end.reason == SP_STOP_TIME && sim.idles == length);
     }
+    samples_each(PERIOD_US); /* all come, ten at once */
+    for (int k = 0; k < sim.count - 1; k++) {
+        arrival_us[k] += (9 - k % 10) * PERIOD_US;
+    }
+    run_loop();
+    CHECK(sim.end.reason == SP_STOP_TIME && sim.idles > TICKS / 2);
     samples_each(PERIOD_US); /* a tenth */
     for (int k = 9; k < sim.count; k += 10) {
         arrival_us[k] = LOST;

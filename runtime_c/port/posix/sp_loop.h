@@ -35,7 +35,7 @@ enum { /* why a loop ended */
        SP_STOP_DEPTH = 4,  /* beyond max_depth_m */
        SP_STOP_ENDED = 5,  /* the replay has no more samples */
        SP_STOP_MISUSE = 6, /* the scene refused its arguments */
-       SP_STOP_RATE = 7    /* a fifth of the last 100 periods were without a sample */
+       SP_STOP_RATE = 7    /* for a fifth of the last 100 periods no sample came */
 };
 
 enum {                     /* bits of sp_row.call */

@@ -72,5 +72,6 @@ void sp_loop_look_for_samples(sp_loop *self, uint64_t late_ns)
         const int surplus = self->waiting_count - open - later;
         self->unused += (uint64_t)surplus;
         sp_loop_use(self, surplus);
+        sp_loop_forgive(self, surplus);
     }
 }

@@ -19,7 +19,8 @@ enum { WAITING = 1024 };
 enum { MAX_OWED = 16 };
 
 /* Too few samples: 20 of the last 100 calls were without. Of a silence the first 6 count only: its
- * length is the matter of the scene's watchdog. */
+ * length is the matter of the scene's watchdog. Nor does a call whose sample came too late for it.
+ */
 enum { WATCHED = 100, MAX_IDLE = 20, COUNTED_RUN = 6 };
 
 typedef struct { /* a period that has no row yet */
@@ -90,5 +91,7 @@ int sp_loop_tick(sp_loop *self, int behind);
 void sp_loop_settle(sp_loop *self);
 /* Forget how many of the last calls were without a sample. */
 void sp_loop_watch_anew(sp_loop *self);
+/* So many samples came too late for the calls without one. */
+void sp_loop_forgive(sp_loop *self, int surplus);
 
 #endif

@@ -96,6 +96,16 @@ void sp_loop_watch_anew(sp_loop *self)
     self->idle_run = 0;
 }
 
+void sp_loop_forgive(sp_loop *self, int surplus)
+{
+    for (int back = 1; back <= WATCHED && surplus > 0; back++) {
+        uint8_t *idle = &self->was_idle[(self->watched_at + WATCHED - back) % WATCHED];
+        surplus -= *idle;
+        self->idle_count -= *idle;
+        *idle = 0;
+    }
+}
+
 /* Too few samples are not the motion: the force would be that of another one. */
 static void check_rate(sp_loop *self)
 {

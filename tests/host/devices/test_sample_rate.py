@@ -91,7 +91,7 @@ def test_a_rate_that_falls_in_a_session(tmp_path):
             wait_until(lambda: session.runner.over, 20, "does not end")
         assert device.wait_for("stop")["force_n"] == 0
     assert session.runner.state.reason == Stop.RATE
-    assert "a fifth of the last 100 periods of 1 ms were without a sample" in session.line
+    assert "for a fifth of the last 100 periods of 1 ms no sample came" in session.line
     assert "set its firmware to 1000 Hz" in session.line
     assert session.error is not None
     assert exit_status(session.error) == 5
