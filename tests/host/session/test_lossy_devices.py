@@ -5,7 +5,7 @@ import pytest
 from support.peer import peer, wait_until
 from support.small import model_file, scene
 
-from springpot.codegen.reference.tick import LATCHED, RAMPED
+from springpot.codegen.reference.notes import LATCHED, RAMPED
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import IDLE, NONE
 from springpot.host.session.session import Session
