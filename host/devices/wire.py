@@ -140,8 +140,8 @@ class Receiver:
             self.other_version = version
             return None
         self.frames += 1
-        old = self._place(sequence)
         name, body, fields = self._known.get(number, (None, None, None))
+        old = self._place(sequence, name == "hello")
         if name is None or body is None or fields is None:
             return None
         if body.size != covered - _HEAD.size:
@@ -149,11 +149,12 @@ class Receiver:
         values = dict(zip(fields, body.unpack_from(plain, _HEAD.size), strict=True))
         return Frame(name, sequence, values, old)
 
-    def _place(self, sequence: int) -> bool:
+    def _place(self, sequence: int, is_hello: bool) -> bool:
         ahead = (sequence - self._newest) & 0xFFFFFFFF
         behind = (self._newest - sequence) & 0xFFFFFFFF
-        if not self._seen:
-            self._seen = 1
+        restarted = is_hello and ahead >= 1 << 31 and behind >= _WINDOW
+        if not self._seen or restarted:
+            self._seen = 0xFFFFFFFF  # nothing before the first frame of a start is missing
         elif 0 < ahead < 1 << 31:
             self.gaps += ahead - 1
             self._seen = ((self._seen << ahead) | 1) & 0xFFFFFFFF if ahead < _WINDOW else 1

@@ -130,17 +130,21 @@ static uint32_t uncobs(uint8_t *bytes, uint32_t size)
     return next == size && size > 0 ? size - 1 : 0;
 }
 
-static int place(sp_wire_receiver *receiver, uint32_t sequence)
+enum { SEEN = 32 }; /* the newest of which it is known whether they came */
+
+static int place(sp_wire_receiver *receiver, const sp_wire_frame *frame)
 {
+    const uint32_t sequence = frame->sequence;
     const uint32_t ahead = sequence - receiver->newest;
     const uint32_t behind = receiver->newest - sequence;
-    if (receiver->seen == 0) {
-        receiver->seen = 1;
+    const int is_hello = frame->type == SP_WIRE_TYPE_HELLO && behind >= SEEN;
+    if (receiver->seen == 0 || (is_hello && ahead >= 0x80000000u)) {
+        receiver->seen = 0xffffffffu; /* nothing before the first frame of a start is missing */
     } else if (ahead != 0 && ahead < 0x80000000u) {
         receiver->gaps += ahead - 1;
-        receiver->seen = ahead < 32 ? receiver->seen << ahead | 1u : 1u;
+        receiver->seen = ahead < SEEN ? receiver->seen << ahead | 1u : 1u;
     } else {
-        if (behind > 0 && behind < 32 && !(receiver->seen >> behind & 1u)) {
+        if (behind > 0 && behind < SEEN && !(receiver->seen >> behind & 1u)) {
             receiver->seen |= 1u << behind;
             receiver->gaps--; /* it was late, not missing */
         }
@@ -198,7 +202,7 @@ int sp_wire_receive(sp_wire_receiver *receiver, uint8_t byte, sp_wire_frame *fra
         return SP_WIRE_NONE;
     }
     receiver->frames++;
-    return place(receiver, frame->sequence);
+    return place(receiver, frame);
 }
 
 void sp_wire_restart(sp_wire_receiver *receiver)

@@ -2,8 +2,9 @@
  * floating-point arithmetic; the same file serves a microcontroller and a PC.
  *
  * Sending:    n = sp_wire_send_force(&sequence, &force, bytes);      write n bytes
- * Receiving:  if (sp_wire_receive(&receiver, byte, &frame) && frame.type == SP_WIRE_TYPE_FORCE)
+ * Receiving:  if (sp_wire_receive(&receiver, byte, &frame) == SP_WIRE_NEW)
  *                 sp_wire_get_force(&frame, &force);
+ * A setpoint that comes again or late is SP_WIRE_OLD: it is not obeyed. Commands and ASK are.
  *
  * A frame is handed on only where length, version and CRC-32C are right; after damage the next 0
  * byte starts a new one.

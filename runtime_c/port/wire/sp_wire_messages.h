@@ -31,7 +31,8 @@
 #define SP_WIRE_ASK(FIELD) \
     FIELD(u32, layout)          /* sp_wire_layout() of the host */
 
-/* Device: the answer, and its first frame after a restart. */
+/* Device: the answer, and its first frame after a restart: a host that hears it forgets the
+ * sequence that it has seen. */
 #define SP_WIRE_HELLO(FIELD)  \
     FIELD(u32, layout)        \
     FIELD(u8, role)             /* SP_WIRE_RENDERS or SP_WIRE_SIMPLE */ \

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import struct
 import subprocess
@@ -120,6 +121,66 @@ def test_both_ends_count_alike(c_end):
     assert (state.frames, state.gaps) == (receiver.frames, receiver.gaps)
     assert state.crc_errors == receiver.crc_errors > 100
     assert receiver.gaps > 100
+
+
+def both_ends(c_end, content: bytes) -> tuple[list[tuple[int, bool]], int]:
+    """Sequence and age of each frame, and how many are missing: the same at both ends."""
+    ffi, lib = c_end
+    state, frame, receiver = ffi.new("sp_wire_receiver *"), ffi.new("sp_wire_frame *"), Receiver()
+    by_c = []
+    for byte in content:
+        if kind := lib.sp_wire_receive(state, byte, frame):
+            by_c.append((frame.sequence, kind == 2))
+    assert by_c == [(frame.sequence, frame.old) for frame in receiver.feed(content)]
+    assert state.gaps == receiver.gaps
+    return by_c, receiver.gaps
+
+
+def numbered(sequence: int, name: str = "ack", **values: object) -> bytes:
+    sender = Sender()
+    sender.sequence = sequence
+    return sender.encode(name, **(values or {"command": 0, "refused": 0}))
+
+
+def test_nothing_before_the_first_frame_is_missing(c_end):
+    content = b"".join(map(numbered, (5, 4, 6, 3, 8)))
+    told = [(5, False), (4, True), (6, False), (3, True), (8, False)]
+    assert both_ends(c_end, content) == (told, 1)
+
+
+def test_a_device_that_starts_again_is_heard_from_its_hello_on(c_end):
+    hello = {"layout": 0, "role": 0, "rate_hz": 1.0, "max_n": 1.0, "model": bytes(32)}
+    content = numbered(100_000) + numbered(0, "hello", **hello) + numbered(1) + numbered(2)
+    told, gaps = both_ends(c_end, content)
+    assert told == [(100_000, False), (0, False), (1, False), (2, False)]
+    assert gaps == 0
+    # one that was only overtaken starts nothing
+    content = numbered(100) + numbered(99, "hello", **hello) + numbered(98) + numbered(101)
+    assert [old for _, old in both_ends(c_end, content)[0]] == [False, True, True, False]
+
+
+def test_the_example_obeys_the_newest_only(tmp_path):
+    """The lines in the header compile, and do not take a force that comes twice."""
+    header = (PORT_WIRE / "sp_wire.h").read_text()
+    example = re.search(r"Receiving:  (.*?;)", header.replace("\n *", "\n"), re.DOTALL)[1]
+    program = tmp_path / "example.c"
+    program.write_text(
+        '#include "sp_wire.c"\n'
+        "int main(void) {\n"
+        "    sp_wire_receiver receiver = {.used = 0}; sp_wire_frame frame; uint8_t bytes[64];\n"
+        "    uint32_t sequence = 0, taken = 0; sp_wire_force force = {1.0f};\n"
+        "    const uint32_t n = sp_wire_send_force(&sequence, &force, bytes);\n"
+        "    for (uint32_t i = 0; i < 2 * n; i++) {\n"
+        "        const uint8_t byte = bytes[i % n];\n"
+        "        force.force_n = 0.0f;\n"
+        f"        {example.strip()}\n"
+        "        taken += force.force_n == 1.0f;\n"
+        "    }\n"
+        "    return taken == 1 ? 0 : 1;\n"
+        "}\n"
+    )
+    run_compiler(["-std=c11", f"-I{PORT_WIRE}", str(program), "-o", str(tmp_path / "example")])
+    assert subprocess.run([tmp_path / "example"], check=False).returncode == 0
 
 
 def test_another_version_is_told_not_read(c_end):
