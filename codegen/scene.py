@@ -65,7 +65,8 @@ class Guard:
 class Device:
     """What loop checks assume and drivers need.
 
-    m_per_turn, sign, zero_turns, max_torque_nm: the transmission of a motor drive.
+    m_per_turn, sign, zero_turns, max_torque_nm: the transmission of a motor drive;
+    nm_per_a: its motor's torque constant.
     """
 
     __pydantic_config__ = _CLOSED
@@ -76,6 +77,7 @@ class Device:
     sign: Literal[1, -1] = 1
     zero_turns: float = 0.0
     max_torque_nm: Annotated[float, Gt(0)] | None = None
+    nm_per_a: Annotated[float, Gt(0)] | None = None
 
 
 @dataclass(frozen=True)

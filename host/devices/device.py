@@ -1,5 +1,6 @@
 """What every opened device offers to a session."""
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -8,6 +9,15 @@ if TYPE_CHECKING:
     from springpot.host.native.c_library import CLibrary
 
 RECONNECT_S = 10.0  # a device that was unplugged is waited for so long
+ZERO_S = 0.2  # without a host, a device's own watchdog ends its force within so long
+
+
+def at_most(value: float) -> str:
+    """Three digits of a limit, rounded towards zero: what they say is within it."""
+    if not value > 0:
+        return "0"
+    step = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return f"{math.floor(value / step * (1 + 1e-12)) * step:g}"
 
 
 @dataclass(frozen=True)
@@ -16,7 +26,7 @@ class DeviceRequirements:
 
     presses: the loop drives the tool into an object, to record it.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
-    m_per_turn .. max_torque_nm: the transmission of a motor drive.
+    m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     """
 
     rate_hz: float
@@ -29,6 +39,7 @@ class DeviceRequirements:
     sign: int = 1
     zero_turns: float = 0.0
     max_torque_nm: float | None = None
+    nm_per_a: float | None = None
 
 
 class OpenedDevice(Protocol):

@@ -1,19 +1,22 @@
 """ODrive CAN Simple: what frames mean, and how a drive is made ready. Both firmware families."""
 
+import math
 import struct
 import time
 from dataclasses import dataclass
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.can_bus import CanBus
+from springpot.host.devices.device import ZERO_S
 
 VERSION, HEARTBEAT, AXIS_STATE, ENCODER, CONTROLLER_MODE = 0x00, 0x01, 0x07, 0x09, 0x0B
-INPUT_TORQUE, CLEAR_ERRORS, TORQUES = 0x0E, 0x18, 0x1C
+INPUT_TORQUE, LIMITS, CLEAR_ERRORS, TORQUES = 0x0E, 0x0F, 0x18, 0x1C
 AXIS_IDLE, CLOSED_LOOP = 1, 8
 _TORQUE_CONTROL, _PASSTHROUGH = 1, 1
 # Of the heartbeat's error word: the watchdog's bit in each family.
 _WATCHDOG = {"0.5": 0x800, "0.6": 0x1000000}
 _HEARD_S, _ARMED_S, _PROOF_S, _FEED_S = 2.0, 2.0, 1.5, 0.005
+_PROOFS = 3  # a heartbeat may be lost, or come late
 
 
 @dataclass(frozen=True)
@@ -40,27 +43,35 @@ def identifier(node: int, command: int) -> int:
     return node << 5 | command
 
 
+@dataclass(frozen=True)
+class DriveLimits:
+    """Of the motor: beyond them the drive gives less torque than it is told, or none."""
+
+    turns_per_s: float
+    current_a: float
+
+
 class Drive:
     """One axis on a bus, before the loop takes over."""
 
-    def __init__(self, bus: CanBus, node: int, url: str) -> None:
-        self.bus, self.node, self.url = bus, node, url
+    def __init__(self, bus: CanBus, node: int, url: str, limits: DriveLimits) -> None:
+        self.bus, self.node, self.url, self.limits = bus, node, url, limits
         self.family = ""
+        self._fed_s = 0.0  # the last command went out
 
     def make_ready(self) -> None:
         """Hear it, learn its firmware, prove that it can be armed and that its watchdog works.
 
         The proof: the drive is armed without force and left without commands; a drive that does
-        not switch itself off then has no watchdog, and is refused. The loop arms it again when it
+        not say in time that it switched itself off is refused. The loop arms it again when it
         starts. Raises DeviceError.
         """
         self._hear()
         self.family = self._firmware()
-        self.arm()
         self._prove_watchdog()
 
     def arm(self) -> None:
-        """Clear errors, torque control, closed loop; zero torque is sent meanwhile."""
+        """Clear errors, limits, torque control, closed loop; zero torque is sent meanwhile."""
         self.ask_for_torque_control()
         until, found = time.monotonic() + _ARMED_S, ""
         while time.monotonic() < until:
@@ -76,8 +87,10 @@ class Drive:
         )
 
     def ask_for_torque_control(self) -> None:
-        """Clear errors, torque control, closed loop; the heartbeat says when it is ready."""
+        """Clear errors, limits, torque control, closed loop; the heartbeat says when it is
+        ready."""
         self.send(CLEAR_ERRORS, b"\0" * 8)
+        self.send(LIMITS, struct.pack("<ff", self.limits.turns_per_s, self.limits.current_a))
         self.send(CONTROLLER_MODE, struct.pack("<II", _TORQUE_CONTROL, _PASSTHROUGH))
         self.torque(0.0)
         self.send(AXIS_STATE, struct.pack("<II", CLOSED_LOOP, 0))
@@ -92,6 +105,7 @@ class Drive:
         self.send(INPUT_TORQUE, struct.pack("<f4x", torque_nm))
 
     def send(self, command: int, data: bytes, *, remote: bool = False) -> None:
+        self._fed_s = time.monotonic()
         self.bus.send(identifier(self.node, command), data, remote=remote)
 
     def _hear(self) -> None:
@@ -122,18 +136,33 @@ class Drive:
         return newest
 
     def _prove_watchdog(self) -> None:
-        until = time.monotonic() + _PROOF_S
-        while time.monotonic() < until:
-            beat = self._heartbeat(time.monotonic() + 0.02)
+        found_s = math.inf
+        for _ in range(_PROOFS):
+            self.arm()
+            found_s = min(found_s, self._silent_until_off_s())
+            if found_s <= ZERO_S:
+                return
+            if math.isinf(found_s):
+                break
+        self.rest()
+        found = "never" if math.isinf(found_s) else f"{found_s:.2f} s"
+        raise DeviceError(
+            f"{self.url}: node {self.node} keeps its torque without commands ({found}, at most "
+            f"{ZERO_S:g} s are taken): switch its watchdog on, and short "
+            "(`odrv0.axis0.config.watchdog_timeout = 0.05`, `enable_watchdog = True`, a heartbeat "
+            "every 100 ms or sooner, save)"
+        )
+
+    def _silent_until_off_s(self) -> float:
+        """Time from the last command until the drive said that its watchdog had ended it, an
+        upper bound of the watchdog's; infinite where it did not."""
+        while time.monotonic() < self._fed_s + _PROOF_S:
+            beat = self._heartbeat(time.monotonic() + 0.002)
             if beat is not None and beat.state != CLOSED_LOOP:
                 if beat.error & _WATCHDOG[self.family]:
-                    return
+                    return time.monotonic() - self._fed_s
                 raise DeviceError(
                     f"{self.url}: node {self.node} switched itself off with error "
                     f"0x{beat.error:x}: look it up with odrivetool (`dump_errors(odrv0)`)"
                 )
-        self.rest()
-        raise DeviceError(
-            f"{self.url}: node {self.node} keeps its torque without commands: switch its watchdog "
-            "on (`odrv0.axis0.config.watchdog_timeout = 0.05`, `enable_watchdog = True`, save)"
-        )
+        return math.inf

@@ -8,8 +8,8 @@ from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
-from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.odrive import ENCODER, Drive, identifier
+from springpot.host.devices.device import DeviceRequirements, at_most
+from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.serial_port import require_fast_adapter
 from springpot.host.devices.url import Address
@@ -18,23 +18,39 @@ from springpot.host.native.c_library import CLibrary
 BITRATE = 1_000_000
 MAX_RATE_HZ = 1000  # of cyclic messages: their interval is a whole number of ms
 _RATE_KEYS = {"0.5": "encoder_rate_ms", "0.6": "encoder_msg_rate_ms"}
+_HAND_MPS = 2.0
+_SPARE_TURNS_PER_S = 20.0
+_CURRENT = 1.05  # of what the greatest torque takes: a torque constant has about two digits
 _KEYS = ("node", "bitrate", "port", "m_per_turn", "sign", "zero_turns", "max_torque_nm",
-         "surface_mm")  # fmt: skip
+         "nm_per_a", "surface_mm")  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Transmission:
-    """From turns and Nm of the motor to m and N of the tool."""
+    """From turns and Nm of the motor to m and N of the tool; nm_per_a: its torque constant."""
 
     m_per_turn: float
     sign: float
     zero_turns: float
     surface_m: float
     max_torque_nm: float
+    nm_per_a: float
 
     @property
     def max_n(self) -> float:
         return self.max_torque_nm * 2 * math.pi / self.m_per_turn
+
+    @property
+    def limits(self) -> DriveLimits:
+        """Limits that let every force through at every speed of a hand.
+
+        In torque control a drive gives no more torque than vel_gain times what its velocity
+        limit leaves: 1/6 Nm for each turn/s by default, less where a small motor was tuned.
+        """
+        spare = 6 * self.max_torque_nm + _SPARE_TURNS_PER_S
+        return DriveLimits(
+            _HAND_MPS / self.m_per_turn + spare, _CURRENT * self.max_torque_nm / self.nm_per_a
+        )
 
 
 class OdriveDevice:
@@ -53,7 +69,7 @@ class OdriveDevice:
         if address.interface == "slcan":
             require_fast_adapter(address.place, requirements.rate_hz)
         self.bus = open_bus(address, bitrate)
-        self.drive = Drive(self.bus, self.node, address.url)
+        self.drive = Drive(self.bus, self.node, address.url, self.transmission.limits)
         self._rate_hz = requirements.rate_hz
         self._kept: Any = None
         try:
@@ -92,6 +108,8 @@ class OdriveDevice:
                 "zero_turns": train.zero_turns,
                 "surface_m": train.surface_m,
                 "max_torque_nm": train.max_torque_nm,
+                "max_turns_per_s": train.limits.turns_per_s,
+                "max_current_a": train.limits.current_a,
             },
         )
         self._kept = library.memory(library.c.sp_link_odrive_size())
@@ -131,7 +149,12 @@ def require_fast_bus(url: str, bitrate: int, rate_hz: float) -> None:
 def _transmission(address: Address, requirements: DeviceRequirements) -> Transmission:
     m_per_turn = address.number("m_per_turn", requirements.m_per_turn or 0.0, 0, 100)
     max_torque_nm = address.number("max_torque_nm", requirements.max_torque_nm or 0.0, 0, 1e4)
-    for key, value in (("m_per_turn", m_per_turn), ("max_torque_nm", max_torque_nm)):
+    nm_per_a = address.number("nm_per_a", requirements.nm_per_a or 0.0, 0, 1e4)
+    for key, value in (
+        ("m_per_turn", m_per_turn),
+        ("max_torque_nm", max_torque_nm),
+        ("nm_per_a", nm_per_a),
+    ):
         if not value > 0:
             raise UsageError(
                 f"{address.url}: {key} is not known: set device.{key} in the scene, or ?{key}="
@@ -145,11 +168,12 @@ def _transmission(address: Address, requirements: DeviceRequirements) -> Transmi
         zero_turns=address.number("zero_turns", requirements.zero_turns, -1e6, 1e6),
         surface_m=address.number("surface_mm", 1e3 * requirements.surface_m, -1e5, 1e5) / 1e3,
         max_torque_nm=max_torque_nm,
+        nm_per_a=nm_per_a,
     )
     if found.max_n < requirements.max_n * (1 - 1e-6):
         raise DeviceError(
-            f"{address.url}: {max_torque_nm:g} Nm give {found.max_n:.3g} N and the scene up "
-            f"to {requirements.max_n:g} N: set guard.max_force_n = {found.max_n:.3g}, or "
+            f"{address.url}: {max_torque_nm:g} Nm give {at_most(found.max_n)} N and the scene up "
+            f"to {requirements.max_n:g} N: set guard.max_force_n = {at_most(found.max_n)}, or "
             "device.max_torque_nm"
         )
     return found

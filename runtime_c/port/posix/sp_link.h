@@ -49,7 +49,7 @@ sp_link *sp_link_serial_init(void *memory, int fd, double surface_m, float watch
 
 /* An ODrive: CAN Simple frames through a Lawicel adapter's text (slcan) or a raw CAN socket.
  * position = sign * (turns - zero_turns) * m_per_turn - surface_m. with_torque: the firmware sends
- * 0x1C with torques (0.6); 0.5 has something else there. */
+ * 0x1C with torques (0.6); 0.5 has something else there. The two limits are the drive's own. */
 typedef struct {
     uint32_t node;
     int32_t slcan; /* 1: text of an adapter, 0: struct can_frame of a socket */
@@ -59,6 +59,8 @@ typedef struct {
     double zero_turns;
     double surface_m;
     double max_torque_nm;
+    double max_turns_per_s;
+    double max_current_a;
 } sp_odrive;
 uint32_t sp_link_odrive_size(void);
 sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive);

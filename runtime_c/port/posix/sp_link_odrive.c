@@ -10,6 +10,7 @@ enum {
     ENCODER = 0x09,
     CONTROLLER_MODE = 0x0b,
     INPUT_TORQUE = 0x0e,
+    LIMITS = 0x0f,
     CLEAR_ERRORS = 0x18,
     TORQUES = 0x1c
 };
@@ -25,13 +26,16 @@ typedef struct {
 _Static_assert(sizeof(can_frame) == 16, "as the kernel and the bridge lay it out");
 static const uint32_t standard_id = 0x7ff;
 static const double two_pi = 6.283185307179586;
+/* Of the greatest torque: the scene's forces are float32, and set up to a millionth. */
+static const double rounding = 2e-6;
 
 typedef struct {
     sp_link link;
     sp_odrive drive;
     char line[LINE];
     uint32_t used;
-    int cut; /* the last line went out only in part */
+    uint8_t rest[LINE]; /* of a line that went out only in part */
+    uint32_t left;
     int tripped;
     double measured_n;
 
@@ -47,6 +51,12 @@ static float real_at(const uint8_t *bytes)
     float value;
     memcpy(&value, bytes, sizeof value);
     return value;
+}
+
+static void put_real(uint8_t *bytes, double value)
+{
+    const float real = (float)value;
+    memcpy(bytes, &real, sizeof real);
 }
 
 static void put_u32(uint8_t *bytes, uint32_t value)
@@ -180,11 +190,10 @@ static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
 static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
 {
     static const char digits[] = "0123456789ABCDEF";
-    uint8_t text[LINE];
-    uint32_t used = 0;
-    if (self->cut) {
-        text[used++] = '\r'; /* end what was cut off: the adapter refuses it, and takes the next */
-    }
+    uint8_t text[2 * LINE];
+    uint32_t used = self->left;
+    /* What was cut off is ended as it began: some adapters take a shorter line for a frame. */
+    memcpy(text, self->rest, used);
     text[used++] = 't';
     for (int shift = 8; shift >= 0; shift -= 4) {
         text[used++] = (uint8_t)digits[id >> shift & 15u];
@@ -196,8 +205,15 @@ static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t si
     }
     text[used++] = '\r';
     const int put = sp_link_put(self->link.fd, text, used);
-    self->cut = put > 0 ? put < (int)used : self->cut;
-    return put < 0 ? SP_LINK_GONE : put < (int)used;
+    if (put < 0) {
+        return SP_LINK_GONE;
+    }
+    const uint32_t sent = (uint32_t)put;
+    /* A line that was not begun is dropped: the next force is newer. */
+    const uint32_t end = sent > self->left ? used : self->left;
+    memcpy(self->rest, text + sent, end - sent);
+    self->left = end - sent;
+    return sent < used;
 }
 
 static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
@@ -217,12 +233,13 @@ static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
     odrive *self = (odrive *)link;
     const sp_odrive *drive = &self->drive;
     uint8_t data[BYTES] = {0};
-    const float torque_nm = (float)(-drive->sign * force_n * drive->m_per_turn / two_pi);
+    const double most_nm = drive->max_torque_nm;
+    const double torque_nm = -drive->sign * force_n * drive->m_per_turn / two_pi;
     (void)now_ns;
-    if (!(fabs((double)torque_nm) <= drive->max_torque_nm)) {
+    if (!(fabs(torque_nm) <= most_nm * (1 + rounding))) {
         return SP_LINK_TRIPPED; /* the session was set up wrongly: no force is better than less */
     }
-    memcpy(data, &torque_nm, sizeof torque_nm);
+    put_real(data, fmax(-most_nm, fmin(torque_nm, most_nm)));
     const int put = send_frame(self, INPUT_TORQUE, data);
     link->unsent += put == 1;
     return put;
@@ -233,6 +250,9 @@ static void reset_odrive(sp_link *link, uint64_t now_ns)
     odrive *self = (odrive *)link;
     uint8_t data[BYTES] = {0};
     (void)send_frame(self, CLEAR_ERRORS, data);
+    put_real(data, self->drive.max_turns_per_s);
+    put_real(data + 4, self->drive.max_current_a);
+    (void)send_frame(self, LIMITS, data);
     put_u32(data, TORQUE_CONTROL);
     put_u32(data + 4, PASSTHROUGH);
     (void)send_frame(self, CONTROLLER_MODE, data);

@@ -5,17 +5,21 @@ import dataclasses
 import functools
 import math
 import os
+import re
 import socket
 import struct
 import threading
 import time
+import tty
 from importlib.resources import files
 
 import can
 import cantools
 import numpy as np
 import pytest
+from axis import Axis, add_options
 from can.interfaces.udp_multicast import UdpMulticastBus
+from line import arguments
 from support.peer import peer, wait_until
 from support.small import model_file, scene
 
@@ -23,8 +27,15 @@ from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.scene import Guard
 from springpot.host.devices.can_bus import SocketBus, open_bus
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.odrive import CLOSED_LOOP, ENCODER, identifier, parse_heartbeat
-from springpot.host.devices.odrive_device import OdriveDevice, require_fast_bus
+from springpot.host.devices.odrive import (
+    CLOSED_LOOP,
+    ENCODER,
+    Drive,
+    DriveLimits,
+    identifier,
+    parse_heartbeat,
+)
+from springpot.host.devices.odrive_device import OdriveDevice, _transmission, require_fast_bus
 from springpot.host.devices.url import parse_device
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import RESET, UNSENT, loop_library
@@ -34,7 +45,7 @@ from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
 FILES = {"0.5": "odrive-cansimple-0.5.6.dbc", "0.6": "odrive-cansimple-0.6.10.dbc"}
-TRAIN = "m_per_turn=0.1&max_torque_nm=1"
+TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
 NODE = 3
 
 
@@ -70,6 +81,7 @@ class CLink:
         settings = self.library.ffi.new("sp_odrive *", {
             "node": node, "slcan": slcan, "with_torque": family == "0.6", "m_per_turn": 0.05,
             "sign": sign, "zero_turns": 0.5, "surface_m": 0.002, "max_torque_nm": 0.5,
+            "max_turns_per_s": 40.0, "max_current_a": 5.0,
         })  # fmt: skip
         self.memory = self.library.memory(self.library.c.sp_link_odrive_size())
         self.c = self.library.c.sp_link_odrive_init(self.memory, self.near.fileno(), settings)
@@ -336,7 +348,7 @@ def test_a_bus_of_python_can_that_fails_in_a_session(tmp_path, monkeypatch):
 
     monkeypatch.setattr(UdpMulticastBus, "send", fail_once)
     with (
-        peer("udp_odrive", "--port", 43223, "--watchdog-ms", 300) as drive,
+        peer("udp_odrive", "--port", 43223, "--watchdog-ms", 90) as drive,
         Session(folder, drive.url, log, report=list) as session,
     ):
         session.start()
@@ -361,6 +373,152 @@ def test_a_drive_without_watchdog_is_refused(folder):
         with pytest.raises(DeviceError, match="watchdog on"):
             Session(folder, drive.url, report=list).__enter__()
         assert drive.wait_for("state", more=1)["state"] == 1  # left idle
+
+
+@pytest.mark.parametrize(("firmware", "watchdog_ms"), [("0.5", 1350), ("0.6", 300)])
+def test_a_drive_with_a_slow_watchdog_is_refused(firmware, watchdog_ms):
+    """It would keep its torque for so long after the host has died."""
+    options = ("--firmware", firmware, "--watchdog-ms", watchdog_ms)
+    with peer("slcan_odrive", *options) as drive:
+        says = r"keeps its torque .*\((0\.[3-9]|1\.).* s, at most 0\.2 s.*watchdog_timeout = 0\.05"
+        with pytest.raises(DeviceError, match=says):
+            OdriveDevice(parse_device(drive.url), DeviceRequirements(1000, 0.02, 12.0))
+        assert not drive.named("zero"), "it was given a torque"
+
+
+def test_a_watchdog_in_time_is_taken_at_the_default_heartbeat():
+    with peer("slcan_odrive", "--watchdog-ms", 50) as drive:
+        opened = OdriveDevice(parse_device(drive.url), DeviceRequirements(1000, 0.02, 12.0))
+        opened.close()
+        assert len(drive.named("tripped")) in (1, 2, 3)
+
+
+def test_one_bound_in_time_proves_a_watchdog(monkeypatch):
+    """A heartbeat may be lost: the least of three upper bounds counts, and refuses."""
+    drive = Drive(None, 0, "odrive://x", DriveLimits(1, 1))
+    monkeypatch.setattr(drive, "arm", lambda: None)
+    monkeypatch.setattr(drive, "rest", lambda: None)
+    for found_s, taken in (((0.3, 0.19), True), ((0.3, 0.25, 0.201), False), ((math.inf,), False)):
+        found = iter(found_s)
+        monkeypatch.setattr(drive, "_silent_until_off_s", lambda found=found: next(found))
+        with contextlib.nullcontext() if taken else pytest.raises(DeviceError, match=r"0\.2 s"):
+            drive._prove_watchdog()
+        assert not list(found)
+
+
+def test_the_greatest_force_is_sent_whatever_the_rounding(link_of):
+    """A session is let in to a millionth, and its forces are float32: never a trip at the limit."""
+    rng = np.random.default_rng(7)
+    link = link_of(slcan=False, family="0.6")
+    drive = link.library.ffi.new("sp_odrive *", {"slcan": 0})
+    for _ in range(2000):
+        max_nm, m_per_turn = float(10 ** rng.uniform(-2, 1)), float(10 ** rng.uniform(-3, 0))
+        drive.max_torque_nm, drive.m_per_turn = max_nm, m_per_turn
+        drive.sign = float(rng.choice([-1.0, 1.0]))
+        link.c = link.library.c.sp_link_odrive_init(link.memory, link.near.fileno(), drive)
+        max_n = float(np.float32(max_nm * 2 * math.pi / m_per_turn * (1 + 1e-6)))
+        for force_n in (max_n, -max_n):
+            assert link.c.write(link.c, 0, force_n) == 0
+        sent = [struct.unpack_from("<f", data)[0] for _, data in link.sent()]
+        assert sent == [-drive.sign * np.float32(max_nm), drive.sign * np.float32(max_nm)]
+        assert link.c.write(link.c, 0, 1.0001 * max_n) == -2
+
+
+def test_the_limit_that_a_refusal_names_is_taken():
+    rng = np.random.default_rng(7)
+    for _ in range(300):
+        url = f"odrive://slcan//dev/none?nm_per_a=0.1&m_per_turn={rng.uniform(0.01, 1):.4f}"
+        url += f"&max_torque_nm={rng.uniform(0.01, 1):.4f}"
+        with pytest.raises(DeviceError, match="max_force_n") as caught:
+            OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, 1e4))
+        named_n = float(re.search(r"max_force_n = ([\d.e+-]+),", str(caught.value))[1])
+        with pytest.raises(DeviceError, match="no such port"):  # it got further
+            OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, named_n))
+
+
+@pytest.mark.parametrize("slcan", [True, False])
+def test_limits_are_set_on_every_arming(family, link_of, slcan):
+    name, database = family
+    link = link_of(slcan=slcan, family=name)
+    link.c.reset(link.c, 0)
+    frames = dict(link.sent())
+    told = database.decode_message("Axis0_Set_Limits", frames[0x0F])
+    assert told == {"Velocity_Limit": 40.0, "Current_Limit": 5.0}
+    assert list(frames).index(0x0F) < list(frames).index(0x07)
+
+
+def test_a_drive_lets_every_force_through(monkeypatch):
+    """At any speed of a hand, with the default gain of its limit or a small motor's."""
+    address = parse_device("odrive://slcan//dev/x?m_per_turn=0.05&max_torque_nm=0.4&nm_per_a=0.04")
+    train = _transmission(address, DeviceRequirements(1000, 0.02, 12.0))
+    speed = 2.0 / 0.05
+    for gain in (1 / 6, 0.4 / 20):
+        assert gain * (train.limits.turns_per_s - speed) >= 0.4
+    assert train.limits.current_a * 0.04 == pytest.approx(1.05 * 0.4)
+
+
+def moved(options: dict, limits: bool, turns_per_s: float) -> tuple[Axis, list]:
+    """A drive in closed loop that is told 0.4 Nm at that speed, for one step."""
+    parser = arguments("a drive")
+    add_options(parser)
+    axis = Axis(parser.parse_args([f"--{key}={value}" for key, value in options.items()]))
+    axis.take(0x07, struct.pack("<II", CLOSED_LOOP, 0))
+    if limits:
+        axis.take(0x0F, struct.pack("<ff", 40.0, 5.0))
+    axis.take(0x0E, struct.pack("<f4x", 0.4))
+    axis.turns_per_s = turns_per_s
+    frames = axis.step()
+    axis.turns_per_s = turns_per_s
+    return axis, frames
+
+
+def test_the_peer_limits_torque_and_speed_as_a_drive_does():
+    """Without limits from us: 2 turns a second, off beyond 1.2 times it, 100 estimates a second."""
+    options = {"nm-per-a": 0.1, "m-per-turn": 0.05}
+    assert moved(options, True, 30.0)[0].given_nm() == pytest.approx(0.4)
+    assert moved(options, False, 0.0)[0].given_nm() == pytest.approx(2 / 6)
+    assert moved(options, False, 1.6)[0].given_nm() == pytest.approx(0.4 / 6)
+    for firmware, error in (("0.5", 0x200), ("0.6", 0x8000)):
+        axis, _ = moved({**options, "firmware": firmware}, False, 2.41)
+        assert (axis.state, axis.error, axis.given_nm()) == (1, error, 0.0)
+        beat = parse_heartbeat(axis._heartbeat()[1], firmware)
+        assert (beat.error, beat.failed) == (error, firmware == "0.5")
+    axis, frames = moved(options, True, 0.0)
+    for _ in range(999):
+        frames += axis.step()
+    assert sum(found == ENCODER for found, _ in frames) == 100
+
+
+def test_a_line_that_was_cut_is_ended_as_it_began(link_of):
+    """Some adapters take a line that is too short for a frame: none is ever sent."""
+    link, got, put = link_of(slcan=True, family="0.6"), b"", []
+    far, near = os.openpty()
+    tty.setraw(near)
+    os.set_blocking(near, False)
+    link.c.fd = near
+    for _ in range(20):
+        while not put or put[-1] == 0:  # until there is no room
+            put.append(link.c.write(link.c, 0, len(put) % 50 / 10))
+        got += os.read(far, 100 + len(put) % 7)
+        put.append(0)
+    os.set_blocking(near, True)
+
+    def finish() -> None:
+        assert link.c.write(link.c, 0, 0.0) == 0
+        os.write(near, b"end\r")
+
+    last = threading.Thread(target=finish)
+    last.start()
+    while not got.endswith(b"end\r"):
+        got += os.read(far, 65536)
+    last.join()
+    *lines, end, nothing = got.split(b"\r")
+    assert (end, nothing) == (b"end", b"")
+    assert put.count(1) >= 20
+    assert len(lines) > 200
+    assert {(len(line), line[:5]) for line in lines} == {(21, b"t00E8")}
+    os.close(far)
+    os.close(near)
 
 
 def test_the_wrong_node(folder):
@@ -411,7 +569,11 @@ def test_the_bus_is_too_slow_for_the_rate():
         (f"odrive://socketcan/can9?{TRAIN}", DeviceError, "kernel needs CAN"),
         (f"odrive://nosuch/1?{TRAIN}", DeviceError, "nosuch"),
         ("odrive:///dev/ttyACM0", UsageError, "not complete"),
-        ("odrive://slcan//dev/none?m_per_turn=1&max_torque_nm=0.1", DeviceError, "max_force_n"),
+        (
+            "odrive://slcan//dev/none?m_per_turn=1&max_torque_nm=0.1&nm_per_a=0.1",
+            DeviceError,
+            "max_force_n",
+        ),
     ],
 )
 def test_wrong_urls_are_one_line(url, error, says):

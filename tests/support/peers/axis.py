@@ -9,16 +9,23 @@ from line import Clock, Faults, Tool, say
 
 HEARTBEAT_S = 0.1
 IDLE, CLOSED_LOOP = 1, 8
+# Errors: the watchdog's; too fast (0.5: the controller failed, with a flag of its own).
 WATCHDOG = {"0.5": 0x800, "0.6": 0x1000000}
+OVERSPEED = {"0.5": 0x200, "0.6": 0x8000}
+STEP_HZ = 1000.0  # its motion and its watchdog, whatever it sends
+# Of a drive whose limits nobody has set.
+TURNS_PER_S, TOLERANCE, CURRENT_A = 2.0, 1.2, 10.0
+GAIN_NM_S = 1 / 6  # vel_gain
 Frame = tuple[int, bytes]
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--node", type=int, default=0)
     parser.add_argument("--firmware", choices=("0.5", "0.6"), default="0.6")
-    parser.add_argument("--rate-hz", type=float, default=1000.0, help="of encoder estimates")
+    parser.add_argument("--rate-hz", type=float, default=100.0, help="of encoder estimates")
     parser.add_argument("--m-per-turn", type=float, default=0.1)
     parser.add_argument("--max-torque-nm", type=float, default=1.0)
+    parser.add_argument("--nm-per-a", type=float, default=0.1)
     parser.add_argument("--sign", type=int, choices=(1, -1), default=1)
     parser.add_argument("--no-watchdog", action="store_true")
     parser.add_argument("--watchdog-ms", type=float, default=30.0)
@@ -31,13 +38,16 @@ class Axis:
     def __init__(self, options: argparse.Namespace) -> None:
         self.options = options
         self.faults = Faults(options)
-        self.clock = Clock(1 / options.rate_hz)
+        self.clock = Clock(1 / max(STEP_HZ, options.rate_hz))
+        self.steps_a_sample = max(1, round(STEP_HZ / options.rate_hz))
         self.forget()
 
     def forget(self) -> None:
         """Power on."""
-        self.tool = Tool(self.options, 1 / self.options.rate_hz)
-        self.state, self.error, self.torque_nm = IDLE, 0, 0.0
+        self.tool = Tool(self.options, self.clock.dt_s)
+        self.state, self.error, self.torque_nm, self.turns_per_s = IDLE, 0, 0.0, 0.0
+        self.max_turns_per_s, self.max_current_a = TURNS_PER_S, CURRENT_A
+        self.steps = self.cut = 0
         self.fed_s = self.beat_s = time.monotonic()
 
     @property
@@ -45,12 +55,12 @@ class Axis:
         """What the URL has to say about the transmission."""
         o = self.options
         return (f"node={o.node}&m_per_turn={o.m_per_turn}&max_torque_nm={o.max_torque_nm}"
-                f"&sign={o.sign}")  # fmt: skip
+                f"&nm_per_a={o.nm_per_a}&sign={o.sign}")  # fmt: skip
 
     def take(self, identifier: int, data: bytes, remote: bool = False) -> list[Frame]:
         """Obey one frame; what the drive answers."""
         command = identifier & 31
-        asked = command in (0x07, 0x0B, 0x0E, 0x18) or (command == 0 and remote)
+        asked = command in (0x07, 0x0B, 0x0E, 0x0F, 0x18) or (command == 0 and remote)
         if identifier >> 5 != self.options.node or not asked:
             return []  # on a multicast bus its own frames come back
         self.fed_s = time.monotonic()
@@ -64,7 +74,6 @@ class Axis:
                 elif requirements == IDLE:
                     self.state, self.torque_nm = IDLE, 0.0
                 say(event="state", state=self.state)
-                return [self._heartbeat()]
             case 0x0E if self.state == CLOSED_LOOP:
                 torque_nm = struct.unpack_from("<f", data)[0]
                 if abs(self.torque_nm) > 1e-3 and not torque_nm:
@@ -72,6 +81,9 @@ class Axis:
                 self.torque_nm = torque_nm
                 if torque_nm:
                     self.faults.force_came()
+            case 0x0F:
+                self.max_turns_per_s, self.max_current_a = struct.unpack("<ff", data)
+                say(event="limits", turns_per_s=self.max_turns_per_s, current_a=self.max_current_a)
             case 0x18:
                 self.error = 0
         return []
@@ -80,33 +92,54 @@ class Axis:
         """One period: watchdog, motion, what the drive sends by itself."""
         now_s, frames = time.monotonic(), []
         silent_s = now_s - self.fed_s
-        if (self.state == CLOSED_LOOP and not self.options.no_watchdog
-                and silent_s > 1e-3 * self.options.watchdog_ms):  # fmt: skip
-            say(event="tripped", silent_ms=1e3 * silent_s, was_nm=self.torque_nm)
+        if not self.options.no_watchdog and silent_s > 1e-3 * self.options.watchdog_ms:
+            self.error |= WATCHDOG[self.options.firmware]  # in every state
+            if self.state == CLOSED_LOOP:
+                say(event="tripped", silent_ms=1e3 * silent_s, was_nm=self.torque_nm)
+                self.state, self.torque_nm = IDLE, 0.0
+        if (self.state == CLOSED_LOOP
+                and abs(self.turns_per_s) > TOLERANCE * self.max_turns_per_s):  # fmt: skip
+            say(event="overspeed", turns_per_s=self.turns_per_s, was_nm=self.torque_nm)
             self.state, self.torque_nm = IDLE, 0.0
-            self.error |= WATCHDOG[self.options.firmware]
-            frames.append(self._heartbeat())
+            self.error |= OVERSPEED[self.options.firmware]
+        torque_nm = self.given_nm()
         turn_n = -self.options.sign * 2 * math.pi / self.options.m_per_turn
-        force_n = self.torque_nm * turn_n
+        force_n = torque_nm * turn_n
         if self.options.on_object:
             position_m, velocity_mps, _ = self.tool.on_object(force_n)
         else:
             position_m, velocity_mps = self.tool.in_hand(force_n)
         scale = self.options.sign / self.options.m_per_turn
-        if not self.faults.no_sample():
+        self.turns_per_s = scale * velocity_mps
+        self.steps += 1
+        if self.steps % self.steps_a_sample == 0 and not self.faults.no_sample():
             estimates = struct.pack("<ff", scale * position_m, scale * velocity_mps)
             frames.append(self._frame(0x09, estimates))
             if self.options.firmware == "0.6" and self.options.on_object:
-                torques = struct.pack("<ff", self.torque_nm, self.torque_nm)
+                torques = struct.pack("<ff", self.torque_nm, torque_nm)
                 frames.append(self._frame(0x1C, torques))
         if now_s - self.beat_s > HEARTBEAT_S:
             self.beat_s = now_s
             frames.append(self._heartbeat())
         return frames
 
+    def given_nm(self) -> float:
+        """What the motor gives of the torque that it was told: limited by speed, and by current."""
+        gain, limit = GAIN_NM_S, self.max_turns_per_s
+        given = min(max(self.torque_nm, gain * (-limit - self.turns_per_s)),
+                    gain * (limit - self.turns_per_s))  # fmt: skip
+        most_nm = self.max_current_a * self.options.nm_per_a
+        given = min(max(given, -most_nm), most_nm) if self.state == CLOSED_LOOP else 0.0
+        if abs(given - self.torque_nm) > 1e-6:
+            self.cut += 1
+            if self.cut == 1:
+                say(event="cut", told_nm=self.torque_nm, given_nm=given)
+        return given
+
     def _heartbeat(self) -> Frame:
-        # 0.5: error flags and "trajectory done"; 0.6: procedure result, trajectory done
-        tail = bytes([0, 0, 0x80]) if self.options.firmware == "0.5" else bytes([0, 1, 0])
+        # 0.5: error flags, the controller's with "trajectory done"; 0.6: procedure result, done
+        failed = int(self.error == OVERSPEED["0.5"])
+        tail = bytes([0, 0, 0x80 | failed]) if self.options.firmware == "0.5" else bytes([0, 1, 0])
         return self._frame(0x01, struct.pack("<IB", self.error, self.state) + tail)
 
     def _frame(self, command: int, data: bytes) -> Frame:
