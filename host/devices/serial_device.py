@@ -1,6 +1,7 @@
 """springpot serial: open, compare versions, model and rates, start; then the loop takes over."""
 
 import contextlib
+import math
 import time
 from collections.abc import Callable
 from typing import Any, Self
@@ -8,7 +9,7 @@ from typing import Any, Self
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.device import ZERO_S, DeviceRequirements, at_most
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.url import Address
@@ -17,6 +18,9 @@ from springpot.host.native.c_library import CLibrary
 
 BAUD = 921600
 _ASK_S, _AGAIN_S = 2.0, 0.05
+# A device's watchdog is asked to be quicker than what is proved: its samples say so a little later.
+_WATCHDOG_S = 0.75 * ZERO_S
+_PROOFS = 3  # a frame may be lost, or come late
 _REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
 
 
@@ -42,10 +46,16 @@ class SerialDevice:
             self._check(self.hello)
             self.command("PRESS" if requirements.presses else "START")
             if not self.renders:
+                self._prove_watchdog()
                 self._require_rate()
         except BaseException:
             self.close()
             raise
+
+    @property
+    def watchdog_s(self) -> float:
+        """Silence of this host after which the device ends its force by itself."""
+        return min(self.requirements.watchdog_s, _WATCHDOG_S)
 
     @property
     def renders(self) -> bool:
@@ -70,7 +80,7 @@ class SerialDevice:
             self._link_memory,
             self.port.fd,
             surface_m,
-            self.requirements.watchdog_s,
+            self.watchdog_s,
             self.requirements.rate_hz,
             self.sender.sequence,
         )
@@ -78,7 +88,6 @@ class SerialDevice:
     def stop(self) -> None:
         """No force, acknowledged; a device that is gone has its own watchdog for that."""
         with contextlib.suppress(DeviceError, OSError):
-            self.sender.sequence += 1 << 20  # beyond those that the loop sent
             self.command("STOP", patience_s=0.3)
 
     def close(self) -> None:
@@ -89,11 +98,13 @@ class SerialDevice:
         sent: list[int] = []
 
         def send() -> bytes:
+            # ASK before it: the device forgets the sequence, and the loop's numbers are ahead.
+            asked = self.sender.encode("ask", layout=layout()) if action == "STOP" else b""
             sent.append(self.sender.sequence)
-            return self.sender.encode(
+            return asked + self.sender.encode(
                 "command",
                 action=constant(action),
-                watchdog_s=self.requirements.watchdog_s,
+                watchdog_s=self.watchdog_s,
                 rate_hz=self.requirements.rate_hz,
             )
 
@@ -110,7 +121,7 @@ class SerialDevice:
             required = self.requirements
             raise DeviceError(
                 f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')} "
-                f"({required.rate_hz:g} Hz, watchdog {1e3 * required.watchdog_s:g} ms): "
+                f"({required.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
                 "change runtime.rate_hz or guard.watchdog_ms in the scene"
             )
 
@@ -162,6 +173,35 @@ class SerialDevice:
             samples += sum(frame.name == "sample" and not frame.old for frame in self.frames())
         return samples
 
+    def _prove_watchdog(self) -> None:
+        """One force of zero, then silence: a device that does not say in time that it tripped is
+        refused. RESET makes it ready again."""
+        found_s = math.inf
+        for _ in range(_PROOFS):
+            found_s = min(found_s, self._silent_until_tripped_s())
+            self.command("RESET")
+            if found_s <= ZERO_S:
+                return
+            if math.isinf(found_s):
+                break
+        self.command("STOP")
+        found = "never" if math.isinf(found_s) else f"after {found_s:.2f} s"
+        raise DeviceError(
+            f"{self.address.url}: without forces from here the device trips {found}, at most "
+            f"{ZERO_S:g} s are taken: its firmware must keep COMMAND's watchdog_s, and set "
+            "TRIPPED in its samples"
+        )
+
+    def _silent_until_tripped_s(self) -> float:
+        self.send("force", force_n=0.0)
+        sent_s = time.monotonic()
+        while time.monotonic() < sent_s + 2 * ZERO_S:
+            for frame in self.frames():
+                if frame.name == "sample" and frame.values["status"] & constant("TRIPPED"):
+                    return time.monotonic() - sent_s
+            time.sleep(0.0005)
+        return math.inf
+
     def _hello(self) -> dict[str, Any]:
         hello = self._ask(
             lambda: self.sender.encode("ask", layout=layout()),
@@ -197,5 +237,5 @@ class SerialDevice:
         if not self.renders and hello["max_n"] < required.max_n * (1 - 1e-6):
             raise DeviceError(
                 f"{url}: gives at most {hello['max_n']:g} N and the scene up to "
-                f"{required.max_n:g} N: set guard.max_force_n = {hello['max_n']:g}"
+                f"{required.max_n:g} N: set guard.max_force_n = {at_most(hello['max_n'])}"
             )

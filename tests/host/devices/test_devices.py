@@ -1,10 +1,13 @@
 """Devices that cannot be used: one line each, that says what, where and what to do."""
 
+import dataclasses
 import os
+import re
 import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,8 +16,11 @@ from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.devices import serial_port
-from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.device import DeviceRequirements, at_most
 from springpot.host.devices.drivers import open_device
+from springpot.host.devices.serial_device import SerialDevice
+from springpot.host.devices.url import parse_device
+from springpot.host.devices.wire import Receiver, Sender
 from springpot.host.emission.emission import emit
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
@@ -142,6 +148,58 @@ def test_a_device_that_gives_less_force_or_another_rate():
         )
         told = refused(device.url, DeviceRequirements(1000, 0.02, 5.0))
     assert "refuses that rate (1000 Hz" in told
+
+
+def test_the_limit_that_a_refusal_names_is_taken():
+    with peer("serial_device", "--max-n", 8.123456) as device:
+        assert "set guard.max_force_n = 8.12" in refused(device.url)
+        opened = open_device(device.url, dataclasses.replace(REQUIREMENTS, max_n=8.12))
+        opened.stop()
+        opened.close()
+    assert [at_most(x) for x in (0.0, 9.999, 12.3, 1234.0, 0.0123499)] == [
+        "0", "9.99", "12.3", "1230", "0.0123"]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [(("--no-watchdog",), "never"), (("--watchdog-ms", 350), r"after 0\.3\d s")],
+)
+def test_a_device_without_a_watchdog_in_time_is_refused(options, found):
+    """It would keep its force after the host has died."""
+    with peer("serial_device", *options) as device:
+        told = refused(device.url)
+        assert device.wait_for("stop")["force_n"] == 0
+    assert re.search(f"the device trips {found}, at most 0.2 s are taken: its firmware", told)
+
+
+def test_no_device_is_asked_for_a_slower_watchdog():
+    """A scene may wait a second for a sample: the motor keeps no force for so long."""
+    with peer("serial_device") as device:
+        opened = open_device(device.url, dataclasses.replace(REQUIREMENTS, watchdog_s=1.0))
+        assert device.wait_for("start")["watchdog_ms"] == pytest.approx(150)
+        assert len(device.named("proved")) + len(device.named("tripped")) >= 1
+        opened.stop()
+        opened.close()
+
+
+def test_stop_is_new_however_many_forces_the_loop_sent():
+    """A device that obeys new commands only hears it: the loop's numbers are far ahead."""
+    sent, device = bytearray(), SerialDevice.__new__(SerialDevice)
+    device.address, device.requirements = parse_device("serial:///dev/x"), REQUIREMENTS
+    device.sender, device.receiver = Sender(), Receiver()
+    device.port = SimpleNamespace(write=sent.extend, read=lambda _: b"")
+    device.stop()
+    loop, far = Sender(), Receiver()
+    loop.sequence = 1 << 21
+    (force,) = far.feed(loop.encode("force", force_n=1.0))
+    assert not force.old
+    new = []
+    for frame in far.feed(bytes(sent)):
+        if frame.name == "ask":
+            far.restart()
+        new.append((frame.name, frame.old))
+    assert ("command", False) in new
+    assert ("command", True) not in new
 
 
 @pytest.mark.parametrize(

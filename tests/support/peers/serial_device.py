@@ -34,6 +34,7 @@ class Board:
         self.running = self.tripped = self.pressing = False
         self.watchdog_s = 0.02
         self.force_came_s: float | None = None
+        self.forces = 0  # since START; the first only proves the watchdog
         self.tool: Tool | None = None
         self.held = b""
 
@@ -62,14 +63,15 @@ class Board:
             self.tool = Tool(self.options, 1 / rate_hz)
             self.clock = Clock(1 / rate_hz)
             self.running, self.pressing, self.tripped = True, action == PRESS, False
-            self.force_came_s, self.force_n = None, 0.0
+            self.force_came_s, self.force_n, self.forces = None, 0.0, 0
             say(event="start", rate_hz=rate_hz, watchdog_ms=1e3 * watchdog_s)
         elif action == STOP:
             say(event="stop", force_n=self.force_n)
             self.running, self.force_n = False, 0.0
         elif action == RESET:
             self.tripped, self.force_came_s = False, None
-            say(event="reset")
+            if self.forces > 1:
+                say(event="reset")
         self.send("ack", command=sequence, refused=refused)
 
     def take(self, content: bytes) -> None:
@@ -79,7 +81,9 @@ class Board:
                 if abs(self.force_n) > 0.05 and not values["force_n"]:
                     say(event="zero", was_n=self.force_n)
                 self.force_n, self.force_came_s = values["force_n"], time.monotonic()
-                self.faults.force_came()
+                self.forces += 1
+                if self.forces > 1:
+                    self.faults.force_came()
                 if self.options.lockstep:
                     self.sample()
             elif frame.name == "ask":
@@ -89,14 +93,18 @@ class Board:
                 self.command(frame.sequence, **values)
 
     def watch(self) -> None:
-        """The device's own watchdog: latched until a command."""
+        """The device's own watchdog: latched until a command. In lockstep no time passes once
+        forces come."""
         if self.faults.now("trip") and not self.tripped:
             say(event="fault", was_n=self.force_n)
             self.force_n, self.tripped = 0.0, True
+        if self.options.no_watchdog or (self.options.lockstep and self.forces > 1):
+            return
         if self.running and not self.tripped and self.force_came_s is not None:
             silent_s = time.monotonic() - self.force_came_s
-            if silent_s > self.watchdog_s:
-                say(event="tripped", silent_ms=1e3 * silent_s, was_n=self.force_n)
+            if silent_s > (1e-3 * self.options.watchdog_ms or self.watchdog_s):
+                name = "tripped" if self.forces > 1 else "proved"
+                say(event=name, silent_ms=1e3 * silent_s, was_n=self.force_n)
                 self.force_n, self.tripped = 0.0, True
 
     def sample(self) -> None:
@@ -129,7 +137,9 @@ class Board:
         if content:
             self.take(content)
         self.watch()
-        if content is not None and not (self.options.lockstep and self.force_came_s):
+        if content is not None and (
+            self.tripped or not (self.options.lockstep and self.force_came_s)
+        ):
             self.sample()
 
 
@@ -140,6 +150,8 @@ def main() -> None:
     parser.add_argument("--rate-hz", type=float, help="send at this rate, whatever is asked")
     parser.add_argument("--trip-after", type=float, metavar="S", help="a fault of its own ...")
     parser.add_argument("--trip-for", type=float, default=0.01, metavar="S", help="... so long")
+    parser.add_argument("--watchdog-ms", type=float, default=0.0, help="instead of the host's")
+    parser.add_argument("--no-watchdog", action="store_true")
     parser.add_argument("--model", default="", help="say that it renders the scene of this hash")
     parser.add_argument("--layout", type=int, default=0, help="say another layout of messages")
     options = parser.parse_args()
