@@ -28,6 +28,7 @@ def selftest_source(plan: Plan) -> str:
         "selftest.c",
         plan,
         VELOCITY=velocity,
+        NAN="0x7fc00000u" if plan.real == "float" else "0x7ff8000000000000u",
         TABLES=f'#include "{plan.scene.runtime.prefix}_tables.h"\n' if probe else "",
         PROBE=text,
         FIRST="    if (probe_differs()) {\n        return 1;\n    }\n" if probe else "",

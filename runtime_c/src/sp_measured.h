@@ -20,7 +20,9 @@ static inline sp_real sp_measured_phi(sp_real u)
     const sp_real quarter = (sp_real)0.25;
     const sp_real upper = quarter * (sp_real)(1u << SP_MEASURED_HALVINGS);
     uint32_t halvings = 0;
-    u = u < upper ? u : upper;
+    if (!(u < upper)) {
+        return (sp_real)1 / u; /* of exp(-u) nothing is left: u phi is 1 */
+    }
     while (u > quarter) {
         u *= (sp_real)0.5;
         halvings++;

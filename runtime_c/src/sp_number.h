@@ -4,8 +4,9 @@
 
 #include "sp_real.h"
 
-#if defined(__FAST_MATH__)
-#error "springpot needs IEEE arithmetic: build without -ffast-math (see flags.mk)"
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0)
+#error                                                                                             \
+    "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only (see flags.mk)"
 #endif
 
 /* A function that few ticks call, out of the way of the others; and one that every tick calls,

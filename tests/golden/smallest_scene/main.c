@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73 */
+/* springpot 0.1.0 254574c227b712033e86fc3c166890d05e9c94d444f6c893e552fb5f39771255 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

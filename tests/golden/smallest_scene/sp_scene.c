@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73 */
+/* springpot 0.1.0 254574c227b712033e86fc3c166890d05e9c94d444f6c893e552fb5f39771255 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"efa56cbb5069635dcb9594a5930a07275150699f37e341a48862d40945cf3a73\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"254574c227b712033e86fc3c166890d05e9c94d444f6c893e552fb5f39771255\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -122,13 +122,27 @@ def test_selftest_catches_other_floating_point(tmp_path: Path, mode: str) -> Non
         assert ("self-test passed" if passes else "-ffp-contract=off") in result.stderr
 
 
-def test_fast_math_does_not_compile(tmp_path: Path) -> None:
+@pytest.mark.parametrize("option", ["-ffast-math", "-ffinite-math-only"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_fast_math_does_not_compile(tmp_path: Path, compiler: str, option: str) -> None:
     emit(scene(), model_file(tmp_path), tmp_path / "c")
-    command = ["gcc", "-O2", "-ffast-math", "-c", tmp_path / "c" / "sp_scene.c", "-o",
+    command = [compiler, "-O2", option, "-c", tmp_path / "c" / "sp_scene.c", "-o",
                tmp_path / "x.o"]  # fmt: skip
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode != 0
     assert "without -ffast-math" in result.stderr
+
+
+def test_the_selftest_sees_a_compiler_that_assumes_away_nan(tmp_path: Path) -> None:
+    """Where a compiler does not say so: its watchdog would never latch."""
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
+    hidden = ["-ffinite-math-only", "-U__FINITE_MATH_ONLY__"]
+    sources = [str(path) for path in sorted((tmp_path / "c").glob("*.c"))]
+    for options, passes in (([], True), (hidden, False)):
+        program = tmp_path / "program"
+        subprocess.run(["gcc", *flags("SP_CFLAGS"), *options, *sources, "-o", program], check=True)
+        result = subprocess.run([program], input="", capture_output=True, text=True, check=False)
+        assert (result.returncode == 0) is passes
 
 
 def test_a_library_that_differs_is_not_emitted(
