@@ -11,6 +11,8 @@ from springpot.codegen.emit.project import prefixed
 from springpot.codegen.errors import BudgetError
 from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.stages.stage import padded
 from springpot.host.boards.boards import Board, compiler_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.compiler import CompilerError
@@ -20,6 +22,7 @@ from springpot.runtime_c.paths import PORT_MCU, PORT_WIRE, flags
 _COMMON = ("sp_firmware.c", "sp_port.c", "sp_transducer.c")
 _WIRE = ("sp_wire.c", "sp_wire.h", "sp_wire_messages.h")
 _NAME = "firmware.elf"
+_STACK_BYTES = 4096  # of everything else
 
 
 def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) -> Path:
@@ -34,7 +37,8 @@ def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) 
     for name in _WIRE:
         shutil.copyfile(PORT_WIRE / name, out / name)
     (out / "sp_metadata.h").write_text(_metadata(plan, folder))
-    return _linked(board, out, (*_COMMON, "sp_wire.c", *board.sources), strict)
+    sources = (*_COMMON, "sp_wire.c", *board.sources)
+    return _linked(board, out, sources, state_bytes(plan), strict)
 
 
 def build_batch(folder: Path, board: Board, out: Path) -> Path:
@@ -43,7 +47,8 @@ def build_batch(folder: Path, board: Board, out: Path) -> Path:
     _copy(folder, out)
     for name in ("sp_batch.c", "sp_port.c", "sp_transducer.c", *_headers(), *board.sources):
         _port_file(name, plan, out)
-    return _linked(board, out, ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources))
+    sources = ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources)
+    return _linked(board, out, sources, state_bytes(plan))
 
 
 def _headers() -> list[str]:
@@ -82,13 +87,17 @@ def _float(value: float) -> str:
     return literal(np.float32(value))
 
 
-def _linked(board: Board, out: Path, sources: tuple[str, ...], strict: bool = False) -> Path:
+def _linked(
+    board: Board, out: Path, sources: tuple[str, ...], selftest_bytes: int, strict: bool = False
+) -> Path:
     tools = compiler_of(board)
     prefix = scene_prefix(out)
     files = [f"{prefix}_scene.c", f"{prefix}_selftest.c", *sources]
     command = [
         tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
+        # the self-test keeps a state of its own on the stack
+        f"-Wl,--defsym=sp_stack_bytes={padded(_STACK_BYTES + selftest_bytes, 8)}",
         *(str(out / file) for file in files), "-lm", "-lc", "-lgcc", "-o", str(out / _NAME),
     ]  # fmt: skip
     result = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -123,7 +123,21 @@ def _built(
         for what, unit, has, may in budgeted_sizes(emission, budget)
         if has is None
     ]
-    return replace(emission, notices=(*notices, *unchecked))
+    return replace(emission, notices=(*notices, *unchecked, *_selftest_stack(emission)))
+
+
+def _selftest_stack(emission: Emission) -> list[str]:
+    """What the self-test takes of the stack, where its state does not fit in the budget."""
+    may, found = emission.plan.scene.budget.stack_bytes, emission.footprint
+    if may is None or found is None or found.stack_bytes is None:
+        return []
+    takes = found.stack_bytes + emission.ram_bytes
+    if takes <= may:
+        return []
+    return [
+        f"the self-test takes {takes} bytes of stack, for it keeps a state of its own; the scene's "
+        f"budget is {may}: call it where there is room, or give it more"
+    ]
 
 
 def _activity(checked: Check) -> list[str]:

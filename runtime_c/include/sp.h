@@ -73,8 +73,8 @@ int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
- * differs. Catches a compiler whose defaults change floating-point results. Needs the stack to hold
- * one sp_state. */
+ * differs, or one more than there are ticks where NaN is assumed away. Catches a compiler whose
+ * defaults change floating-point results. Needs sp_state_size() bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 254574c227b712033e86fc3c166890d05e9c94d444f6c893e552fb5f39771255 */
+/* springpot 0.1.0 bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

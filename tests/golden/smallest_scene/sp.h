@@ -1,4 +1,4 @@
-/* springpot 0.1.0 254574c227b712033e86fc3c166890d05e9c94d444f6c893e552fb5f39771255 */
+/* springpot 0.1.0 bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
@@ -66,8 +66,8 @@ int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *ve
 int sp_idle(sp_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
- * differs. Catches a compiler whose defaults change floating-point results. Needs the stack to hold
- * one sp_state. */
+ * differs, or one more than there are ticks where NaN is assumed away. Catches a compiler whose
+ * defaults change floating-point results. Needs sp_state_size() bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
 

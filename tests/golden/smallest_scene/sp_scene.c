@@ -1,4 +1,4 @@
-/* springpot 0.1.0 254574c227b712033e86fc3c166890d05e9c94d444f6c893e552fb5f39771255 */
+/* springpot 0.1.0 bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"254574c227b712033e86fc3c166890d05e9c94d444f6c893e552fb5f39771255\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

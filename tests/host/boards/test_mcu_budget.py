@@ -22,6 +22,7 @@ from springpot.codegen.reference.notes import HELD, RESYNC
 from springpot.codegen.scene import Guard, Scene
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.emulator import run_batch, steps
+from springpot.host.boards.firmware import build_firmware
 from springpot.host.emission.emission import emit
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -212,3 +213,17 @@ def test_fit_needs_recordings_and_a_model_that_can_shrink(too_big: Path) -> None
     hopeless = emit_command(too_big, "--fit", "--recording", too_big / "val.h5")
     assert hopeless.returncode == 4
     assert "no reduction of this model fits" in hopeless.stderr
+
+
+def test_the_linker_reserves_the_selftests_stack(tmp_path: Path) -> None:
+    """It keeps a state of its own: of a window of a second more than the rest of the stack."""
+    board = BOARDS["netduinoplus2"]
+    need("netduinoplus2")
+    model = fit_model("rbf-fd", "x", training(), FitOptions(window_s=1.0)).model
+    emission = emit(target_scene(board.target), model_file(tmp_path, model), tmp_path / "c")
+    firmware = build_firmware(tmp_path / "c", board, tmp_path / "out")
+    listed = subprocess.run(["arm-none-eabi-size", "-A", firmware], capture_output=True, text=True,
+                            check=True).stdout  # fmt: skip
+    found = re.search(r"^\.stack\s+(\d+)", listed, re.MULTILINE)
+    assert found is not None
+    assert int(found[1]) >= 4096 + emission.ram_bytes > 8192

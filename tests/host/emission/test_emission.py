@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, MismatchError, UsageError
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.scene import Budget
 from springpot.host.emission.emission import emit
 from springpot.host.native.footprint import deepest_stack
 from springpot.host.native.scene_library import SceneLibrary
@@ -177,6 +179,17 @@ def test_two_prefixes_link_into_one_c_and_one_cpp_program(tmp_path: Path) -> Non
                    "-o", str(program)]  # fmt: skip
         subprocess.run(command, check=True)
         assert subprocess.run([program], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(("stack_bytes", "told"), [(1000, True), (20_000, False), (None, False)])
+def test_the_stack_of_the_selftest_is_told(
+    tmp_path: Path, stack_bytes: int | None, told: bool
+) -> None:
+    """A tick fits in the budget, a second state does not."""
+    shape = replace(SHAPES["plain"], budget=Budget(stack_bytes=stack_bytes))
+    emission = emit(shape, model_file(tmp_path), tmp_path / "c")
+    notices = [line for line in emission.notices if "the self-test takes" in line]
+    assert bool(notices) is told
 
 
 def test_left_out_is_told(tmp_path: Path) -> None:
