@@ -1,0 +1,87 @@
+"""Every stored model built for other processors and by the other compiler: it runs, same forces."""
+
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import golden_forces
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.model.model_file import read_model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import Coupling, Runtime, Scene
+from springpot.runtime_c.paths import flags
+
+pytestmark = pytest.mark.slow
+
+INFO = Path("/proc/cpuinfo")
+CPU = set(INFO.read_text().split()) if INFO.exists() else set()
+AVX512 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
+TARGETS = {
+    "avx512": ("gcc", "-march=x86-64-v4"),
+    "this processor": ("gcc", "-march=native"),
+    "32 bits": ("gcc", "-m32", "-msse2", "-mfpmath=sse"),
+    "clang": ("clang",),
+    "clang, avx512": ("clang", "-march=x86-64-v4"),
+}
+MOTION_M = golden_forces.motion_m()[:2000]
+
+
+def built(sources: list[Path], out: Path, compiler: str, *options: str) -> Path:
+    command = [compiler, *flags("SP_CFLAGS"), *options, *map(str, sources), "-o", str(out)]
+    subprocess.run(command, check=True, capture_output=True)
+    return out
+
+
+def run(program: Path) -> str:
+    """Its forces as text; it runs the self-test first, and ends with 1 where that fails."""
+    given = "\n".join(repr(float(x)) for x in MOTION_M[np.isfinite(MOTION_M)])
+    done = subprocess.run([program], input=given, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@cache
+def missing(target: str) -> str:
+    """Why this machine cannot run that; empty where it can."""
+    compiler, *options = TARGETS[target]
+    if shutil.which(compiler) is None:
+        return f"no {compiler} here"
+    if "avx512" in target and not AVX512 <= CPU:
+        return "this processor has no AVX-512"
+    probe = subprocess.run([compiler, *options, "-xc", "-", "-o", "/dev/null"], text=True,
+                           input="#include <math.h>\nint main(void) { return 0; }\n",
+                           capture_output=True, check=False)  # fmt: skip
+    return f"{compiler} {' '.join(options)} does not link here" if probe.returncode else ""
+
+
+@pytest.mark.parametrize(("number", "mode"), [("float32", "proxy"), ("float64", "off")])
+@pytest.mark.parametrize("name", golden_forces.models())
+def test_the_same_forces_for_other_targets(
+    tmp_path: Path, name: str, number: str, mode: str
+) -> None:
+    scene = Scene(
+        schema=1,
+        name="x",
+        model=f"{name}.spm",
+        runtime=Runtime(number=number),  # type: ignore[arg-type]
+        coupling=Coupling(mode=mode),  # type: ignore[arg-type]
+    )
+    plan = make_plan(read_model(golden_forces.FOLDER / f"{name}.spm"), scene, accept_unsafe=True)
+    for file, text in emit_files(plan).items():
+        (tmp_path / file).write_text(text)
+    sources = sorted(tmp_path.glob("*.c"))
+    wanted = run(built(sources, tmp_path / "plain", "gcc"))
+    assert len(set(wanted.splitlines())) > 300
+    for target, (compiler, *options) in TARGETS.items():
+        if not missing(target):
+            assert run(built(sources, tmp_path / "other", compiler, *options)) == wanted, target
+
+
+@pytest.mark.parametrize("target", list(TARGETS))
+def test_which_targets_run_here(target: str) -> None:
+    if why := missing(target):
+        pytest.skip(why)
