@@ -185,5 +185,6 @@ def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
         sign=keys.sign,
         zero_turns=keys.zero_turns,
         max_torque_nm=keys.max_torque_nm,
+        nm_per_a=keys.nm_per_a,
         **requirements,
     )
