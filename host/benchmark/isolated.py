@@ -53,17 +53,17 @@ def rendered_scene(name: str, number: Number, target: Target = "host") -> Scene:
 
 
 def closed_loop(model: Model, number: Number) -> dict[str, Any]:
-    """All cases with all hands; `bounded` if every one is. None is run where `emit` refuses."""
+    """The cases without losses, all hands; `bounded` if every one is. None where `emit` refuses."""
     try:
         plan = make_plan(model, rendered_scene(NAME, number))
         require_stable(plan)
         found = stability(plan)
     except UnsafeError as error:
         return {"bounded": False, "verdict": str(error), "closed_loop": []}
-    outcomes = [outcome.as_dict() for outcome in found.outcomes]
-    evaluated = [outcome for outcome in found.outcomes if outcome.case != "stiff"]
+    outcomes = [outcome.as_dict() for outcome in found.whole]
+    evaluated = [outcome for outcome in found.whole if outcome.case != "stiff"]
     return {
-        "bounded": found.check.stable and all(outcome.bounded for outcome in found.outcomes),
+        "bounded": found.check.stable and all(outcome.bounded for outcome in found.whole),
         "spectral_radius": found.check.spectral_radius,
         "coupling": found.check.plan.coupling.why,
         "worst_fidelity_percent": max(outcome.fidelity_percent for outcome in evaluated),

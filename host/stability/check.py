@@ -58,6 +58,11 @@ class Stability:
     stiff: Plan
     outcomes: tuple[Outcome, ...]
 
+    @property
+    def whole(self) -> tuple[Outcome, ...]:
+        """The cases in which every sample comes, or goes wrong in a way of its own."""
+        return tuple(outcome for outcome in self.outcomes if outcome.losses is None)
+
     def as_dict(self) -> dict[str, Any]:
         """Keys of `stability --json`."""
         return {
@@ -184,7 +189,7 @@ def _verdict(result: Stability) -> Iterator[str]:
     kicks = [item for item in kicks if not item.case.endswith("-fast")]
     if kicks:
         yield f"Lost samples are felt as a kick on: {_named(kicks)}."
-    whole = [item for item in result.outcomes if item.losses is None]
+    whole = result.whole
     unfaithful = [item for item in whole
               if item.case != "stiff" and item.fidelity_percent > FAITHFUL_PERCENT]  # fmt: skip
     if unfaithful:

@@ -37,7 +37,7 @@ def stability_(
     scene = read_scene(scene_file)
     model = read_model(model_file or model_path(scene, scene_file))
     plan = make_plan(model, scene, accept_unsafe=True)
-    with progress_console.status("eleven cases, three hands, two delays"):
+    with progress_console.status("all cases, three hands, two delays"):
         found = stability(plan)
     if report is not None:
         from springpot.host.stability.report import write_stability_report
@@ -49,6 +49,8 @@ def stability_(
 
 def stability_rows(found: Stability) -> dict[str, str]:
     """A person's view: the verdict, then a line for each case, the worst of its hands."""
+    from springpot.host.stability.closed_loop import worst_losses
+
     checked = found.check
     inside, outside = checked.model_map.active(False), checked.model_map.active(True)
     rows = {
@@ -59,7 +61,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
         "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "
         f"object {1e-3 * found.stiff.coupling.felt_npm:.3g} N/mm",
     }
-    for outcome in found.outcomes:
+    for outcome in found.whole:
         name = f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"
         rows[name] = ", ".join(
             [
@@ -69,5 +71,12 @@ def stability_rows(found: Stability) -> dict[str, str]:
                 f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz",
                 f"{outcome.fidelity_percent:.1f} % fidelity error",
             ]
+        )
+    for outcome in worst_losses(found.outcomes):
+        assert outcome.losses is not None
+        rows[f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"] = (
+            f"force changes by {outcome.losses.force_step_n:.3f} N a tick, without a loss by "
+            f"{outcome.losses.clean_force_step_n:.3f}"
+            + (": A KICK" if outcome.losses.kicks else "")
         )
     return rows
