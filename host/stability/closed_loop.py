@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
@@ -17,7 +18,7 @@ HIGH_PASS_HZ = 15.0
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
 STIFFER = 10.0
 DELAYS = (0, 1)
-# A loss is not felt where the force changes no faster than this, of the loss-free run's changes.
+# A loss is not felt where the force changes no faster than this, of the changes without one.
 KICK_SHARE, KICK_N = 1.5, 0.1
 _TOUCH = 0.05  # of the trained depth, and of the peak force: contact beyond doubt
 
@@ -26,19 +27,22 @@ _TOUCH = 0.05  # of the trained depth, and of the peak force: contact beyond dou
 class Losses:
     """What losses of samples did to the force.
 
-    force_step_n: its greatest change in a tick of contact. zero_ticks: of no force, with a sample,
-    where the model alone has one. clean_...: of the same strokes without a loss.
+    force_step_n: its greatest change in a tick of contact; model_force_step_n: that of the model
+    alone on the same motion. zero_ticks: of no force, with a sample, where the model alone has one.
+    clean_...: of the same strokes without a loss.
     """
 
     force_step_n: float
     clean_force_step_n: float
+    model_force_step_n: float
     zero_ticks: int
     clean_zero_ticks: int
 
     @property
     def kicks(self) -> bool:
         """Whether a hand feels it."""
-        allowed_n = KICK_SHARE * self.clean_force_step_n + KICK_N
+        natural_n = max(self.clean_force_step_n, self.model_force_step_n)
+        allowed_n = KICK_SHARE * natural_n + KICK_N
         return self.zero_ticks > self.clean_zero_ticks or self.force_step_n > allowed_n
 
 
@@ -104,8 +108,9 @@ def lossy_outcomes(scene: Rendered, hand: Hand, delay_samples: int) -> Iterator[
         outcome = _outcome(scene, case, hand, delay_samples)
         without = found[clean.name]
         losses = Losses(
-            force_step_n=_force_step_n(outcome),
-            clean_force_step_n=_force_step_n(without),
+            force_step_n=_step_n(scene.plan, outcome, outcome.trace.force_n),
+            clean_force_step_n=_step_n(scene.plan, without, without.trace.force_n),
+            model_force_step_n=_step_n(scene.plan, outcome, outcome.model_only_n),
             zero_ticks=_zero_ticks(scene.plan, case, outcome),
             clean_zero_ticks=_zero_ticks(scene.plan, clean, without),
         )
@@ -113,19 +118,23 @@ def lossy_outcomes(scene: Rendered, hand: Hand, delay_samples: int) -> Iterator[
 
 
 def _zero_ticks(plan: Plan, case: Case, outcome: Outcome) -> int:
-    space, model_n = Workspace.of(plan), outcome.model_only_n
-    touching = outcome.trace.position_m > space.base_m + _TOUCH * space.span_m
-    touching &= model_n > _TOUCH * model_n.max()
+    model_n = outcome.model_only_n
+    touching = _touching(plan, outcome) & (model_n > _TOUCH * model_n.max())
     sampled = (case.scenario.dropped == TAKEN) & np.isfinite(case.scenario.error_m)
     sampled[1:] &= sampled[:-1]  # what a silence began with is not known before its second one
     return int(np.sum((outcome.trace.force_n == 0.0) & touching & sampled))
 
 
-def _force_step_n(outcome: Outcome) -> float:
-    """Greatest change in a tick of contact: what leaves an object without a sample is let go."""
-    touching = outcome.trace.position_m > 0.0
-    steps_n = np.abs(np.diff(outcome.trace.force_n))
+def _step_n(plan: Plan, outcome: Outcome, force_n: Samples) -> float:
+    """Greatest change in a tick of contact: a tool that leaves the object is let go at once."""
+    touching = _touching(plan, outcome)
+    steps_n = np.abs(np.diff(force_n))
     return float(steps_n[touching[1:] & touching[:-1]].max(initial=0.0))
+
+
+def _touching(plan: Plan, outcome: Outcome) -> NDArray[np.bool_]:
+    space = Workspace.of(plan)
+    return outcome.trace.position_m > space.base_m + _TOUCH * space.span_m
 
 
 def worst_losses(outcomes: Sequence[Outcome]) -> list[Outcome]:
