@@ -14,7 +14,7 @@ from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, R
 from springpot.codegen.stages.model_force import RangeConfig
 from springpot.codegen.stages.stage import flushed
 
-PACE, HURRY = 1.2, 1.03  # SP_OUTPUT_PACE, SP_OUTPUT_HURRY
+PACE, HURRY, DECAY = 1.2, 1.03, 0.9  # SP_OUTPUT_PACE, SP_OUTPUT_HURRY, SP_OUTPUT_DECAY
 
 
 def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
@@ -131,23 +131,35 @@ class _Output:
         self._tick = plan.silence.dt_s * plan.silence.per_dt
         self._force: Any = self._real(0)
         self._share: Any = self._real(0)
-        self._target: Any = self._real(0)
+        self._model: Any = self._real(0)
+        self._slope: Any = self._real(0)
+        self._aim: Any = self._real(0)
         self._pace: Any = self._real(0)
 
     def restart(self) -> None:
-        self._share = self._pace = self._real(0)
+        self._share = self._slope = self._pace = self._real(0)
 
     def free(self) -> None:
         self._share = self._real(1)
-        self._force = self._pace = self._real(0)
+        self._force = self._model = self._slope = self._pace = self._real(0)
 
     def hold(self, latched: Any, fall: Any) -> tuple[Any, int]:
         """A tick without a good sample; fall: how much of it was latched."""
-        if self._pace > 0 and self._tick > fall:
-            self._return(self._tick - fall)
+        if self._tick - fall >= 0.5:
+            self._wait()
         if latched:
             return self._fall(fall), LATCHED
         return self._force, HELD
+
+    def _wait(self) -> None:
+        under_way = self._pace > 0
+        at = self._clamped((self._aim if under_way else self._force) + self._slope)[0]
+        self._slope = flushed(self._real(DECAY) * self._slope)
+        if under_way:
+            self._aim = at
+            self._return()
+        else:
+            self._force = at
 
     def force(self, latched: Any, ticks: Any, force: Any) -> tuple[Any, int]:
         """A good sample, `ticks` after the last one."""
@@ -158,30 +170,36 @@ class _Output:
             force = force * self._share
             self._share = self._share + self._config.rise * ticks
             note |= RAMPED
-        if self._pace > 0 or ticks > self._real(PACE):
+        late = self._pace > 0 or ticks > self._real(PACE)
+        if late:
             force, clamped = self._after_silence(ticks, force)
             note |= clamped
         force, limited = self._slewed(ticks, last, force)
         self._force, clamped = self._clamped(force)
+        if not late:
+            self._slope = self._force - self._model
+            self._model = self._force
         return self._force, note | limited | clamped
 
     def _after_silence(self, ticks: Any, force: Any) -> tuple[Any, int]:
-        last = self._target if self._pace > 0 else self._force
-        self._target, note = self._clamped(force)
-        change = abs(self._target - last) / ticks
+        before = abs(self._slope)
+        self._aim, note = self._clamped(force)
+        self._slope = (self._aim - self._model) / ticks
+        self._model = self._aim
+        change = max(abs(self._slope), before)
         if not ticks > self._real(PACE):
             change = min(change, self._real(HURRY) * self._pace)
         self._pace = max(change, self._pace)
-        self._return(self._real(1))
+        self._return()
         return self._force, note | (LIMITED if self._pace > 0 else 0)
 
-    def _return(self, ticks: Any) -> None:
-        may = ticks * (self._real(PACE) * self._pace + self._config.return_n)
-        way = self._target - self._force
+    def _return(self) -> None:
+        may = self._real(PACE) * self._pace + self._config.return_n
+        way = self._aim - self._force
         if abs(way) > may:
             self._force = self._force + (may if way > 0 else -may)
         else:
-            self._force, self._pace = self._target, self._real(0)
+            self._force, self._pace = self._aim, self._real(0)
 
     def _clamped(self, force: Any) -> tuple[Any, int]:
         min_n, max_n = self._config.min_n, self._config.max_n

@@ -68,8 +68,8 @@ int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real veloci
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);
 
-/* dt_s (s) have passed without a sample: the last force, or on along its way, until the watchdog
- * takes it to zero. */
+/* dt_s (s) have passed without a sample: the force goes on as it last changed, less and less, until
+ * the watchdog takes it to zero. */
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that

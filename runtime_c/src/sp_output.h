@@ -1,9 +1,9 @@
 /* Output: the last word on the force. It rises from zero after a restart at depth, stays within
  * the scene's limits, and goes to zero when samples stop coming.
  *
- * After ticks without a good sample the model's force may be far from the last one. The force goes
- * to it a tick at a time, a little faster than the model's itself has changed since: no kick, and
- * it arrives. */
+ * Without samples the force goes on as it last changed, less and less. The next good one may have
+ * another force: it is gone to a tick at a time, a little faster than the model's itself has
+ * changed since: no kick, and it arrives. */
 #ifndef SP_OUTPUT_H
 #define SP_OUTPUT_H
 
@@ -26,17 +26,23 @@ typedef struct {
 #define SP_OUTPUT_PACE ((sp_real)1.2)
 #define SP_OUTPUT_HURRY ((sp_real)1.03)
 
+/* Without samples the force goes on as it last changed, less and less. */
+#define SP_OUTPUT_DECAY ((sp_real)0.9)
+
 typedef struct {
     sp_real force_n;
-    sp_real share;    /* 0 .. 1: how far the ramp has risen */
-    sp_real target_n; /* on the way to the model's force: where that is */
-    sp_real pace_n;   /* change in one tick that is natural on the way; 0: force_n is there */
+    sp_real share;   /* 0 .. 1: how far the ramp has risen */
+    sp_real model_n; /* the model's force of the last good sample */
+    sp_real slope_n; /* its change in a tick; without samples less and less */
+    sp_real aim_n;   /* on the way to the model's force: where that is */
+    sp_real pace_n;  /* change in one tick that is natural on the way; 0: force_n is there */
 } sp_output_state;
 
 /* The ramp starts again: a position was taken as true without a history. */
 static inline void sp_output_restart(sp_output_state *state)
 {
     state->share = (sp_real)0;
+    state->slope_n = (sp_real)0;
     state->pace_n = (sp_real)0;
 }
 
@@ -45,6 +51,8 @@ static inline void sp_output_free(sp_output_state *state)
 {
     state->share = (sp_real)1;
     state->force_n = (sp_real)0;
+    state->model_n = (sp_real)0;
+    state->slope_n = (sp_real)0;
     state->pace_n = (sp_real)0;
 }
 
@@ -72,16 +80,15 @@ static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real fo
                                      : (sp_real)0;
 }
 
-/* So many ticks on the way to the model's force. */
-static inline void sp_output_return(const sp_output_config *config, sp_output_state *state,
-                                    sp_real ticks)
+/* A tick on the way to the model's force. */
+static inline void sp_output_return(const sp_output_config *config, sp_output_state *state)
 {
-    const sp_real may_n = ticks * (SP_OUTPUT_PACE * state->pace_n + config->return_n);
-    const sp_real way_n = state->target_n - state->force_n;
+    const sp_real may_n = SP_OUTPUT_PACE * state->pace_n + config->return_n;
+    const sp_real way_n = state->aim_n - state->force_n;
     if (sp_abs(way_n) > may_n) {
         state->force_n += way_n > (sp_real)0 ? may_n : -may_n;
     } else {
-        state->force_n = state->target_n;
+        state->force_n = state->aim_n;
         state->pace_n = (sp_real)0;
     }
 }
@@ -90,13 +97,16 @@ static inline void sp_output_return(const sp_output_config *config, sp_output_st
 SP_RARE sp_real sp_output_after_silence(const sp_output_config *config, sp_output_state *state,
                                         sp_real ticks, sp_real force_n, int *notes)
 {
-    const sp_real last_n = state->pace_n > (sp_real)0 ? state->target_n : state->force_n;
-    state->target_n = sp_output_clamp(config, force_n, notes);
-    const sp_real change_n = sp_abs(state->target_n - last_n) / ticks;
+    const sp_real before_n = sp_abs(state->slope_n);
+    state->aim_n = sp_output_clamp(config, force_n, notes);
+    state->slope_n = (state->aim_n - state->model_n) / ticks;
+    state->model_n = state->aim_n;
+    const sp_real now_n = sp_abs(state->slope_n);
+    const sp_real change_n = now_n > before_n ? now_n : before_n;
     const sp_real most_n = ticks > SP_OUTPUT_PACE ? change_n : SP_OUTPUT_HURRY * state->pace_n;
     const sp_real grown_n = change_n < most_n ? change_n : most_n;
     state->pace_n = grown_n > state->pace_n ? grown_n : state->pace_n;
-    sp_output_return(config, state, (sp_real)1);
+    sp_output_return(config, state);
     if (state->pace_n > (sp_real)0) {
         *notes |= SP_NOTE_LIMITED;
     }
@@ -133,20 +143,35 @@ static inline sp_real sp_output_force(const sp_output_config *config, sp_output_
         state->share += config->rise * ticks;
         *notes |= SP_NOTE_RAMPED;
     }
-    if (state->pace_n > (sp_real)0 || ticks > SP_OUTPUT_PACE) {
+    const int late = state->pace_n > (sp_real)0 || ticks > SP_OUTPUT_PACE;
+    if (late) {
         force_n = sp_output_after_silence(config, state, ticks, force_n, notes);
     }
     force_n = sp_output_slew(config->slew_n * ticks, last_n, force_n, notes);
     state->force_n = sp_output_clamp(config, force_n, notes);
+    if (!late) {
+        state->slope_n = state->force_n - state->model_n;
+        state->model_n = state->force_n;
+    }
     return state->force_n;
 }
 
-/* So many ticks without a good sample: the force stays, or goes on along its way. */
+/* So many ticks without a good sample: the force goes on, or along its way. */
 static inline void sp_output_wait(const sp_output_config *config, sp_output_state *state,
                                   sp_real ticks)
 {
-    if (state->pace_n > (sp_real)0 && ticks > (sp_real)0) {
-        sp_output_return(config, state, ticks);
+    for (; ticks >= (sp_real)0.5; ticks -= (sp_real)1) {
+        int ignored = 0;
+        const int under_way = state->pace_n > (sp_real)0;
+        const sp_real on_n = (under_way ? state->aim_n : state->force_n) + state->slope_n;
+        const sp_real at_n = sp_output_clamp(config, on_n, &ignored);
+        state->slope_n = sp_flushed(SP_OUTPUT_DECAY * state->slope_n);
+        if (under_way) {
+            state->aim_n = at_n;
+            sp_output_return(config, state);
+        } else {
+            state->force_n = at_n;
+        }
     }
 }
 

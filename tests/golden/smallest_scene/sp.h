@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1 */
+/* springpot 0.1.0 c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
@@ -61,8 +61,8 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
 int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n);
 
-/* dt_s (s) have passed without a sample: the last force, or on along its way, until the watchdog
- * takes it to zero. */
+/* dt_s (s) have passed without a sample: the force goes on as it last changed, less and less, until
+ * the watchdog takes it to zero. */
 int sp_idle(sp_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that

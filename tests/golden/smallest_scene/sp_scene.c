@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1 */
+/* springpot 0.1.0 c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bf8071f8c6f03de5fde4b2d11afd9f81777af623a496d1c93844c3644b69e6a1 */
+/* springpot 0.1.0 c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -31,6 +31,6 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 180 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 188 ? 1 : -1];
 
 #endif
