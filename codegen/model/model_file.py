@@ -1,7 +1,8 @@
 """Model files: one line of text with a checksum, then numpy arrays. Nothing in them executes.
 
 The first line is `springpot-model SCHEMA SHA256`; the checksum covers every byte after it. The
-rest is an npz: a JSON header and the arrays that it does not spell out.
+rest is an npz: a JSON header and the arrays that it does not spell out. Whoever can compute SHA-256
+can make such a file: the whole model is checked when it is read, and when it is written.
 """
 
 import hashlib
@@ -22,8 +23,12 @@ from springpot.codegen.model.features import (
     PositionVelocity,
     RecursiveBank,
 )
+from springpot.codegen.model.field_types import require_types
 from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.packed_arrays import MAX_BYTES, Arrays, unpacked
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
+from springpot.codegen.model.validity import require_valid
+from springpot.codegen.regular_file import read_bounded
 
 MODEL_SCHEMA = 3  # 1: forests without quantisation; 2: other names of fields
 MODEL_MAGIC = b"springpot-model"
@@ -74,7 +79,15 @@ def write_model(path: Path, model: Model) -> str:
 
 
 def model_bytes(model: Model) -> bytes:
-    """What `write_model` writes: the line with the checksum, then the npz."""
+    """What `write_model` writes: the line with the checksum, then the npz.
+
+    Raises DataError for a model that `read_model` would refuse.
+    """
+    try:
+        _require_types_within(model, "model")
+        require_valid(model, _n_features(model))
+    except DataError as error:
+        raise DataError(f"{model.name}: {error}: train on other recordings or options") from None
     header, arrays = _to_parts(model)
     payload = io.BytesIO()
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
@@ -87,9 +100,12 @@ def model_bytes(model: Model) -> bytes:
 
 
 def read_model(path: Path) -> Model:
-    """Read a model file. Raises DataError where it is damaged, of a later schema, or none."""
+    """Read a model file and check all that is in it.
+
+    Raises DataError where it is damaged, of a later schema, none, or no model that can be rendered.
+    """
     try:
-        first_line, _, body = path.read_bytes().partition(b"\n")
+        first_line, _, body = read_bounded(path, MAX_BYTES).partition(b"\n")
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror})") from None
     words = first_line.split(b" ")
@@ -104,14 +120,45 @@ def read_model(path: Path) -> Model:
         )
     if words[2] != hashlib.sha256(body).hexdigest().encode():
         raise DataError(f"{path}: damaged (checksum differs): copy it again or train again")
-    with np.load(io.BytesIO(body), allow_pickle=False) as stored:
-        arrays = {name: stored[name] for name in stored.files}
-    model = _from_parts(json.loads(arrays.pop("header").tobytes()), arrays)
-    assert isinstance(model, Model)
+    try:
+        return _model(unpacked(body))
+    except DataError as error:
+        raise DataError(
+            f"{path}: {error}: springpot never writes such a model, train again"
+        ) from None
+
+
+def _model(arrays: Arrays) -> Model:
+    """The model in the arrays. Raises DataError, without the file's name, where there is none."""
+    header = arrays.pop("header", np.zeros(0))
+    try:
+        parts = json.loads(header.tobytes(), parse_constant=_no_number)
+        used: set[str] = set()
+        model = _from_parts(parts, arrays, "model", used)
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"header: no JSON ({' '.join(str(error).split())[:200]})") from None
+    if not isinstance(model, Model):
+        raise DataError("header: describes no model")
+    if unused := sorted(set(arrays) - used):
+        raise DataError(f"holds the array {unused[0]!r}, which no field names")
+    require_valid(model, _n_features(model))
     return model
 
 
-Arrays = dict[str, np.ndarray[Any, Any]]
+def _no_number(name: str) -> float:
+    raise DataError(f"header: {name} is no number of JSON")
+
+
+def _n_features(model: Model) -> int:
+    return 0 if model.features is None else model.features.n_features
+
+
+def _require_types_within(part: Any, where: str) -> None:
+    inside = {field.name: getattr(part, field.name) for field in fields(part)}
+    require_types(type(part), inside, where)
+    for name, value in inside.items():
+        if is_dataclass(value):
+            _require_types_within(value, f"{where}.{name}")
 
 
 def _to_parts(model: Model) -> tuple[Any, Arrays]:
@@ -133,17 +180,29 @@ def _packed(value: Any, path: str, arrays: Arrays) -> Any:
     return dict(value) if path == "model.provenance" else value
 
 
-def _from_parts(value: Any, arrays: Arrays) -> Any:
-    if isinstance(value, dict) and "part" in value:
-        named: str = value["part"]
-        part = _FORMER_PARTS.get(named, named)
-        now = _FORMER_FIELDS.get(part, {})
+def _from_parts(value: Any, arrays: Arrays, where: str, used: set[str]) -> Any:
+    """The value of a field out of its JSON; `used` gathers the names of the arrays taken."""
+    if not isinstance(value, dict):
+        return value
+    if where == "model.provenance":
+        return value
+    if "part" in value:
+        named = str(value["part"])
+        name = _FORMER_PARTS.get(named, named)
+        if name not in _PARTS:
+            raise DataError(f"{where}: no known part {named[:60]!r}")
+        now = _FORMER_FIELDS.get(name, {})
         inside: dict[str, Any] = {
-            str(now.get(name, name)): item if name == "provenance" else _from_parts(item, arrays)
-            for name, item in value.items()
-            if name != "part"
+            str(now.get(field, field)): _from_parts(item, arrays, f"{where}.{field}", used)
+            for field, item in value.items()
+            if field != "part"
         }
-        return _PARTS[part](**inside)
-    if isinstance(value, dict):
-        return tuple(value["tuple"]) if "tuple" in value else arrays[value["array"]]
-    return value
+        require_types(_PARTS[name], inside, where)  # before anything is made of them
+        return _PARTS[name](**inside)
+    if list(value) == ["tuple"] and isinstance(value["tuple"], list):
+        return tuple(value["tuple"])
+    stored = str(value.get("array"))
+    if list(value) != ["array"] or stored not in arrays:
+        raise DataError(f"{where}: names no array of this file")
+    used.add(stored)
+    return arrays[stored]

@@ -1,0 +1,29 @@
+"""Input files: only regular ones. Pipes and devices may never end, or never begin."""
+
+import stat
+from pathlib import Path
+
+from springpot.codegen.errors import DataError
+
+
+def require_regular(path: Path) -> None:
+    """Raise DataError for pipes, devices and sockets, and OSError where there is nothing.
+
+    Looks without opening: opening a pipe waits for whoever writes to it. Folders pass: whoever
+    opens one is told so.
+    """
+    mode = path.stat().st_mode
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):
+        raise DataError(
+            f"{path}: a pipe or device, not a file: write what comes out of it to a file first"
+        )
+
+
+def read_bounded(path: Path, max_bytes: int) -> bytes:
+    """Content of a regular file. Raises DataError where it is larger than that."""
+    require_regular(path)
+    with path.open("rb") as file:
+        content = file.read(max_bytes + 1)
+    if len(content) > max_bytes:
+        raise DataError(f"{path}: larger than {max_bytes >> 20} MiB: not such a file")
+    return content

@@ -1,0 +1,66 @@
+"""Model files that strangers made, their checksum right: one line each, and nothing is taken."""
+
+import resource
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import golden_forces
+from support.hostile_models import hostile_models
+
+from springpot.codegen.errors import DataError
+from springpot.codegen.model.field_types import MAX_NUMBER
+from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
+from springpot.codegen.model.validity import CURVES
+from springpot.codegen.stages.hammerstein import BASIS_SIZE
+
+
+@pytest.fixture
+def little_memory() -> Iterator[None]:
+    """Whoever takes more than a GiB beyond what the process has is out of memory."""
+    usual = resource.getrlimit(resource.RLIMIT_AS)
+    has = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (has + (1 << 30), usual[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, usual)
+
+
+@pytest.mark.usefixtures("little_memory")
+def test_none_is_taken_and_each_is_refused_in_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "hostile.spm"
+    wrong, n = [], 0
+    for hostile in hostile_models():
+        n += 1
+        file.write_bytes(hostile.content)
+        try:
+            read_model(file)
+            wrong.append(f"taken: {hostile.what}")
+        except DataError as error:
+            line = str(error)
+            if not line.startswith(f"{file}: ") or not line.isprintable() or len(line) > 700:
+                wrong.append(f"{hostile.what}: {line[:200]!r}")
+        except Exception as error:
+            wrong.append(f"{hostile.what}: {error!r}"[:300])
+    assert not wrong, "\n".join(wrong)
+    assert n > 500
+
+
+@pytest.mark.parametrize("name", golden_forces.models())
+def test_every_kind_is_taken_as_it_was_written(name: str, tmp_path: Path) -> None:
+    model = golden_forces.model(name)
+    file = tmp_path / "again.spm"
+    file.write_bytes(model_bytes(model))
+    assert model_hash(read_model(file)) == model_hash(model)
+
+
+def test_what_would_be_refused_is_not_written() -> None:
+    model = golden_forces.model("rf-fd")
+    forest = model.regressor
+    object.__setattr__(forest, "threshold", np.full_like(forest.threshold, 2 * MAX_NUMBER))
+    with pytest.raises(DataError, match=r"rf-fd: model\.regressor\.threshold: a number that"):
+        model_bytes(model)
+
+
+def test_the_bases_are_those_of_the_c() -> None:
+    assert CURVES == BASIS_SIZE
