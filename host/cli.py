@@ -1,6 +1,7 @@
 """The `springpot` command: subcommands by name, errors as one line and an exit status."""
 
 import importlib
+import io
 import sys
 from typing import NamedTuple
 
@@ -98,6 +99,10 @@ def springpot() -> None:
 
 def main() -> None:
     """Entry point: run a command; a refusal is one line on standard error and its exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # File names that are no UTF-8, and letters that the locale lacks, must not stop a run.
+            stream.reconfigure(errors="backslashreplace")
     try:
         springpot.main(standalone_mode=False)
     except errors.SpringpotError as error:

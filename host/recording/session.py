@@ -18,6 +18,7 @@ from springpot.host.simulation.objects import parse_url
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.journal_reader import journal_of
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
+from springpot.trainer.recordings.recording_name import require_recording_name, safe_recording_name
 
 
 class ForceControlled(Protocol):
@@ -86,8 +87,10 @@ def record_session(
     source, protocol: what `details` and names say of the origin; of a protocol's file, its name.
     Raises UsageError, before anything moves, where a recording would be overwritten.
     """
-    label = Path(protocol).stem
+    label = safe_recording_name(Path(protocol).stem)
     names = [f"{device.object_name}-{label}-{profile.name}" for profile in profiles]
+    for name in names:
+        require_recording_name(name)
     files = [out / f"{name}{RECORDING_SUFFIX}" for name in names]
     for file in files:
         if file.exists():

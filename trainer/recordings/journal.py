@@ -32,6 +32,7 @@ from springpot.trainer.recordings.journal_reader import journal_of, read_journal
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Zero
 from springpot.trainer.recordings.recording_file import store_recording
+from springpot.trainer.recordings.recording_name import require_recording_name
 
 _MAX_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
 _SYNC_S = 0.5  # of wall clock between two syncs: what a power cut may take
@@ -58,9 +59,10 @@ class JournalWriter:
         """Begin the recording `file`; name, dt_s (s), source, details and zero as in `Recording`.
 
         channels: names of what each row holds beside position and force.
-        Raises UsageError where it exists, is being recorded, or was left behind by a crash;
-        DeviceError where it cannot be written.
+        Raises DataError for a name that no recording can have, UsageError where it exists, is
+        being recorded, or was left behind by a crash; DeviceError where it cannot be written.
         """
+        require_recording_name(name)
         self.file, self.journal = file, journal_of(file)
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")

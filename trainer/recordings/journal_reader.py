@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.codegen.regular_file import require_regular
 from springpot.trainer.recordings.journal_blocks import (
     BLOCK_BYTES,
     LAST_METADATA,
@@ -20,6 +21,7 @@ from springpot.trainer.recordings.journal_blocks import (
     decode,
 )
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
+from springpot.trainer.recordings.recording_name import require_recording_name
 
 JOURNAL_SUFFIX = ".journal"
 MAX_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
@@ -118,6 +120,7 @@ def read_parts(path: Path) -> tuple[list[Recording], str]:
 
 def _read(path: Path) -> _Journal:
     try:
+        require_regular(path)
         content = path.read_bytes()
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
@@ -165,8 +168,10 @@ def _seconds(journal: _Journal, block: int) -> float:
 def _recording(path: Path, journal: _Journal, blocks: list[Block | None], suffix: str) -> Recording:
     rows = np.concatenate(journal.rows(blocks))
     metadata = journal.metadata
+    name = str(metadata["name"]) + suffix
+    require_recording_name(name, f"{path}: ")
     return Recording(
-        name=str(metadata["name"]) + suffix,
+        name=name,
         position_m=np.ascontiguousarray(rows[:, 0], dtype=np.float64),
         force_n=np.ascontiguousarray(rows[:, 1], dtype=np.float64),
         dt_s=float(metadata["dt_s"]),
@@ -174,7 +179,7 @@ def _recording(path: Path, journal: _Journal, blocks: list[Block | None], suffix
         source=str(metadata["source"]),
         details=metadata["details"],
         channels={
-            name: np.ascontiguousarray(rows[:, 2 + k], dtype=np.float64)
-            for k, name in enumerate(journal.channels)
+            channel: np.ascontiguousarray(rows[:, 2 + k], dtype=np.float64)
+            for k, channel in enumerate(journal.channels)
         },
     )

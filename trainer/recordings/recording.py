@@ -9,6 +9,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.recording_name import require_recording_name
 
 Zero = Literal["none", "first", "min"]
 
@@ -23,6 +24,7 @@ SIGN_RULE = (
 class Recording:
     """Uniform samples of position and force.
 
+    name: also a file name, see `require_recording_name`.
     position_m, force_n: shape (n,), float64, finite; signs as in `SIGN_RULE`.
     dt_s: time between samples.
     zero: what the importer subtracted from both channels; "none": position 0 is the surface.
@@ -32,7 +34,7 @@ class Recording:
     channels: more samples beside the two, each (n,); of a session what each tick was given and
     returned. A fit does not see them.
 
-    Raises DataError where the channels cannot be a recording.
+    Raises DataError where the channels cannot be a recording, or the name no file's.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Recording:
     channels: Mapping[str, Samples] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        require_recording_name(self.name)
         if self.position_m.ndim != 1 or self.position_m.shape != self.force_n.shape:
             raise DataError(
                 f"{self.name}: position has {self.position_m.shape} samples and force "

@@ -13,6 +13,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
+from springpot.codegen.regular_file import require_regular
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
     is_being_recorded,
@@ -21,6 +22,7 @@ from springpot.trainer.recordings.journal_reader import (
 )
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, SIGN_RULE, Recording
+from springpot.trainer.recordings.recording_name import require_recording_name
 
 RECORDING_SCHEMA = 1
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
@@ -60,7 +62,8 @@ def _hdf5(recording: Recording) -> bytes:
         file.attrs["zero"] = recording.zero
         file.attrs["position_delay_s"] = recording.position_delay_s
         file.attrs["force_delay_s"] = recording.force_delay_s
-        file.attrs["source"] = recording.source
+        # HDF5 holds UTF-8: of a path that is none, the bytes as \xff, for people.
+        file.attrs["source"] = recording.source.encode("utf-8", "backslashreplace").decode()
         file.attrs["details"] = json.dumps(dict(recording.details), sort_keys=True)
         for channel, unit in _CHANNEL_UNITS.items():
             _data_set(file, channel, getattr(recording, channel)).attrs["unit"] = unit
@@ -109,6 +112,7 @@ def _recovered(journal: Path) -> Recording:
 
 def _read_hdf5(path: Path) -> Recording:
     try:
+        require_regular(path)
         _verify_checksum(path)
         with h5py.File(path, "r") as file:
             schema = int(file.attrs["schema"])
@@ -123,8 +127,10 @@ def _read_hdf5(path: Path) -> Recording:
                     raise DataError(
                         f"{path}: {channel} is in {found!r}, not {unit!r}: import again"
                     )
+            name = str(file.attrs["name"])
+            require_recording_name(name, f"{path}: ")
             return Recording(
-                name=str(file.attrs["name"]),
+                name=name,
                 position_m=np.asarray(file["position_m"], dtype=np.float64),
                 force_n=np.asarray(file["force_n"], dtype=np.float64),
                 dt_s=float(file.attrs["dt_s"]),
@@ -134,8 +140,8 @@ def _read_hdf5(path: Path) -> Recording:
                 source=str(file.attrs["source"]),
                 details=json.loads(file.attrs["details"]),
                 channels={
-                    name: np.asarray(file[_MORE][name], dtype=np.float64)
-                    for name in file.get(_MORE, ())
+                    channel: np.asarray(file[_MORE][channel], dtype=np.float64)
+                    for channel in file.get(_MORE, ())
                 },
             )
     except FileNotFoundError:

@@ -15,6 +15,7 @@ from springpot.trainer.recordings.recording_file import (
     read_recordings,
     write_recording,
 )
+from springpot.trainer.recordings.recording_name import safe_recording_name
 
 FIXED = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 
@@ -45,7 +46,9 @@ def test_round_trip(
     tmp_path: Path, values: list[float], dt_s: float, text: str, details: dict[str, int | str]
 ) -> None:
     samples = np.array(values)
-    written = Recording(text, samples, -samples, dt_s, "min", 0.1, 0.2, text, details)
+    written = Recording(
+        safe_recording_name(text), samples, -samples, dt_s, "min", 0.1, 0.2, text, details
+    )
     write_recording(tmp_path / "a.h5", written)
     read = read_recording(tmp_path / "a.h5")
     assert read.content_hash == written.content_hash

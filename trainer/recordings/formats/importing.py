@@ -1,12 +1,12 @@
 """Files from outside -> recordings: chooses the reader by what is in the file."""
 
-import re
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.regular_file import require_regular
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.arrays import (
     HDF5_MAGIC,
@@ -25,9 +25,9 @@ from springpot.trainer.recordings.journal_blocks import is_journal
 from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_file import has_checksum, read_recording
+from springpot.trainer.recordings.recording_name import safe_recording_name
 
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
-_UNSAFE = re.compile(r"[^\w.+-]+")
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,7 @@ def import_file(
         raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
     options = options or ImportOptions()
     try:
+        require_regular(path)
         with path.open("rb") as file:
             start = file.read(512 + len(HDF5_MAGIC))
         if is_journal(start):
@@ -160,7 +161,7 @@ def _unique(names: list[str]) -> list[str]:
     """Names fit for file systems, numbered where they came before."""
     unique: list[str] = []
     for name in names:
-        safe = _UNSAFE.sub("_", name).strip("._") or "recording"
+        safe = safe_recording_name(name)
         numbered, count = safe, 1
         while numbered in unique:
             count += 1
