@@ -4,12 +4,13 @@ import hashlib
 import os
 import platform
 import shutil
+import stat
 import subprocess
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from springpot.codegen.atomic_write import write_file, written_aside
+from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import SpringpotError
 from springpot.runtime_c.paths import flags
 
@@ -77,10 +78,12 @@ def shared_library(
     build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
     library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
     checksum = library.with_suffix(".sha256")
-    if _is_intact(library, checksum):
-        return library
     try:
-        library.parent.mkdir(parents=True, exist_ok=True)
+        library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        for path in (library.parent, library, checksum):
+            _require_own(path)
+        if _is_intact(library, checksum):
+            return library
     except OSError as error:
         raise CompilerError(
             f"{library.parent}: {error.strerror}: set XDG_CACHE_HOME to a folder that you can write"
@@ -90,9 +93,33 @@ def shared_library(
         run_compiler([*build_flags, *folders, *map(str, sources), "-o", str(built), "-lm"])
         if not built.exists():
             raise CompilerError(f"{find_compiler()} wrote no library: set CC to a C compiler")
+        built.chmod(0o700)  # whatever the umask: see _require_own
         digest = hashlib.sha256(built.read_bytes()).hexdigest()
-    write_file(checksum, digest.encode())
+    with written_aside(checksum) as aside:
+        aside.write_text(digest)
+        aside.chmod(0o600)
     return library
+
+
+def _require_own(path: Path) -> None:
+    """Refuse what others can write, or wrote: a library of the cache runs in this process.
+
+    Who can write the folder or a file can also write the checksum beside it.
+    """
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return
+    if status.st_uid != os.geteuid():
+        whose = f"belongs to user {status.st_uid}"
+    elif status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        whose = "can be written by others"
+    else:
+        return
+    raise CompilerError(
+        f"{path}: {whose}, and what lies there would run as you: set XDG_CACHE_HOME to a folder "
+        f"of your own, or `chmod go-w` and remove what is not yours"
+    )
 
 
 def _is_intact(library: Path, checksum: Path) -> bool:
