@@ -20,7 +20,9 @@ def doctor(as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps({"findings": [finding.as_dict() for finding in findings]}))
     else:
-        table = Table("what", "", "seen", "what to do", box=None, pad_edge=False)
+        table = Table("what", "", box=None, pad_edge=False)
+        for column in ("seen", "what to do"):
+            table.add_column(column, overflow="fold")  # paths are whole
         for finding in findings:
             mark = "ok" if finding.found else "--"
             table.add_row(finding.what, mark, finding.seen, finding.do)

@@ -58,3 +58,10 @@ def test_export_stays_in_its_folder(tmp_path: Path) -> None:
     assert done.returncode == 3
     assert "a recording named '../escaped'" in done.stderr
     assert [file.name for file in tmp_path.iterdir()] == ["sent.h5"]
+
+
+def test_doctor_shows_the_whole_path_of_the_cache(tmp_path: Path) -> None:
+    folder = tmp_path / ("long" * 30)
+    done = springpot("doctor", XDG_CACHE_HOME=str(folder), COLUMNS="80")
+    assert "\u2026" not in done.stdout
+    assert "".join(done.stdout.split()).count("long") >= 30
