@@ -25,10 +25,10 @@ def tick(plan: Plan) -> str:
     """C function `tick`: the calls of figure 12, in its order."""
     model = [stage for stage in stages(plan) if stage is not plan.velocity]
     advance = [line for stage in model for line in stage.advance()]
-    often = "SP_OFTEN" if plan.scene.runtime.target == "host" else "static"
+    linkage = "SP_APART" if plan.scene.runtime.target == "host" else "static"
     head = [
         "/* One tick with the tool at `position`; returns the model's force, N. */",
-        f"{often} sp_real tick(sp_state *state, sp_real position{_device(plan)}, int *notes)",
+        f"{linkage} sp_real tick(sp_state *state, sp_real position{_device(plan)}, int *notes)",
     ]
     return "\n".join([*head, "{", *indented(_tick(plan, advance, "smooth_alpha")), "}"])
 

@@ -9,14 +9,14 @@
     "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only (see flags.mk)"
 #endif
 
-/* A function that few ticks call, out of the way of the others; and one that every tick calls,
- * where space matters less than time. */
+/* A function that few ticks call, out of the way of the others; and a long one that is called in
+ * two places: a copy in each would cost the inlining within it. */
 #if defined(__GNUC__)
 #define SP_RARE __attribute__((noinline, cold, unused)) static
-#define SP_OFTEN __attribute__((always_inline)) static inline
+#define SP_APART __attribute__((noinline)) static
 #else
 #define SP_RARE static inline
-#define SP_OFTEN static inline
+#define SP_APART static
 #endif
 
 /* Not NaN and not infinite, without libm. */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633 */
+/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

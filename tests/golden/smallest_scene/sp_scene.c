@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633 */
+/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -41,7 +41,7 @@ static void restart(sp_state *state, sp_real position)
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
-SP_OFTEN sp_real tick(sp_state *state, sp_real position, int *notes)
+SP_APART sp_real tick(sp_state *state, sp_real position, int *notes)
 {
     const sp_real penetration = position > (sp_real)0 ? position : (sp_real)0;
     const sp_real clipped = sp_range_clip(&range, penetration, notes);
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

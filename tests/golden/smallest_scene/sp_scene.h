@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c8d0f155fa598a3fa38eee12bbf8dda95594168e7a4f5fb689877ec625687633 */
+/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 

@@ -49,7 +49,9 @@ def test_silence_takes_the_force_to_zero_and_latches_until_reset(tmp_path: Path)
     held = [force for force, notes in silent if notes == HELD]
     falling = [force for force, notes in silent if notes == LATCHED]
     assert len(held) == pytest.approx(20, abs=1)
-    assert set(held) == {pressed_n}
+    # It goes on as it last changed, less and less: ten times that change at most.
+    last_n = abs(pressed_n - float(forces[-2]))
+    assert np.abs(np.array(held) - pressed_n).max() <= 10.0 * last_n + 1e-6
     assert falling[10:] == [0.0] * len(falling[10:])
     assert all(before >= after for before, after in pairwise(falling))
     force_n, notes = state.step(0.0119)
