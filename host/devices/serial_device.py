@@ -55,6 +55,8 @@ class SerialDevice:
     @property
     def watchdog_s(self) -> float:
         """Silence of this host after which the device ends its force by itself."""
+        if self.requirements.max_n == 0.0:  # a replay: nobody holds it
+            return self.requirements.watchdog_s
         return min(self.requirements.watchdog_s, _WATCHDOG_S)
 
     @property
