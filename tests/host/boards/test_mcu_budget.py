@@ -119,7 +119,7 @@ def test_the_boards_have_one_c(variant: str, number: str) -> None:
         assert parts(target) == first, target
 
 
-def test_ten_branches_and_three_stops_take_610_instructions_and_4200_bytes(tmp_path: Path) -> None:
+def test_ten_branches_and_three_stops_take_600_instructions_and_4200_bytes(tmp_path: Path) -> None:
     need("mps2-an386")
     rng = np.random.default_rng(1)
     whole = fitted("hammerstein")
@@ -140,7 +140,7 @@ def test_ten_branches_and_three_stops_take_610_instructions_and_4200_bytes(tmp_p
     batch = run_batch(tmp_path / "c", BOARDS["mps2-an386"], calls)
     restarts = (batch.notes & RESYNC) != 0
     most = int(batch.instructions[~restarts & ~after_silence(batch.notes)].max())
-    assert most <= emission.manifest["instructions"]["tick"] <= 610
+    assert most <= min(emission.manifest["instructions"]["tick"], 600)
     assert emission.footprint is not None
     assert emission.footprint.flash_bytes <= 4200
 

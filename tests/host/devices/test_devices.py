@@ -25,6 +25,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_press_device
+from springpot.host.session.loop import LoopSettings
 from springpot.host.session.session import Session
 
 REQUIREMENTS = DeviceRequirements(rate_hz=1000, watchdog_s=0.02, max_n=12.0, hash="ab" * 32)
@@ -220,10 +221,15 @@ def test_wrong_urls(url, error, says):
 def test_recording_on_a_serial_device(monkeypatch):
     """Force control through the wire follows the command; limits end a press with zero force.
 
-    The device's time passes with the forces, and the watchdogs wait: how long a busy machine keeps
-    its process away does not matter.
+    The device's time passes with the forces, the watchdogs wait and a period of the loop is longer
+    than the device's: how long a busy machine keeps its process away does not matter.
     """
     monkeypatch.setattr(indentation, "_WATCHDOG_S", 2.0)
+    monkeypatch.setattr(
+        indentation,
+        "LoopSettings",
+        lambda **settings: LoopSettings(**settings | {"period_s": 0.005, "seconds": 20.0}),
+    )
     command_n = 4 * np.sin(np.linspace(0, np.pi, 600)) ** 2
     with peer("serial_device", "--object", "dragon-skin-fx", "--lockstep") as device:
         taken = []
