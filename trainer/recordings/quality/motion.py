@@ -1,4 +1,4 @@
-"""Checks of the motion: sign, depth, speeds, where contact begins."""
+"""Checks of the motion: depth, speeds, where contact begins."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -8,31 +8,13 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
-_WRONG_SIGN = -0.5
-_DOUBTFUL_SIGN = 0.0
 _STROKE = 0.1  # of the travel: smaller strokes are noise, or nothing to learn from
 _SAME_SPEED = 1.3
 _PRELOAD = 0.05  # of the peak force, at the lowest position
 _SURFACE_OFF = 0.05  # of the travel
-
-
-def sign_findings(recording: Recording) -> Iterator[Finding]:
-    """Yield a finding where pressing seems to pull."""
-    if min(np.ptp(recording.position_m), np.ptp(recording.force_n)) == 0.0:
-        return
-    together = float(np.corrcoef(recording.position_m, recording.force_n)[0, 1])
-    if together >= _DOUBTFUL_SIGN:
-        return
-    make = refusal if together < _WRONG_SIGN else warning
-    yield make(
-        "sign", recording.name,
-        f"force falls as position rises (correlation {together:.2f})",
-        "the model would pull the hand in",
-        "turn one sign round on import, for instance --map position=COL:-1mm",
-    )  # fmt: skip
 
 
 def strokes(position_m: Samples, dt_s: float) -> Samples:
