@@ -5,11 +5,11 @@ class SpringpotError(Exception):
     """Base of all errors shown to a user; host/cli.py maps each to an exit status."""
 
 
-class UsageError(SpringpotError):
+class UsageError(SpringpotError, ValueError):
     """A wrong option, argument, scene key or combination of them."""
 
 
-class DataError(SpringpotError):
+class DataError(SpringpotError, ValueError):
     """A recording or model file that cannot be used as it is."""
 
 

@@ -1,5 +1,6 @@
 """springpot's models as a scikit-learn regressor on whole recordings."""
 
+import warnings
 from collections.abc import Sequence
 from typing import Any, Literal
 
@@ -16,6 +17,7 @@ from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.paper import PAPER_SMOOTH_S
+from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording, Zero
 
 
@@ -28,7 +30,8 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     kind: a name of `springpot train --model`. dt_s: time between samples.
     zero: "none" where position 0 is the object's surface, else "first" or "min".
-    Other parameters as in FitOptions. After fit: model_ is what `emit` takes, fit_ what it took.
+    Other parameters as in FitOptions. After fit: model_ is a Model, for `springpot.write_model` and
+    `springpot.emit`, fit_ what it took.
     """
 
     model_: Model
@@ -64,9 +67,11 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.monotone = monotone
 
     def fit(self, X: Sequence[ArrayLike], y: Sequence[ArrayLike]) -> "PositionRegressor":
-        """Fit on recordings. Raises DataError for sequences that are none, UsageError for a kind.
+        """Fit on recordings, checked as `springpot check` does; what is doubtful is a UserWarning.
 
         Training data is smoothed over smooth_s; fractions of rows are drawn from all recordings.
+        Raises DataError for sequences that are none, or no object's, UsageError for a kind; both
+        are ValueErrors.
         """
         if self.kind not in kind_names():
             raise UsageError(f"kind {self.kind!r}: use one of {', '.join(kind_names())}")
@@ -77,6 +82,10 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             Recording(f"recording {i}", position_m, force_n, self.dt_s, zero=self.zero)
             for i, (position_m, force_n) in enumerate(zip(positions, forces, strict=True))
         ]
+        quality = check_recordings(recordings)
+        quality.refuse()
+        for finding in quality.findings:
+            warnings.warn(finding.line, stacklevel=2)
         options = FitOptions(
             seed=self.random_state,
             fraction=self.fraction,

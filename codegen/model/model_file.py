@@ -135,6 +135,8 @@ def _model(arrays: Arrays) -> Model:
         parts = json.loads(header.tobytes(), parse_constant=_no_number)
         used: set[str] = set()
         model = _from_parts(parts, arrays, "model", used)
+    except DataError:
+        raise
     except (ValueError, RecursionError) as error:
         raise DataError(f"header: no JSON ({' '.join(str(error).split())[:200]})") from None
     if not isinstance(model, Model):

@@ -10,9 +10,11 @@ from springpot.trainer.recordings.recording import Recording
 def report_quality(recordings: Sequence[Recording]) -> QualityReport:
     """Print the warnings and which way is in on standard error; raise DataError at a refusal."""
     report = check_recordings(recordings)
-    for finding in report.findings:
-        if finding.severity == "warning":
-            say(finding.line)
+    for kind in {finding.kind: None for finding in report.findings}:
+        first, *others = (found for found in report.findings if found.kind == kind)
+        if first.severity == "warning":
+            also = f" (and {len(others)} more: springpot check)" if others else ""
+            say(first.line + also)
     report.refuse()
     say(report.figures["signs"])
     return report

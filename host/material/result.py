@@ -14,7 +14,7 @@ from springpot.trainer.models.material import Law, Prony
 
 _FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 31)
 _NAMED_HZ = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
-_DECADES = 3  # of relaxation, below the slowest branch
+_TIMES = 61  # of relaxation, as far as the recordings reach
 
 
 def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, Any]:
@@ -94,8 +94,8 @@ def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> li
     columns = [_FREQUENCIES_HZ, dynamic.real, dynamic.imag, beyond]
     header = ["frequency_hz", f"storage_{unit}", f"loss_{unit}", "extrapolated"]
     _table(out / "moduli.csv", header, columns)
-    slowest_s = float(prony.tau_s.max()) if len(prony.tau_s) else 1.0
-    time_s = np.geomspace(slowest_s * 10.0**-_DECADES, slowest_s, 20 * _DECADES + 1)
+    low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
+    time_s = np.geomspace(0.1 / high_hz, 1.0 / low_hz, _TIMES)
     relaxing = by * law.relaxing_npm(time_s)
     _table(out / "relaxation.csv", ["time_s", f"relaxation_{unit}"], [time_s, relaxing])
     # The order of columns that finite-element programs read: shear share, bulk share, time.

@@ -7,10 +7,12 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from springpot.codegen.errors import UsageError
 from springpot.host.plot_style import ERROR, MUTED, PREDICTED, STYLE, stride
+from springpot.trainer.recordings.quality.coverage import find_coverage
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
 from springpot.trainer.recordings.recording import Recording
 
@@ -103,7 +105,34 @@ def dynamics(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     return figure
 
 
-FIGURES = {"time": time_series, "loops": loops, "spectra": spectra, "dynamics": dynamics}
+def coverage(recordings: Sequence[Recording], report: QualityReport) -> Figure:
+    """Strokes by depth and speed, holds by depth and duration: what is not there is not known."""
+    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2, sharey=True)
+    found = find_coverage(recordings)
+    strokes, holds = np.array(found.strokes), np.array(found.holds)
+    if len(strokes):
+        left.semilogx(1e3 * strokes[:, 1], 1e3 * strokes[:, 0], "o", color=FORCE, ms=4, alpha=0.5)
+    if len(holds):
+        right.semilogx(holds[:, 1], 1e3 * holds[:, 0], "s", color=POSITION, ms=4, alpha=0.5)
+    else:
+        right.text(0.5, 0.5, "no hold", ha="center", transform=right.transAxes, color=DOUBT)
+    for axes in [left] * bool(len(strokes)) + [right] * bool(len(holds)):
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    left.set_ylim(1e3 * found.low_m, 1.05e3 * found.high_m)
+    left.invert_yaxis()
+    left.set_xlabel("speed of a stroke, mm/s")
+    left.set_ylabel("depth, mm")
+    right.set_xlabel("length of a hold, s")
+    return figure
+
+
+FIGURES = {
+    "time": time_series, "loops": loops, "spectra": spectra, "dynamics": dynamics,
+    "coverage": coverage,
+}  # fmt: skip
 
 
 def _rate_hz(metadata: dict[str, Any]) -> float:

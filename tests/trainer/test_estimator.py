@@ -1,6 +1,8 @@
 """scikit-learn's tools on springpot's models, and the user's own ensembles in C."""
 
 import pickle
+import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import FunctionTransformer
 from support.small import recording, scene, training, wandering
 
+import springpot
 from springpot.codegen.errors import DataError, SpringpotError, UsageError
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.native.trial_build import built
@@ -147,3 +150,20 @@ def test_preloaded_recordings() -> None:
     fitted.fit([r.position_m for r in moved], [r.force_n for r in moved])
     assert fitted.model_.contact == "always"
     assert fitted.score([moved[0].position_m], [moved[0].force_n]) > 0.9
+
+
+def test_sequences_are_checked_as_recordings_are() -> None:
+    with pytest.raises(ValueError, match="--map position=COL:-1mm,force=COL:-1N"):
+        small("hammerstein").fit([-x for x in X], [-f for f in Y])
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        small("hammerstein").fit([1e2 * x for x in X[:4]], Y[:4])
+    assert any("recording 2: 3.392 m/s of pressing" in str(w.message) for w in found)
+
+
+def test_a_fitted_regressor_becomes_c(tmp_path: Path) -> None:
+    fitted = small("hammerstein").fit(X, Y)
+    file = tmp_path / "regressor.spm"
+    springpot.write_model(file, fitted.model_)
+    emission = springpot.emit(tmp_path / "c", model=springpot.read_model(file))
+    assert emission.manifest["scene"]

@@ -146,6 +146,8 @@ def _read_hdf5(path: Path) -> Recording:
             )
     except FileNotFoundError:
         raise DataError(f"{path}: no such file") from None
+    except DataError:
+        raise
     except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise DataError(

@@ -38,8 +38,7 @@ def _print(report: QualityReport) -> None:
         table.add_row(*_row(figures))
     Console(width=140).print(table)
     click.echo(report.figures["signs"])
-    speeds = [f"{speed * 1e3:.3g}" for speed in report.figures["distinct_speeds_mps"]]
-    click.echo(f"speeds of pressing, mm/s: {', '.join(speeds) or 'none'}")
+    _print_coverage(report.figures["coverage"])
     floor_n = report.figures["noise_floor_n"]
     if floor_n is not None:
         click.echo(f"noise floor, from repeats: {floor_n:.3g} N (no model's error can be below)")
@@ -56,6 +55,24 @@ def _print(report: QualityReport) -> None:
         )
     for finding in report.findings:
         click.echo(finding.line)
+
+
+def _print_coverage(coverage: dict[str, Any]) -> None:
+    """Strokes by depth and speed, and the longest hold at each depth; what to record next."""
+    speeds = [f"{1e3 * speed:.3g}" for speed in coverage["speeds_mps"]]
+    click.echo("your recordings cover (strokes, by how deep they go and how fast they are):")
+    table = Table("mm deep", *(f"from {speed} mm/s" for speed in speeds), "longest hold", box=None)
+    for row in coverage["table"]:
+        low_m, high_m = row["depth_m"]
+        held_s = row["longest_hold_s"]
+        table.add_row(
+            f"{1e3 * low_m:.3g} .. {1e3 * high_m:.3g}",
+            *(str(count or "-") for count in row["strokes"]),
+            f"{held_s:.3g} s" if held_s else "-",
+        )
+    Console(width=140).print(table)
+    for line in coverage["record_next"]:
+        click.echo(f"record next: {line}")
 
 
 def _row(figures: dict[str, Any]) -> list[str]:

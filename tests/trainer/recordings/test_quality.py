@@ -275,7 +275,7 @@ def test_pictures(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.exception
     files = json.loads(result.stdout)["files"]
     starts = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
-    assert len(files) == 12
+    assert len(files) == 15
     for file in map(Path, files):
         assert file.read_bytes().startswith(starts[file.suffix])
 

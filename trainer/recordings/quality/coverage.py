@@ -12,6 +12,7 @@ from springpot.trainer.recordings.recording import Recording
 
 _STILL = 0.02  # of the travel: less is no motion
 _HOLD_S = 0.2
+_TURN = 0.3  # of a stroke: a shorter rest is where it turns round
 _MAX_SAMPLES = 20_000
 _SAME_SPEED = 1.3
 _SPEED_RANGE = 10.0
@@ -115,10 +116,12 @@ def find_coverage(recordings: Sequence[Recording]) -> Coverage:
     """Strokes and holds of all recordings."""
     strokes, holds = [], []
     for recording in recordings:
-        for begin, end, speed_mps in find_strokes(recording):
+        found = find_strokes(recording)
+        for begin, end, speed_mps in found:
             part = recording.position_m[begin : end + 1]
             strokes.append((float(part.max()), speed_mps, (end - begin) * recording.dt_s))
-        holds += _holds(recording)
+        stroke_s = np.median([end - begin for begin, end, _ in found] or [0]) * recording.dt_s
+        holds += _holds(recording, max(_HOLD_S, _TURN * float(stroke_s)))
     longest_s = max(recording.duration_s for recording in recordings)
     shortest_s = min((stroke[2] for stroke in strokes), default=longest_s / 2)
     return Coverage(
@@ -130,8 +133,8 @@ def find_coverage(recordings: Sequence[Recording]) -> Coverage:
     )
 
 
-def _holds(recording: Recording) -> list[tuple[float, float]]:
-    """Rests within the object: position and duration, s."""
+def _holds(recording: Recording, min_s: float) -> list[tuple[float, float]]:
+    """Rests within the object of at least min_s: position and duration, s."""
     step = max(1, len(recording.position_m) // _MAX_SAMPLES)
     thinned = recording.position_m[::step]
     still_m = _STILL * float(np.ptp(thinned))
@@ -142,7 +145,7 @@ def _holds(recording: Recording) -> list[tuple[float, float]]:
             low, high = min(low, position_m), max(high, position_m)
             continue
         seconds = (k - begin) * step * recording.dt_s
-        if seconds >= _HOLD_S and low > float(thinned.min()) + 2 * still_m:
+        if seconds >= min_s and low > float(thinned.min()) + 2 * still_m:
             found.append((0.5 * (low + high), seconds))
         begin, low, high = k, position_m, position_m
     return found

@@ -9,6 +9,7 @@ import numpy as np
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.alignment import Skew, estimate_skew, low_pass_delay_s
 from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
+from springpot.trainer.recordings.quality.coverage import find_coverage
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.quality.motion import (
@@ -188,6 +189,7 @@ def _of_all(
             for g in repeats
         ],
         "distinct_speeds_mps": distinct_speeds(recordings),
+        "coverage": find_coverage(recordings).as_dict(),
         "skew_s": skew.delay_s if skew else None,
         "skew_uncertainty_s": skew.uncertainty_s if skew else None,
     }

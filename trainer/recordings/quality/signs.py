@@ -242,12 +242,14 @@ def _dissipation(x: Samples, f: Samples) -> tuple[float, int]:
 
 
 def _one_press(x: Samples, f: Samples) -> tuple[float, int]:
-    """Energy of the way in and out again, above a level near its beginning."""
-    start = _END if x[0] - x.min() < x.max() - x[0] else 1.0 - _END
-    level_m = float(x.min()) + start * float(np.ptp(x))
-    beyond = np.flatnonzero((x > level_m) if start < 0.5 else (x < level_m))
-    if not len(beyond) or beyond[0] == 0 or beyond[-1] == len(x) - 1:
+    """Energy of the way in and out again, or out and in, beyond a level above both ends."""
+    span, ends = float(np.ptp(x)), x[[0, -1]]
+    inwards = float(ends.max()) + _END * span < float(x.min()) + 0.5 * span
+    outwards = float(ends.min()) - _END * span > float(x.min()) + 0.5 * span
+    if not (inwards or outwards):
         return 0.0, 0
+    level_m = ends.max() + _END * span if inwards else ends.min() - _END * span
+    beyond = np.flatnonzero(x > level_m if inwards else x < level_m)
     return _work(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1), 1
 
 

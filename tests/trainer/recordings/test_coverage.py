@@ -1,0 +1,41 @@
+"""What recordings cover, and what to record next."""
+
+import numpy as np
+
+from springpot.trainer.recordings.quality.coverage import find_coverage
+from springpot.trainer.recordings.recording import Recording
+
+DT_S = 1e-3
+
+
+def press(depth_m: float, speed_mps: float, hold_s: float = 0.0) -> Recording:
+    """A ramp in, a hold and a ramp out."""
+    ramp = np.arange(0.0, depth_m, speed_mps * DT_S)
+    x = np.concatenate([ramp, np.full(round(hold_s / DT_S), depth_m), ramp[::-1]])
+    return Recording(f"{depth_m}-{speed_mps}-{hold_s}", x, 300.0 * x, DT_S)
+
+
+def test_strokes_and_holds_are_counted_where_they_are() -> None:
+    found = find_coverage([press(4e-3, 1e-3), press(9e-3, 5e-3), press(9e-3, 2e-2, hold_s=6.0)])
+    assert len(found.strokes) == 6
+    table = found.table()
+    assert [sum(row["strokes"]) for row in table] == [0, 2, 4]
+    assert [row["longest_hold_s"] > 5.9 for row in table] == [False, False, True]
+    np.testing.assert_allclose(found.speeds_mps[:2], [10**-3.5, 1e-3], rtol=1e-9)
+    assert not found.one_speed
+    assert found.record_next == ["press to 0 .. 3 mm: no stroke ends there"]
+
+
+def test_a_hole_of_speeds_and_holds_is_named() -> None:
+    found = find_coverage([press(4e-3, 1e-2), press(9e-3, 1e-2)])
+    assert found.one_speed
+    speeds, hold, depth = found.record_next
+    assert "three speeds or more" in speeds
+    assert "hold at depth for 5 s or more (longest: 0 s)" in hold
+    assert depth.startswith("press to 0 .. 3 mm")
+
+
+def test_a_slow_turn_is_no_hold() -> None:
+    time_s = np.arange(20_000) * DT_S
+    x = 5e-3 * (1 - np.cos(2 * np.pi * 0.1 * time_s))
+    assert find_coverage([Recording("slow", x, 300.0 * x, DT_S)]).longest_hold_s == 0.0
