@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.regressors import Rbf
 
-MAX_CONDITION = 1e10
 _RIDGE = 1e-10
 _GREEDY_CANDIDATES = 500
 
@@ -84,12 +83,15 @@ def greedy_points(z: Samples, force_n: Samples, count: int) -> NDArray[np.intp]:
 
 
 def solve(system: Samples, force_n: Samples) -> tuple[Samples, float]:
-    """Least-squares weights, (columns,), and the condition number; regularised if bad."""
+    """Weights, (columns,), and the condition number, of least squares with a little damping.
+
+    Without it the weights of near centers are large, of both signs: their sum loses digits in
+    float32, and between the samples it is far off.
+    """
     size = np.sqrt(np.square(system).sum(axis=0))
     left, singular, right = np.linalg.svd(system / size, full_matrices=False)
     condition = float(singular[0] / max(singular[-1], 1e-300))
-    damping = 0.0 if condition < MAX_CONDITION else _RIDGE * singular[0] ** 2
-    inverse = singular / (np.square(singular) + damping)
+    inverse = singular / (np.square(singular) + _RIDGE * singular[0] ** 2)
     weights: Samples = (right.T @ (inverse * (left.T @ force_n))) / size
     return weights, condition
 
