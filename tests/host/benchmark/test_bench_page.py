@@ -3,8 +3,6 @@
 import html
 import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from support.bench_folder import CANDIDATES, bench_folder
+from support.browser import A4_PIXELS, CHROMIUM, browse, console_errors
 
 from springpot.host.benchmark import figures as bench_figures
 from springpot.host.benchmark.labels import label
@@ -20,9 +19,6 @@ from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import bench_page, paper_rows, write_bench_report
 from springpot.host.benchmark.store import read_result
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-         "--enable-logging=stderr")  # fmt: skip
 # Where each figure is, and what a mark says when the mouse is over it.
 PROBE = """<script>
 const boxes = [...document.querySelectorAll("figure svg")].map((svg) => {
@@ -40,18 +36,6 @@ const wide = Math.max(document.documentElement.scrollWidth, ...tables.map(
 document.body.dataset.probe = JSON.stringify({boxes, marks: marks.length, told, wide});
 </script></body>"""
 WIDTHS = (1280, 800)
-A4_PIXELS = 703  # between the margins
-
-
-def browse(page: Path, width: int, *how: str) -> subprocess.CompletedProcess[str]:
-    assert CHROMIUM is not None
-    command = [CHROMIUM, *FLAGS, f"--user-data-dir={page.parent / 'profile'}",
-               f"--window-size={width},6000", *how, page.as_uri()]  # fmt: skip
-    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
-
-
-def console_errors(done: subprocess.CompletedProcess[str]) -> list[str]:
-    return [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
 
 def looked_at(page: Path, width: int) -> tuple[dict[str, Any], np.ndarray]:
