@@ -18,7 +18,13 @@ from springpot.codegen.plan.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.hand_loop import HandLoop
-from springpot.host.stability.closed_loop import Outcome, Rendered, run_closed_loop, stiff_plan
+from springpot.host.stability.closed_loop import (
+    DELAYS,
+    Outcome,
+    Rendered,
+    run_closed_loop,
+    stiff_plan,
+)
 from springpot.host.stability.judgement import Grade, judge
 from springpot.host.stability.small_signal import Map, small_signal_map
 
@@ -214,4 +220,13 @@ def _differs_by(result: Stability) -> str:
 
 
 def _named(items: Sequence[Outcome]) -> str:
-    return ", ".join(f"{item.case} ({item.hand}, delay {item.delay_samples})" for item in items)
+    """Each case once, with the hands that it happened to."""
+    hands: dict[str, list[str]] = {}
+    for item in items:
+        late = f", delay {item.delay_samples}" if item.delay_samples else ""
+        hands.setdefault(item.case, []).append(f"{item.hand}{late}")
+    every = len(HAND_MODELS) * len(DELAYS)
+    return ", ".join(
+        f"{case} ({'every hand' if len(found) == every else '; '.join(found)})"
+        for case, found in hands.items()
+    )

@@ -39,7 +39,7 @@ def prediction_figure(item: Series) -> str:
         return svg_text(figure)
 
 
-def loops(item: Series) -> tuple[str, list[LoopRow]]:
+def hysteresis_loops(item: Series) -> tuple[str, list[LoopRow]]:
     """Force against depth, measured and of the C (figure 17): a loop for each frequency."""
     rows = frequency_loops(item)
     if len(rows) < 2:

@@ -48,7 +48,7 @@ def write_report(folder: Path) -> Path:
     shares = model.provenance.get("importance", [])
     orders = getattr(model.features, "orders", ())
     typical = figures.typical_series(stored.series)
-    loops, loop_rows = figures.loops(typical)
+    loops, loop_rows = figures.hysteresis_loops(typical)
     context = {
         "title": plan.scene.name,
         "manifest": manifest,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from support.bench_folder import CANDIDATES, bench_folder
-from support.browser import A4_PIXELS, CHROMIUM, browse, console_errors
+from support.browser import A4_PIXELS, CHROMIUM, browse, console_errors, layout_faults
 
 from springpot.host.benchmark import figures as bench_figures
 from springpot.host.benchmark.labels import label
@@ -81,6 +81,23 @@ def test_printed_nothing_is_cut(tmp_path: Path) -> None:
     require_samples(seen["boxes"], ink)
     assert seen["wide"] <= A4_PIXELS
     assert "overflow: visible" in text, "a table that scrolls is cut on paper"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+def test_on_a_phone_nothing_sticks_out_and_no_word_is_cut(tmp_path: Path) -> None:
+    text = write_bench_report(bench_folder()).read_text()
+    assert layout_faults(text, tmp_path, 400) == {"out": [], "cut": []}
+
+
+def test_what_is_unknown_of_every_model_is_no_column() -> None:
+    result = read_result(bench_folder())
+    why = "no arm-none-eabi-gcc: `make setup-mcu` installs it"
+    points = [point | {"flash_bytes": None, "why": why} for point in result["points"]]
+    page = bench_page(result | {"points": points}, "bench")
+    assert ">flash</th>" not in page
+    assert "unknown</td>" not in page
+    assert "<code>make setup-mcu</code>" in page
+    assert "`" not in re.sub("<script>.*?</script>", "", page, flags=re.DOTALL)
 
 
 def test_the_label_of_a_pick_covers_no_point() -> None:
