@@ -196,7 +196,13 @@ def _verdict(result: Stability) -> Iterator[str]:
     for what, items in found.items():
         if items:
             yield f"{what}: {_named([item.outcome for item in items])}."
-    if not any(found.values()):
+    late = plan.scene.device.delay_samples
+    if late > max(DELAYS):
+        yield (
+            f"The closed loop runs with at most {max(DELAYS)} sample of delay: the {late} of this "
+            "scene's device count in the linear loop and the map of the scene only."
+        )
+    if not any(found.values()) and checked.stable:
         yield f"All cases are bounded and quiet with all hands; {_differs_by(result)}."
     active, cells = checked.model_map.active(False)
     if active:

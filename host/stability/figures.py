@@ -19,12 +19,16 @@ _DARK = 0.6  # of the colour scale: text in darker cells is white
 _LEAST_MPS = 1e-5
 
 
-def map_figure(found: Map, title: str) -> str:
-    """sin(delta) of every cell; those of cells that give energy are bold."""
+def map_scale(*maps: Map) -> float:
+    """What the colours of all these maps end at, either way."""
+    return max(0.05, *(float(np.abs(found.sin_delta).max()) for found in maps))
+
+
+def map_figure(found: Map, title: str, most: float) -> str:
+    """sin(delta) of every cell, coloured from -most to most; those that give energy are bold."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.6, 3.4), layout="constrained")
         axes = figure.subplots()
-        most = max(0.05, float(np.abs(found.sin_delta).max()))
         image = axes.imshow(found.sin_delta, cmap="RdBu", vmin=-most, vmax=most, aspect="auto")
         for (row, column), value in np.ndenumerate(found.sin_delta):
             weight = "bold" if value < ACTIVE else "normal"

@@ -6,7 +6,7 @@ from typing import Any
 from springpot.host.page import page_text
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability
-from springpot.host.stability.judgement import judged_cases
+from springpot.host.stability.judgement import Grade, judged_cases
 
 
 def write_stability_report(found: Stability, path: Path) -> None:
@@ -31,11 +31,11 @@ def write_stability_report(found: Stability, path: Path) -> None:
 
 def stability_section(found: Stability) -> dict[str, Any]:
     """What any page on a check shows: the figures, the maps, and all cases, the gravest first."""
+    maps = {"the model alone": found.check.model_map, "the whole scene": found.check.scene_map}
+    most = figures.map_scale(*maps.values())
     return {
         "stability": found.as_dict(),
-        "maps": [
-            figures.map_figure(found.check.model_map, "the model alone"),
-            figures.map_figure(found.check.scene_map, "the whole scene"),
-        ],
+        "loop_grade": Grade.GOOD if found.check.stable else Grade.BAD,
+        "maps": [figures.map_figure(item, title, most) for title, item in maps.items()],
         "judged": judged_cases(found.outcomes),
     }

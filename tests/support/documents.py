@@ -122,7 +122,7 @@ def _run(words: list[str], folder: Path, where: str) -> str:
 def _emulator(words: list[str], folder: Path, running: ExitStack) -> str:
     process = subprocess.Popen(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                text=True)  # fmt: skip
-    running.callback(process.wait)
+    running.enter_context(process)  # closes its output, and waits
     running.callback(process.terminate)
     assert process.stdout is not None
     line = process.stdout.readline()

@@ -161,8 +161,7 @@ def table_row(name: str, begins: str) -> list[str]:
     return [cell.strip() for cell in row.strip("|").split("|")[1:]]
 
 
-@pytest.mark.slow
-@pytest.mark.board
+@pytest.mark.realtime
 @pytest.mark.skipif(
     shutil.which("arm-none-eabi-gcc") is None, reason="no arm-none-eabi-gcc: make setup-mcu"
 )

@@ -33,12 +33,13 @@ def losing(case: str, step_n: float = 0.1, **changed: Any) -> Outcome:
     return outcome(case, losses=Losses(step_n, 0.1, 0.1, 0, 0), **changed)
 
 
-def checked(outcomes: list[Outcome], active: int = 0) -> Stability:
+def checked(outcomes: list[Outcome], late: int = 0, stable: bool = True) -> Stability:
     """A check with these outcomes: only what words are made of."""
-    cells = SimpleNamespace(active=lambda outside: (active, 18 if outside else 30), as_dict=dict)
+    cells = SimpleNamespace(active=lambda outside: (0, 18 if outside else 30), as_dict=dict)
     choice = SimpleNamespace(why="off: asked for", felt_npm=2500.0)
-    plan = SimpleNamespace(scene=SimpleNamespace(name="pad"), coupling=choice)
-    check = SimpleNamespace(stable=True, spectral_radius=0.99, model_map=cells, scene_map=cells,
+    device = SimpleNamespace(delay_samples=late)
+    plan = SimpleNamespace(scene=SimpleNamespace(name="pad", device=device), coupling=choice)
+    check = SimpleNamespace(stable=stable, spectral_radius=0.99, model_map=cells, scene_map=cells,
                             plan=plan, as_dict=dict)  # fmt: skip
     return Stability(cast(Any, check), cast(Any, plan), tuple(outcomes))
 
@@ -74,6 +75,13 @@ def test_a_person_reads_a_screen_the_gravest_first() -> None:
     assert "kick" in rows[names[2]]
     assert rows["cases"].startswith("6 of 8 are good")
     assert "Not bounded: deep (firm, delay 1)." in rows["verdict"]
+
+
+def test_an_unstable_loop_is_not_called_quiet() -> None:
+    words = recommendation(checked(usual(), late=4, stable=False))
+    assert "Unstable: do not hold" in words
+    assert "bounded and quiet" not in words
+    assert "the 4 of this scene's device count in the linear loop" in words
 
 
 def test_all_good_is_said_in_few_lines() -> None:
