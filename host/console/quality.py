@@ -8,10 +8,11 @@ from springpot.trainer.recordings.recording import Recording
 
 
 def report_quality(recordings: Sequence[Recording]) -> QualityReport:
-    """Print every warning on standard error. Raises DataError where there is a refusal."""
+    """Print the warnings and which way is in on standard error; raise DataError at a refusal."""
     report = check_recordings(recordings)
     for finding in report.findings:
         if finding.severity == "warning":
             say(finding.line)
     report.refuse()
+    say(report.figures["signs"])
     return report

@@ -77,8 +77,15 @@ def training_rows(
             f"{score['mean_n']:.4g} N held out (recordings {score['recordings_n']:.4g}, "
             f"conditions {score['conditions_n']:.4g}){mark}"
         )
-    for what, value in result.get("material", {}).items():
-        rows[f"  {what}"] = str(value)
+    for what, (value, width) in result.get("material", {}).items():
+        why = result["not_identified"].get(what, "")
+        rows[f"  {what}"] = (
+            f"{value:.5g} +- {width:.2g}"
+            if width is not None
+            else (f"{value:.3g}: not identified, {why}")
+        )
+    if "residual_percent" in result:
+        rows["  missed"] = f"{result['residual_percent']:.3g} % of the force that varies, rms"
     if found is not None:
         rows["error"] = (
             f"RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, on "

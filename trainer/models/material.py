@@ -1,6 +1,7 @@
 """What a material scientist reads from a fitted springpot: moduli, relaxation, Prony series."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from math import gamma, isfinite
 
 import numpy as np
@@ -9,7 +10,9 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
+from springpot.trainer.models.fractional_solid import branches_for
 
+_FINE = 0.01  # of the shortest time: time step of the branches of a relaxation
 _NODES = 40  # of the layer's integral equation
 _POISSON = 0.5  # rubbers keep their volume
 _KAPPA = 3.0 - 4.0 * _POISSON
@@ -19,29 +22,49 @@ _KAPPA = 3.0 - 4.0 * _POISSON
 class Law:
     """Force of unit depth: stiffness + coefficient D^order, in N/m, N s^order/m.
 
-    intervals: half widths of the 95 % intervals, under the same names.
+    intervals: half widths of the 95 % intervals, under the same names; None where the recordings
+    do not show a number, and not_identified says why. instant_npm: of a fractional Zener solid,
+    the stiffness of an instant step; else None. residual_percent: what the law misses of the
+    force that varies, rms. covered_hz: frequencies of the recordings; measured: what cyclic ones
+    show by themselves.
     """
 
     stiffness_npm: float
     coefficient: float
     order: float
-    intervals: dict[str, float]
+    intervals: Mapping[str, float | None]
+    instant_npm: float | None = None
+    not_identified: Mapping[str, str] = field(default_factory=dict)
+    residual_percent: float | None = None
+    covered_hz: tuple[float, float] | None = None
+    measured: Sequence[Mapping[str, float]] = ()
 
     @property
     def time_s(self) -> float | None:
-        """Time T of the form k (1 + (T s)^order), s; None where there is no spring."""
-        if self.stiffness_npm <= 0.0:
-            return None
-        return float((self.coefficient / self.stiffness_npm) ** (1.0 / self.order))
+        """Relaxation time of a Zener solid; else T of the form k (1 + (T s)^order), s, None
+        where there is no spring."""
+        scale = self.stiffness_npm
+        if self.instant_npm is not None:
+            scale = self.instant_npm - self.stiffness_npm
+        return float((self.coefficient / scale) ** (1.0 / self.order)) if scale > 0.0 else None
 
     def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
         """Storage (real) and loss (imaginary) stiffness of a small sine, (n,), N/m."""
-        s = 2j * np.pi * np.asarray(frequency_hz, dtype=np.float64)
-        return (self.stiffness_npm + self.coefficient * s**self.order).astype(np.complex128)
+        part = self.coefficient * (2j * np.pi * np.asarray(frequency_hz)) ** self.order
+        if self.instant_npm is not None:
+            part = part / (1.0 + part / (self.instant_npm - self.stiffness_npm))
+        return (self.stiffness_npm + part).astype(np.complex128)
 
     def relaxing_npm(self, time_s: Samples) -> Samples:
         """Force after a step of unit depth, (n,), N/m."""
         times = np.asarray(time_s, dtype=np.float64)
+        if self.instant_npm is not None:
+            assert self.time_s is not None
+            branches = branches_for(_FINE * float(times.min()), float(times.max()))
+            weights, slow = branches.weights(self.order, self.time_s)
+            shares = np.exp(-times[:, None] / branches.tau_s) @ weights + slow
+            zener: Samples = self.stiffness_npm + (self.instant_npm - self.stiffness_npm) * shares
+            return zener
         falling: Samples = self.coefficient * times**-self.order / gamma(1.0 - self.order)
         return self.stiffness_npm + falling
 
@@ -78,13 +101,20 @@ def law_of(model: Model) -> Law:
             f"{model.name}: a model of kind {model.kind} has no material law: train with "
             "--model springpot"
         )
-    material = model.provenance["material"]
+    provenance = model.provenance
+    material = {name: (found[0], found[1]) for name, found in provenance["material"].items()}
     value = {name: float(found[0]) for name, found in material.items()}
+    covered = provenance.get("covered_hz")
     return Law(
         stiffness_npm=value["stiffness_npm"],
         coefficient=value["coefficient"],
         order=value["order"],
-        intervals={name: float(found[1]) for name, found in material.items()},
+        intervals={name: found[1] for name, found in material.items()},
+        instant_npm=value.get("instant_npm"),
+        not_identified=provenance.get("not_identified", {}),
+        residual_percent=provenance.get("residual_percent"),
+        covered_hz=(covered[0], covered[1]) if covered else None,
+        measured=provenance.get("measured", ()),
     )
 
 

@@ -37,6 +37,7 @@ def _print(report: QualityReport) -> None:
     for figures in report.recordings:
         table.add_row(*_row(figures))
     Console(width=140).print(table)
+    click.echo(report.figures["signs"])
     speeds = [f"{speed * 1e3:.3g}" for speed in report.figures["distinct_speeds_mps"]]
     click.echo(f"speeds of pressing, mm/s: {', '.join(speeds) or 'none'}")
     floor_n = report.figures["noise_floor_n"]

@@ -111,7 +111,11 @@ def import_(
         guesses.append(result.guess)
     report = report_quality(recordings)
     written = _write(out, recordings)
-    rows = [_summary(path, recording) for path, recording in written]
+    signs = [figures["signs"] for figures in report.recordings]
+    rows = [
+        {**_summary(path, recording), "signs": of_one}
+        for (path, recording), of_one in zip(written, signs, strict=True)
+    ]
     if as_json:
         result_ = {"out": str(out), "recordings": rows, "guess": "\n".join(guesses)}
         findings = [finding.metadata() for finding in report.findings]
@@ -121,7 +125,8 @@ def import_(
         (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]
         click.echo(
             f"{row['file']}  {row['samples']} samples at {row['rate_hz']:.6g} Hz, "
-            f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N"
+            f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N\n"
+            f"  {row['signs']['words']}"
         )
 
 

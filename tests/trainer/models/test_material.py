@@ -1,6 +1,7 @@
 """The springpot law comes back from samples of itself, and its tables are the law's."""
 
 import csv
+import dataclasses
 import json
 from functools import cache
 from pathlib import Path
@@ -10,15 +11,18 @@ import pytest
 from click.testing import CliRunner
 from support.small import model_file, press, small_model
 
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.host.commands.models.material import material
 from springpot.host.material.result import material_result
 from springpot.trainer.features.fractional import caputo_derivative, gl_weights
+from springpot.trainer.features.values import highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.material import Law, law_of, layer_factor, prony_of, shear_pa_per_npm
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.recording import Recording
 
 DT_S = 1e-3
@@ -76,7 +80,83 @@ def test_the_published_ecoflex_comes_back() -> None:
     assert law.time_s == pytest.approx(ECOFLEX_S, rel=0.05)
     factors = material_result(law, prony_of(ecoflex()), None)["loss_factor"]
     published = {"0.2": 0.04, "1": 0.06, "5": 0.09}
-    assert factors == pytest.approx(published, abs=0.01)
+    assert {hz: factors[hz] for hz in published} == pytest.approx(published, abs=0.01)
+
+
+def zener_recordings(order: float, time_s: float) -> tuple[Recording, ...]:
+    """Presses of 100 N/m at rest and 300 N/m at once, by a sum of many Maxwell branches."""
+    tau_s = np.geomspace(1e-5, 1e5, 400)
+    far = order * np.log(tau_s / time_s)
+    spectrum = np.sin(np.pi * order) / (2 * np.pi * (np.cosh(far) + np.cos(np.pi * order)))
+    weights = 200.0 * spectrum * np.log(tau_s[1] / tau_s[0])
+    recordings = []
+    for frequency_hz in (0.1, 0.3, 1.0, 3.0, 10.0):
+        x = press(frequency_hz, 0.01)
+        shares = np.stack([highpass(x, tau, DT_S) for tau in tau_s.tolist()], axis=1)
+        recordings.append(Recording(f"{frequency_hz}", x, 100.0 * x + shares @ weights, DT_S))
+    return tuple(recordings)
+
+
+def test_a_zener_solid_comes_back_with_its_instant_stiffness() -> None:
+    recordings = zener_recordings(0.5, 0.2)
+    law = law_of(fit_model("springpot", "x", recordings, FitOptions(smooth_s=0.0)).model)
+    assert law.order == pytest.approx(0.5, abs=0.015)
+    assert law.time_s == pytest.approx(0.2, rel=0.05)
+    assert law.stiffness_npm == pytest.approx(100.0, rel=0.02)
+    assert law.instant_npm == pytest.approx(300.0, rel=0.02)
+    assert not law.not_identified
+    # The force of a step falls from the one to the other.
+    relaxing_npm = law.relaxing_npm(np.geomspace(1e-6, 1e6, 50))
+    assert np.all(np.diff(relaxing_npm) < 0.0)
+    assert relaxing_npm[[0, -1]] == pytest.approx([300.0, 100.0], rel=0.03)
+
+
+def test_a_preloaded_solid_has_a_bias_and_the_order_of_its_loops() -> None:
+    recordings = [
+        dataclasses.replace(r, force_n=r.force_n + 3.0, zero="min")
+        for r in springpot_recordings(300.0, 100.0, 0.3)
+    ]
+    fit = fit_model("springpot", "x", recordings, FitOptions())
+    law = law_of(fit.model)
+    assert law.order == pytest.approx(0.3, abs=0.02)
+    assert fit.model.hammerstein.bias_n == pytest.approx(3.0, abs=0.01)
+    predicted_n = predict_n(fit.model, recordings[0])
+    assert np.abs(predicted_n - recordings[0].force_n).max() < 0.02
+
+
+def test_one_speed_identifies_no_order() -> None:
+    """A stiffening object, pressed at one speed: the fit is a number, and says nothing."""
+    x = np.abs((np.arange(4000) / 1000.0 + 1.0) % 2.0 - 1.0) * 0.01
+    recording = Recording("ramps", x, 2e6 * x**2, DT_S)
+    law = law_of(fit_model("springpot", "x", [recording], FitOptions()).model)
+    assert set(law.not_identified) == {"stiffness_npm", "coefficient", "order"}
+    assert "one speed of pressing only: press at three speeds" in law.not_identified["order"]
+    assert all(width is None for width in law.intervals.values())
+
+
+def test_real_recordings_at_a_preload(shared_data: Path) -> None:
+    """No order is quoted that the frequencies do not show; the loss is that of the loops."""
+    file = shared_data / "mach1" / "Dynamic_data.txt"
+    recordings = import_file(file, None, "min", None).recordings
+    law = law_of(fit_model("springpot", "x", recordings, FitOptions()).model)
+    assert "relaxation time" in law.not_identified["order"]
+    assert law.residual_percent < 1.6
+    assert len(law.measured) == 5
+    for point in law.measured:
+        at = law.dynamic_npm(np.array([point["frequency_hz"]]))[0]
+        measured = point["loss_npm"] / point["storage_npm"]
+        assert at.imag / at.real == pytest.approx(measured, rel=0.15)
+        assert at.real == pytest.approx(point["storage_npm"], rel=0.02)
+
+
+def test_a_prony_series_that_misses_the_law_is_refused(tmp_path: Path) -> None:
+    model = ecoflex()
+    shifted = dataclasses.replace(model.hammerstein, tau_s=1.5 * model.hammerstein.tau_s)
+    write_model(tmp_path / "m.spm", dataclasses.replace(model, hammerstein=shifted))
+    refused = CliRunner().invoke(material, [str(tmp_path / "m.spm"), "--prony-error", "1%"])
+    assert isinstance(refused.exception, DataError)
+    assert "misses the law by" in str(refused.exception)
+    assert not CliRunner().invoke(material, [str(tmp_path / "m.spm")]).exception
 
 
 def test_caputo_of_a_line_is_known() -> None:
@@ -129,6 +209,10 @@ def test_the_command_writes_tables(tmp_path: Path) -> None:
         with (tmp_path / "out" / f"{name}.csv").open() as file:
             tables[name] = list(csv.DictReader(file))
     assert float(tables["moduli"][0]["storage_pa"]) == pytest.approx(result["storage"][0])
+    beyond = [float(row["extrapolated"]) for row in tables["moduli"]]
+    low_hz, high_hz = result["covered_hz"]
+    assert beyond == [float(not low_hz <= hz <= high_hz) for hz in result["frequency_hz"]]
+    assert 0 < sum(beyond) < len(beyond)
     shares = sum(float(row["shear_share"]) for row in tables["prony"])
     assert 0.0 < shares < 1.0
     relaxing = [float(row["relaxation_pa"]) for row in tables["relaxation"]]

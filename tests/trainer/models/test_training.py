@@ -86,7 +86,7 @@ def test_recordings_that_do_not_fit_together_are_refused() -> None:
         fit_model("rf-fd", "x", [good, slow], options)
     with pytest.raises(DataError, match="moved was imported with --zero"):
         fit_model("rf-fd", "x", [good, moved], options)
-    with pytest.raises(DataError, match="check the sign"):
+    with pytest.raises(DataError, match="--map position=COL:-1mm"):
         fit_model("rf-fd", "x", [outward], options)
     with pytest.raises(DataError, match="no recordings"):
         fit_model("rf-fd", "x", [], options)

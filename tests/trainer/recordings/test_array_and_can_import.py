@@ -51,7 +51,9 @@ def test_mat_5(tmp_path: Path) -> None:
     savemat(file, {"time_s": TIME_S, "position_mm": POSITION_MM, "force_N": FORCE_N, "who": "me"})
     recording = load(file)
     assert_samples(recording)
-    assert recording.details["units"]["position"] == {"unit": "mm", "to_si": 1e-3, "from": "name"}
+    assert recording.details["units"]["position"] == {
+        "unit": "mm", "to_si": 1e-3, "from": "name", "column": "position_mm"
+    }  # fmt: skip
     rig = {"t": TIME_S, "Load": FORCE_N / 1e3, "nested": {"Extension": POSITION_MM}}
     savemat(file, {"rig": rig})
     assert_samples(load(file, "time=rig.t:s,position=rig.nested.Extension:mm,force=rig.Load:kN"))

@@ -191,17 +191,6 @@ def test_zero(tmp_path: Path, zero: str, position: list[float]) -> None:
     assert recording.details["zero_position_m"] == (5.0 if zero == "first" else 4.0)
 
 
-def test_a_sign_that_looks_wrong_is_noted_not_repaired(tmp_path: Path) -> None:
-    file = tmp_path / "a.csv"
-    file.write_text("time_s,position_mm,force_N\n0,0,0\n1,-1,1\n2,-2,2\n")
-    result = import_file(file, None, "none", None)
-    assert "force falls as position rises" in result.guess
-    assert result.recordings[0].position_m.tolist() == [0.0, -0.001, -0.002]
-    turned = import_file(file, parse_map("position=2:-1mm"), "none", None)
-    assert "falls" not in turned.guess
-    assert turned.recordings[0].position_m.tolist() == [0.0, 0.001, 0.002]
-
-
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(
     st.lists(st.floats(-1e9, 1e9), min_size=3, max_size=30),
@@ -251,7 +240,7 @@ def test_dialects_of_test_rigs(tmp_path: Path, text: str, encoding: str, newline
     assert recording.force_n.tolist() == [10500.0, 11500.0, 13500.0, 16500.0]
     assert recording.dt_s == pytest.approx(0.01)
     assert recording.details["units"]["force"] == {
-        "unit": "kN", "to_si": 1000.0, "from": "row of units"
+        "unit": "kN", "to_si": 1000.0, "from": "row of units", "column": "Load"
     }  # fmt: skip
     assert ("decimal comma" in result.guess) == ("," in text)
     assert ("UTF-16" in result.guess) == (encoding == "utf-16")

@@ -48,6 +48,7 @@ def test_units_and_details(tmp_path: Path) -> None:
         "unit": "gf",
         "to_si": 9.80665e-3,
         "from": "header",
+        "column": "Fz",
     }
     del recording.details["units"]
     assert recording.details == {
@@ -143,11 +144,15 @@ def test_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
     assert "\n" not in str(refusal.value)
 
 
-def test_a_map_is_refused(tmp_path: Path) -> None:
+def test_a_map_names_the_files_own_labels(tmp_path: Path) -> None:
     file = tmp_path / "run.txt"
     file.write_text(INFO + SINUSOID)
-    with pytest.raises(UsageError, match="leave out --map"):
-        import_file(file, parse_map("time=1:s"), "none", None)
+    with pytest.raises(UsageError, match="leave time= out of --map"):
+        import_file(file, parse_map("time=10Hz"), "none", None)
+    with pytest.raises(DataError, match="needs one column 'Fx' of force"):
+        import_file(file, parse_map("force=Fx:N"), "none", None)
+    (turned,) = import_file(file, parse_map("force=Fz:-1gf"), "none", None).recordings
+    np.testing.assert_allclose(turned.force_n, [-0.980665, -1.96133, -2.941995], rtol=1e-15)
 
 
 def test_all_blocks_of_a_real_file(shared_data: Path) -> None:

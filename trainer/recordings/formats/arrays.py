@@ -135,4 +135,6 @@ def _unit(path: Path, quantity: Quantity, array: _Array, columns: ColumnMap) -> 
         "name": split_unit(label, quantity)[1] if not label.endswith("]") else None,
     }
     origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
-    return Unit(text, factor_to_si(text, quantity, f"{path}, array {array.name!r}"), origin)
+    return Unit(
+        text, factor_to_si(text, quantity, f"{path}, array {array.name!r}"), origin, array.name
+    )

@@ -209,7 +209,9 @@ def _choose(
 def _unit(path: Path, quantity: Quantity, signal: _Signal, column: Column | None) -> Unit:
     stated = column.unit if column else None
     text, origin = (stated, "map") if stated else (signal.unit, "database")
-    return Unit(text, factor_to_si(text, quantity, f"{path}, signal {signal.name}"), origin)
+    return Unit(
+        text, factor_to_si(text, quantity, f"{path}, signal {signal.name}"), origin, signal.name
+    )
 
 
 def _check_gaps(path: Path, signal: _Signal, stamps_s: Samples) -> None:

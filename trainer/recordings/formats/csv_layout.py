@@ -162,7 +162,8 @@ def _layout(
     for quantity, index in chosen.items():
         label = header[index] if index < len(header) else ""
         where = f"{path}, column {index + 1}{f' {label!r}' if label else ''}"
-        units[quantity] = _unit(where, quantity, columns.get(quantity), label, unit_row)
+        column = columns.get(quantity) or Column(label or index + 1)
+        units[quantity] = _unit(where, quantity, column, label, unit_row)
         name = f"{label!r} " if label else ""
         found.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
     mark: DecimalMark = "point"
@@ -183,16 +184,17 @@ def _layout(
 
 
 def _unit(
-    where: str, quantity: Quantity, column: Column | None, label: str, unit_row: dict[Quantity, str]
+    where: str, quantity: Quantity, column: Column, label: str, unit_row: dict[Quantity, str]
 ) -> Unit:
     """Prefer the unit of the map to that of the header, and that to the row of units."""
     found = {
-        "map": column.unit if column else None,
+        "map": column.unit,
         "header": split_unit(label, quantity)[1],
         "row of units": unit_row.get(quantity),
     }
     origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
-    return Unit(text, factor_to_si(text, quantity, where), origin)
+    column_name = str(column.header_or_number)
+    return Unit(text, factor_to_si(text, quantity, where), origin, column_name)
 
 
 def _time_beside(header: _Row) -> tuple[int, str] | None:

@@ -15,7 +15,7 @@ from springpot.trainer.recordings.formats.arrays import (
     read_arrays,
 )
 from springpot.trainer.recordings.formats.can_log import BLF_MAGIC, is_candump, read_can_log
-from springpot.trainer.recordings.formats.column_map import ColumnMap
+from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.csv_text import read_csv
 from springpot.trainer.recordings.formats.decimals import DecimalMark
 from springpot.trainer.recordings.formats.mach1 import MACH1_MAGIC, read_mach1
@@ -91,13 +91,7 @@ def import_file(
             other = "; or leave such blocks out, --block KIND" if len(raws) > 1 else ""
             raise DataError(f"{error}{other}") from None
         recordings.append(recording)
-        notes = [tail_note(recording), *messages]
-        if _pulls(recording):
-            notes.append(
-                f"note: {name}: force falls as position rises, where pressing should push back: "
-                "turn a sign round with a factor in --map (position=COL:-1mm)"
-            )
-        guess += "".join(f"; {note}" for note in notes if note)
+        guess += "".join(f"; {note}" for note in (tail_note(recording), *messages) if note)
     return ImportResult(recordings, f"{path}: {guess}")
 
 
@@ -111,9 +105,9 @@ def _read(
     columns = mapping or {}
     text = start.removeprefix(_BYTE_ORDER_MARK)
     if text.startswith(MACH1_MAGIC):
-        if mapping:
-            raise UsageError(f"{path}: a Mach-1 file names its own columns: leave out --map")
-        return read_mach1(path, options.block)
+        if stated_rate_hz(columns) is not None:
+            raise UsageError(f"{path}: a Mach-1 file has its own time: leave time= out of --map")
+        return read_mach1(path, options.block, columns)
     if start.startswith(BLF_MAGIC) or is_candump(text):
         raw, guess = read_can_log(path, columns, path.stem, options.dbc, resample_hz is not None)
     elif start.startswith((HDF5_MAGIC, MAT73_MAGIC)) or HDF5_MAGIC in start[512:]:
@@ -168,8 +162,3 @@ def _unique(names: list[str]) -> list[str]:
             numbered = f"{safe}-{count}"
         unique.append(numbered)
     return unique
-
-
-def _pulls(recording: Recording) -> bool:
-    position_m = recording.position_m - np.mean(recording.position_m)
-    return float(np.dot(position_m, recording.force_n)) < 0.0

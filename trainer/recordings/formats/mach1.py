@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.decimals import is_number
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
@@ -42,10 +43,13 @@ class _Block:
     table_line: int = 0
 
 
-def read_mach1(path: Path, kind: str | None = None) -> tuple[list[RawChannels], str]:
+def read_mach1(
+    path: Path, kind: str | None = None, columns: ColumnMap | None = None
+) -> tuple[list[RawChannels], str]:
     """Read every block with samples, and say which ones came out and which were left out.
 
-    kind: only blocks of that kind, such as "Sinusoid".
+    kind: only blocks of that kind, such as "Sinusoid". columns: of channels that are not the
+    stage's own axis, or whose sign is turned round.
     Raises DataError naming file and row for a file without such a block and for a damaged table.
     """
     read, left_out = [], []
@@ -60,7 +64,7 @@ def read_mach1(path: Path, kind: str | None = None) -> tuple[list[RawChannels], 
     if not read:
         options = f"<{kind}> block" if kind else "block"
         raise DataError(f"{path}: no {options} with samples{others}: export one with its data")
-    recordings = [step for block in read for step in _steps(path, block)]
+    recordings = [step for block in read for step in _steps(path, block, columns or {})]
     names = ", ".join(f"<{block.kind}> in row {block.line}" for block in read)
     return recordings, f"Mach-1 text, {len(read)} blocks: {names}{others}"
 
@@ -104,7 +108,7 @@ def _blocks(path: Path) -> Iterator[_Block]:
         yield block
 
 
-def _steps(path: Path, block: _Block) -> list[RawChannels]:
+def _steps(path: Path, block: _Block, columns: ColumnMap) -> list[RawChannels]:
     """One recording for a block, or for each part between its dividers."""
     where = f"{path}, <{block.kind}> in row {block.line}"
     header = block.table[0].split("\t")
@@ -120,7 +124,7 @@ def _steps(path: Path, block: _Block) -> list[RawChannels]:
     steps = []
     for k, part in enumerate(parts, 1):
         step = f"-{k}" if len(parts) > 1 else ""
-        steps.append(_channels(path, where, block, header, part, name + step))
+        steps.append(_channels(path, where, block, header, part, name + step, columns))
     return steps
 
 
@@ -132,13 +136,19 @@ def _label(where: str, block: _Block) -> str:
 
 
 def _channels(
-    path: Path, where: str, block: _Block, header: list[str], rows: list[tuple[int, str]], name: str
+    path: Path,
+    where: str,
+    block: _Block,
+    header: list[str],
+    rows: list[tuple[int, str]],
+    name: str,
+    columns: ColumnMap,
 ) -> RawChannels:
-    columns = _columns(where, header, block.parameters.get("Stage Axis", "Position (z)"))
+    axis = block.parameters.get("Stage Axis", "Position (z)")
+    chosen = _columns(where, header, axis, columns)
     numbers = _numbers(path, rows, len(header))
-    texts = {quantity: header[index].rpartition(",")[2] for quantity, index in columns.items()}
-    units = {q: Unit(t.strip(), factor_to_si(t, q, where), "header") for q, t in texts.items()}
-    scaled = {q: numbers[:, index] * units[q].to_si for q, index in columns.items()}
+    units = {q: _unit(where, q, header[index], columns) for q, index in chosen.items()}
+    scaled = {q: numbers[:, index] * units[q].to_si for q, index in chosen.items()}
     decimals = _TIME_DECIMALS.match(rows[-1][1])
     return RawChannels(
         name=name,
@@ -152,7 +162,15 @@ def _channels(
     )
 
 
-def _columns(where: str, header: list[str], axis: str) -> dict[Quantity, int]:
+def _unit(where: str, quantity: Quantity, header: str, columns: ColumnMap) -> Unit:
+    label, _, text = header.rpartition(",")
+    stated = columns[quantity].unit if quantity in columns else None
+    text = stated or text.strip()
+    factor = factor_to_si(text, quantity, where)
+    return Unit(text, factor, "map" if stated else "header", label.strip())
+
+
+def _columns(where: str, header: list[str], axis: str, columns: ColumnMap) -> dict[Quantity, int]:
     """Find time, the moving axis and the force along it: other axes may stand beside them."""
     letter = _AXIS.fullmatch(axis)
     labels = [cell.rpartition(",")[0].strip() for cell in header]
@@ -161,6 +179,7 @@ def _columns(where: str, header: list[str], axis: str) -> dict[Quantity, int]:
         "position": axis,
         "force": f"F{letter[1] if letter else 'z'}",
     }
+    options |= {q: str(column.header_or_number) for q, column in columns.items()}
     for quantity, label in options.items():
         if labels.count(label) != 1:
             raise DataError(

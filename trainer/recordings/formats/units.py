@@ -36,14 +36,20 @@ _WITH_FACTOR = re.compile(
 
 @dataclass(frozen=True)
 class Unit:
-    """A channel's unit as it was found. origin: "map" where a person stated it, or its place."""
+    """A channel's unit as it was found. origin: "map" where a person stated it, or its place.
+
+    column: how `--map` names the channel's column.
+    """
 
     text: str
     to_si: float
     origin: str
+    column: str
 
     def metadata(self) -> dict[str, str | float]:
-        return {"unit": self.text, "to_si": self.to_si, "from": self.origin}
+        return {
+            "unit": self.text, "to_si": self.to_si, "from": self.origin, "column": self.column,
+        }  # fmt: skip
 
 
 def is_unit(text: str, quantity: Quantity) -> bool:

@@ -18,6 +18,9 @@ _JITTER = 0.05  # of a step
 _TRAVEL_M = (1e-6, 1.0)
 _FORCE_N = (1e-5, 2e4)
 _RATE_HZ = (0.05, 1e6)
+_USUAL_HZ = (5.0, 1e6)  # slower stamps may be sample numbers, read as s
+_SPEED_MPS = (0.0, 3.0)
+_STIFFNESS_NPM = (0.1, 1.2e6)  # cartilage has 1e6 under a tool of 8 mm
 
 
 def channel_findings(recording: Recording) -> Iterator[Finding]:
@@ -67,6 +70,8 @@ def _units(recording: Recording) -> Iterator[Finding]:
         "force": (float(np.abs(recording.force_n).max()), _FORCE_N, "N of peak force"),
         "time": (recording.rate_hz, _RATE_HZ, "samples a second"),
     }
+    if all(low <= value <= high for value, (low, high), _ in values.values()):
+        yield from _ratios(recording)
     stored = recording.details.get("units", {})
     for channel, (value, (low, high), what) in values.items():
         if low <= value <= high:
@@ -82,6 +87,23 @@ def _units(recording: Recording) -> Iterator[Finding]:
         )
         make = refusal if guessed else warning
         yield make("unit", recording.name, f"{value:.4g} {what}", so_what, to_do)
+
+
+def _ratios(recording: Recording) -> Iterator[Finding]:
+    """Warn of units that are possible each by itself, and seldom together."""
+    steps_m = np.abs(np.diff(recording.position_m))
+    speed_mps = float(np.quantile(steps_m, 0.99)) / recording.dt_s
+    stiffness_npm = float(np.ptp(recording.force_n)) / float(np.ptp(recording.position_m))
+    for value, (low, high), what, units in (
+        (recording.rate_hz, _USUAL_HZ, "samples a second", "time"),
+        (speed_mps, _SPEED_MPS, "m/s of pressing", "position or time"),
+        (stiffness_npm, _STIFFNESS_NPM, "N/m of stiffness", "position or force"),
+    ):
+        if not low <= value <= high:
+            yield warning(
+                "unit", recording.name, f"{value:.4g} {what}", f"the unit of {units} looks wrong",
+                "check it against the rig, and state it on import (--map)",
+            )  # fmt: skip
 
 
 def _clipping(recording: Recording) -> Iterator[Finding]:

@@ -1,4 +1,4 @@
-"""Checks of the motion: sign, depth, speeds, where contact begins."""
+"""Checks of the motion: depth, speeds, where contact begins."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -8,48 +8,35 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
-_WRONG_SIGN = -0.5
-_DOUBTFUL_SIGN = 0.0
 _STROKE = 0.1  # of the travel: smaller strokes are noise, or nothing to learn from
+_MAX_SAMPLES = 20_000
 _SAME_SPEED = 1.3
 _PRELOAD = 0.05  # of the peak force, at the lowest position
 _SURFACE_OFF = 0.05  # of the travel
 
 
-def sign_findings(recording: Recording) -> Iterator[Finding]:
-    """Yield a finding where pressing seems to pull."""
-    if min(np.ptp(recording.position_m), np.ptp(recording.force_n)) == 0.0:
-        return
-    together = float(np.corrcoef(recording.position_m, recording.force_n)[0, 1])
-    if together >= _DOUBTFUL_SIGN:
-        return
-    make = refusal if together < _WRONG_SIGN else warning
-    yield make(
-        "sign", recording.name,
-        f"force falls as position rises (correlation {together:.2f})",
-        "the model would pull the hand in",
-        "turn one sign round on import, for instance --map position=COL:-1mm",
-    )  # fmt: skip
+def find_strokes(recording: Recording) -> list[tuple[int, int, float]]:
+    """First and last sample of each stroke between turning points, and its mean speed, m/s.
 
-
-def strokes(position_m: Samples, dt_s: float) -> Samples:
-    """Mean speed of each stroke between turning points, m/s, shape (n,); rests are no strokes."""
+    Rests are no strokes, and the ends of a stroke, where it may hold, are not in its speed.
+    """
+    step = max(1, len(recording.position_m) // _MAX_SAMPLES)
+    position_m = recording.position_m[::step]
     min_m = _STROKE * float(np.ptp(position_m))
     if min_m == 0.0:
-        return np.empty(0)
-    turns = _turning_points(position_m, min_m)
-    speeds = []
-    for begin, end in pairwise(turns):
+        return []
+    found = []
+    for begin, end in pairwise(_turning_points(position_m, min_m)):
         part = position_m[begin : end + 1]
-        # The middle four fifths of the way: holds at the ends are no motion.
         begin_m, way_m = float(part[0]), float(part[-1] - part[0])
         low_m, high_m = sorted((begin_m + 0.1 * way_m, begin_m + 0.9 * way_m))
         inside = int(np.count_nonzero((part >= low_m) & (part <= high_m)))
-        speeds.append((high_m - low_m) / (max(inside, 1) * dt_s))
-    return np.array(speeds)
+        speed_mps = (high_m - low_m) / (max(inside, 1) * step * recording.dt_s)
+        found.append((begin * step, end * step, speed_mps))
+    return found
 
 
 def _turning_points(position_m: Samples, min_m: float) -> list[int]:
@@ -69,10 +56,8 @@ def _turning_points(position_m: Samples, min_m: float) -> list[int]:
 
 def distinct_speeds(recordings: Sequence[Recording]) -> list[float]:
     """Speeds of all strokes, m/s, those within 30 % of each other counted once."""
-    found = [strokes(_thinned(r), r.dt_s * _thinning(r)) for r in recordings]
-    ranked = np.sort(np.concatenate(found)) if found else np.empty(0)
     speeds: list[float] = []
-    for speed in ranked[ranked > 0.0].tolist():
+    for speed in sorted(speed for r in recordings for _, _, speed in find_strokes(r) if speed > 0):
         if not speeds or speed > _SAME_SPEED * speeds[-1]:
             speeds.append(speed)
     return speeds
@@ -119,14 +104,6 @@ def contact_findings(recording: Recording) -> Iterator[Finding]:
             "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
             "the model would push where nothing is touched", "import with --tare auto",
         )  # fmt: skip
-
-
-def _thinning(recording: Recording) -> int:
-    return max(1, len(recording.position_m) // 20_000)
-
-
-def _thinned(recording: Recording) -> Samples:
-    return recording.position_m[:: _thinning(recording)]
 
 
 def _where(recordings: Sequence[Recording]) -> str:

@@ -14,10 +14,10 @@ from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.quality.motion import (
     contact_findings,
     distinct_speeds,
-    sign_findings,
     speed_findings,
 )
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
+from springpot.trainer.recordings.quality.signs import find_signs, sign_findings, signs_of_all
 from springpot.trainer.recordings.recording import Recording
 
 _FILTERED_RAD = 0.005  # of phase at the recording's frequency: a hard silicone's loss is 0.06
@@ -57,9 +57,10 @@ def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
     """Check each recording by itself, and all together: speeds, repeats, alignment."""
     findings: list[Finding] = []
     cycles = {r.name: find_cycles(r) for r in recordings}
+    signs = {r.name: find_signs(r) for r in recordings}
     for recording in recordings:
         findings += channel_findings(recording)
-        findings += sign_findings(recording)
+        findings += sign_findings(recording, signs[recording.name])
         findings += contact_findings(recording)
         findings += _filter_findings(recording, cycles[recording.name])
     findings += speed_findings(recordings)
@@ -67,8 +68,12 @@ def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
     findings += repeat_findings(repeats)
     skew = estimate_skew([found for found in cycles.values() if found])
     findings += _skew_findings(recordings, skew)
-    details = [_figures(recording, cycles[recording.name], skew) for recording in recordings]
-    return QualityReport(findings, details, _of_all(recordings, repeats, cycles, skew))
+    details = [
+        {**_figures(r, cycles[r.name], skew), "signs": signs[r.name].metadata()} for r in recordings
+    ]
+    figures = _of_all(recordings, repeats, cycles, skew)
+    figures["signs"] = signs_of_all(list(signs.values())).words
+    return QualityReport(findings, details, figures)
 
 
 def _filter_findings(recording: Recording, cycles: Cycles | None) -> Iterator[Finding]:

@@ -1,0 +1,150 @@
+"""Signs, units, columns and rates that are not what a file says: refused, told, or right."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from support.mislabelled import Mislabelled, mislabelled, motion, true_force_n
+
+from springpot.codegen.errors import DataError, SpringpotError
+from springpot.host.commands.recordings.import_ import import_
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.quality.signs import find_signs
+from springpot.trainer.recordings.recording_file import read_recordings
+
+CASES = list(mislabelled())
+
+
+def imported(case: Mislabelled, folder: Path, *more: str) -> dict[str, Any]:
+    """What `import` prints; the recording is in folder / "r"."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "press.csv"
+    file.write_text(case.text)
+    return run_import(file, *case.options, *more, "--out", folder / "r")
+
+
+def run_import(*arguments: Any) -> dict[str, Any]:
+    """The JSON object of `import`; raises what the command raises."""
+    result = CliRunner().invoke(import_, [*map(str, arguments), "--json"])
+    if result.exception:
+        raise result.exception
+    found: dict[str, Any] = json.loads(result.stdout)
+    return found
+
+
+def model_is_right(folder: Path) -> bool:
+    """Whether a model that is fitted on the imported recording pushes as the object does."""
+    recordings = read_recordings([folder / "r"])
+    fit = fit_model("hammerstein", "x", recordings, FitOptions(smooth_s=0.0))
+    predicted_n = predict_n(fit.model, recordings[0])
+    x, f = recordings[0].position_m, recordings[0].force_n
+    peak_n = float(np.ptp(f))
+    deep = x >= np.quantile(x, 0.9)
+    return bool(
+        np.sqrt(np.mean((predicted_n - f) ** 2)) < 0.05 * peak_n and f[deep].mean() > 0.5 * peak_n
+    )
+
+
+def test_there_are_forty_and_no_two_the_same() -> None:
+    assert len({case.name for case in CASES}) == len(CASES) >= 40
+    assert len({(case.text, case.options) for case in CASES}) == len(CASES)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_every_mislabelled_file_ends_well(case: Mislabelled, tmp_path: Path) -> None:
+    if case.outcome == "refused":
+        with pytest.raises(DataError, match=re.escape(case.says)) as refused:
+            imported(case, tmp_path)
+        remedy = re.search(r"sign round on import: --map (\S+)$", str(refused.value))
+        if remedy:
+            imported(case, tmp_path / "turned", "--map", remedy[1])
+            assert model_is_right(tmp_path / "turned")
+        return
+    result = imported(case, tmp_path)
+    findings = result["findings"]
+    if case.outcome == "warned":
+        assert (
+            case.says in {finding["kind"] for finding in findings} or case.says in result["guess"]
+        )
+    else:
+        assert not {"sign", "energy", "unit", "softening"} & {found["kind"] for found in findings}
+        assert model_is_right(tmp_path)
+
+
+def test_an_import_says_which_way_is_in(tmp_path: Path) -> None:
+    case = next(case for case in CASES if case.name == "presses+1+1")
+    (row,) = imported(case, tmp_path)["recordings"]
+    assert row["signs"]["position_sign"] == row["signs"]["force_sign"] == 1
+    words = row["signs"]["words"]
+    assert words.startswith("position grows into the object, force grows as it pushes out")
+    assert re.search(r"11 loops turn clockwise, dissipating \d+(\.\d+)? mJ", words)
+
+
+def test_every_fit_refuses_what_gives_energy() -> None:
+    """Without `import` and `check` before it."""
+    recordings = [recording_of("presses")]
+    late = replace(recordings[0], force_n=np.roll(recordings[0].force_n, 20))
+    with pytest.raises(DataError, match="no object gives any"):
+        fit_model("hammerstein", "x", [late], FitOptions())
+    mirrored = replace(late, position_m=-recordings[0].position_m, force_n=-recordings[0].force_n)
+    with pytest.raises(DataError, match="--map position=COL:-1mm,force=COL:-1N"):
+        fit_model("hammerstein", "x", [mirrored], FitOptions())
+
+
+def recording_of(kind: str) -> Any:
+    from springpot.trainer.recordings.recording import Recording
+
+    return Recording(kind, motion(kind), true_force_n(motion(kind)), 1 / 200.0)
+
+
+def test_real_recordings_of_every_sign(shared_data: Path) -> None:
+    """Of those that were pressed, each of the four sign combinations is told from the others."""
+    recordings = import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None)
+    compressed: list[Any] = list(recordings.recordings)
+    for file in sorted((shared_data / "ecoflex_compression").rglob("*_A1.csv")):
+        try:
+            compressed += import_file(file, None, "none", 10.0).recordings
+        except SpringpotError:
+            continue
+    assert len(compressed) >= 5 + 3
+    for recording in compressed:
+        raw_n = recording.force_n + recording.details.get("zero_force_n", 0.0)
+        for position_sign in (1, -1):
+            for force_sign in (1, -1):
+                turned = replace(
+                    recording,
+                    position_m=position_sign * recording.position_m,
+                    force_n=force_sign * raw_n,
+                    details={},
+                )
+                signs = find_signs(turned)
+                assert (signs.position_sign, signs.force_sign) == (position_sign, force_sign)
+
+
+def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, shared_data: Path) -> None:
+    text = (shared_data / "mach1" / "Dynamic_data.txt").read_text(encoding="utf-8-sig")
+    rows = []
+    for line in text.split("\n"):
+        cells = line.split("\t")
+        numbers = len(cells) == 3 and cells[0][:1].isdigit()
+        rows.append("\t".join([cells[0], *(f"-{c}" for c in cells[1:])]) if numbers else line)
+    file = tmp_path / "turned.txt"
+    file.write_text("\n".join(rows))
+    with pytest.raises(DataError, match="--map") as refused:
+        run_import(file, "--zero", "min", "--out", tmp_path / "r")
+    remedy = str(refused.value).partition("--map ")[2].rpartition(" (")[0]
+    assert remedy == "position=Position (z):-1mm,force=Fz:-1gf"
+    run_import(file, "--zero", "min", "--map", remedy, "--out", tmp_path / "r")
+    ((first, *_), (right, *_)) = (
+        read_recordings([tmp_path / "r"]),
+        import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None).recordings,
+    )
+    np.testing.assert_allclose(first.force_n, right.force_n, atol=1e-9)
