@@ -23,7 +23,8 @@ class Accuracy:
 
     samples: all of them. ramped: those of the start-up ramp, where a recording begins in contact:
     the force rises from zero there whatever the model says, and no error counts them.
-    rmse_n: over the others. mean_recording_rmse_n: RMSE of each recording, averaged (the paper's
+    rmse_n: over the others. mean_error_n: predicted less measured, averaged: the one-sided part of
+    the error. mean_recording_rmse_n: RMSE of each recording, averaged (the paper's
     figure 9), and interval_n its 95 % bootstrap interval over recordings (None for one recording).
     ape_below_jnd: share of samples above 2 N whose absolute percentage error is below the just
     noticeable difference (None where no sample is).
@@ -33,6 +34,7 @@ class Accuracy:
     ramped: int
     rmse_n: float
     rmse_percent_of_peak: float
+    mean_error_n: float
     mean_recording_rmse_n: float
     interval_n: tuple[float, float] | None
     max_abs_error_n: float
@@ -72,6 +74,7 @@ def accuracy(
         ramped=sum(ramps),
         rmse_n=rmse_n,
         rmse_percent_of_peak=100.0 * rmse_n / float(np.abs(measured).max()),
+        mean_error_n=float(error.mean()),
         mean_recording_rmse_n=float(each.mean()),
         interval_n=_bootstrap_interval(each),
         max_abs_error_n=float(np.abs(error).max()),

@@ -1,11 +1,13 @@
 """Self-contained HTML pages out of host/templates, which share one base and its style."""
 
+import re
 from collections.abc import Callable, Mapping
 from importlib.resources import files
 from typing import Any
 
 import jinja2
 import numpy as np
+from markupsafe import Markup, escape
 
 
 def page_text(template: str, context: Mapping[str, Any], **filters: Callable[..., str]) -> str:
@@ -18,6 +20,11 @@ def plain(value: float, digits: int = 3) -> str:
     return np.format_float_positional(value, digits, fractional=False, trim="-")
 
 
+def prose(text: str) -> Markup:
+    """A message of the command line on a page: what it puts between backticks is code there."""
+    return Markup(re.sub("`([^`]*)`", r"<code>\1</code>", str(escape(text))))
+
+
 def _environment(filters: Mapping[str, Callable[..., str]]) -> jinja2.Environment:
     folder = files("springpot.host") / "templates"
     environment = jinja2.Environment(
@@ -27,5 +34,5 @@ def _environment(filters: Mapping[str, Callable[..., str]]) -> jinja2.Environmen
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"si": plain, "short": lambda text: text[:16], **filters}
+    environment.filters |= {"si": plain, "prose": prose, "short": lambda text: text[:16], **filters}
     return environment

@@ -12,7 +12,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.url import parse_device
-from springpot.host.devices.wire import constant
+from springpot.host.devices.wire import Frame, constant
 from springpot.host.native.loop_library import IDLE, INPUT, RESET
 from springpot.host.native.replay import Replay
 from springpot.host.session.session import requirements_of
@@ -29,6 +29,7 @@ class BoardReplay:
 
     def __init__(self, device: SerialDevice) -> None:
         self._device = device
+        self._unread: Iterator[Frame] = iter(())
 
     def run(self, position_m: Reals, velocity_mps: Reals) -> dict[str, Reals]:
         """Replay from a reset; the calls that the board made, as channels of a session's log.
@@ -49,6 +50,7 @@ class BoardReplay:
 
     def _replayed(self, position_m: Reals, velocity_mps: Reals) -> list[_Row] | None:
         self._device.command("RESET")
+        self._unread = iter(())
         lost, rows = self._lost(), list[_Row]()
         for i, (position, velocity) in enumerate(
             zip(position_m.tolist(), velocity_mps.tolist(), strict=True)
@@ -67,11 +69,11 @@ class BoardReplay:
         return self._device.receiver.crc_errors + self._device.receiver.gaps
 
     def _answer(self, sample: int) -> list[_Row]:
-        """Calls up to the one that took the sample."""
+        """Calls up to the one that took the sample; what came behind it is kept for the next."""
         until = time.monotonic() + _ANSWER_S
         rows: list[_Row] = []
         while time.monotonic() < until:
-            for frame in self._device.frames():
+            for frame in self._unread:
                 if frame.name != "rendered" or frame.old:
                     continue
                 values = frame.values
@@ -82,6 +84,7 @@ class BoardReplay:
                              values["force_n"], values["notes"]))  # fmt: skip
                 if not idle:
                     return rows
+            self._unread = iter(self._device.frames())
             time.sleep(_POLL_S)
         receiver = self._device.receiver
         raise DeviceError(

@@ -1,6 +1,6 @@
 """What the closed loop did: bounds, vibration, fidelity and energy of each case and hand."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -135,24 +135,6 @@ def _step_n(plan: Plan, outcome: Outcome, force_n: Samples) -> float:
 def _touching(plan: Plan, outcome: Outcome) -> NDArray[np.bool_]:
     space = Workspace.of(plan)
     return outcome.trace.position_m > space.base_m + _TOUCH * space.span_m
-
-
-def worst_losses(outcomes: Sequence[Outcome]) -> list[Outcome]:
-    """Of each case that loses samples the hand and delay with the greatest change of force."""
-    worst: dict[str, Outcome] = {}
-    for outcome in outcomes:
-        if outcome.losses is None:
-            continue
-        before = worst.get(outcome.case)
-        if before is None or before.losses is None or _beyond(outcome) > _beyond(before):
-            worst[outcome.case] = outcome
-    return list(worst.values())
-
-
-def _beyond(outcome: Outcome) -> tuple[int, float]:
-    assert outcome.losses is not None
-    losses = outcome.losses
-    return losses.zero_ticks - losses.clean_zero_ticks, losses.force_step_n
 
 
 def stiff_plan(plan: Plan) -> Plan:

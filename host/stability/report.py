@@ -1,30 +1,41 @@
 """The stability check as one self-contained HTML page."""
 
 from pathlib import Path
+from typing import Any
 
 from springpot.host.page import page_text
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability
-from springpot.host.stability.closed_loop import worst_losses
+from springpot.host.stability.judgement import Grade, judged_cases
 
 
 def write_stability_report(found: Stability, path: Path) -> None:
     """Write the page."""
-    checked = found.check
-    names = list(dict.fromkeys(outcome.case for outcome in found.whole))
+    scale = figures.CaseScale.of(found.whole)
+    names = dict.fromkeys(item.outcome.case for item in judged_cases(found.whole))
     cases = []
     for name in names:
         outcomes = [outcome for outcome in found.whole if outcome.case == name]
-        cases.append({"name": name, "rows": outcomes, "picture": figures.case_figure(outcomes)})
+        cases.append(
+            {"name": name, "rows": outcomes, "pictures": figures.case_figures(outcomes, scale)}
+        )
     context = {
-        "title": checked.plan.scene.name,
-        "metadata": found.as_dict(),
-        "maps": [
-            figures.map_figure(checked.model_map, "the model alone"),
-            figures.map_figure(checked.scene_map, "the whole scene"),
-        ],
+        "title": found.check.plan.scene.name,
+        **stability_section(found),
         "cases": cases,
-        "losses": worst_losses(found.outcomes),
+        "losses": [item for item in judged_cases(found.outcomes) if item.outcome.losses],
     }
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(page_text("stability.html", context), encoding="utf-8")
+
+
+def stability_section(found: Stability) -> dict[str, Any]:
+    """What any page on a check shows: the figures, the maps, and all cases, the gravest first."""
+    maps = {"the model alone": found.check.model_map, "the whole scene": found.check.scene_map}
+    most = figures.map_scale(*maps.values())
+    return {
+        "stability": found.as_dict(),
+        "loop_grade": Grade.GOOD if found.check.stable else Grade.BAD,
+        "maps": [figures.map_figure(item, title, most) for title, item in maps.items()],
+        "judged": judged_cases(found.outcomes),
+    }

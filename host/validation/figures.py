@@ -9,6 +9,8 @@ from matplotlib.figure import Figure
 from springpot.codegen.arrays import Samples
 from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
 from springpot.host.plot_style import ERROR, MEASURED, MUTED, PREDICTED, STYLE, stride, svg_text
+from springpot.host.validation.frequency_loops import LoopRow, frequency_loops
+from springpot.host.validation.relaxation import Hold
 from springpot.host.validation.store import Series
 
 
@@ -21,7 +23,7 @@ def typical_series(series: Sequence[Series]) -> Series:
 def prediction_figure(item: Series) -> str:
     """Measured and predicted force, and their difference, against time (figure 7)."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+        figure = Figure(figsize=(6.4, 4.2), layout="constrained")
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
         step = stride(len(item.measured_n))
         time_s = np.arange(len(item.measured_n))[::step] * item.dt_s
@@ -37,8 +39,33 @@ def prediction_figure(item: Series) -> str:
         return svg_text(figure)
 
 
-def hysteresis(item: Series) -> str:
-    """Force against depth, measured and predicted (figure 17)."""
+def hysteresis_loops(item: Series) -> tuple[str, list[LoopRow]]:
+    """Force against depth, measured and of the C (figure 17): a loop for each frequency."""
+    rows = frequency_loops(item)
+    if len(rows) < 2:
+        return _whole_loop(item), rows
+    turn = np.linspace(0.0, 2.0 * np.pi, 120)
+    with mpl.rc_context(STYLE):
+        columns = 2
+        figure = Figure(figsize=(4.8, 2.0 * -(-len(rows) // columns)), layout="constrained")
+        panels = figure.subplots(-(-len(rows) // columns), columns, sharex=True, sharey=True,
+                                 squeeze=False)  # fmt: skip
+        for axes, row in zip(panels.flat, rows, strict=False):
+            for swing, colour, dashes, name in (
+                (row.measured, MEASURED, "-", "measured"), (row.predicted, PREDICTED, "--", "C")
+            ):  # fmt: skip
+                axes.plot(1e3 * row.depth_m * np.cos(turn), (swing * np.exp(1j * turn)).real,
+                          color=colour, ls=dashes, lw=1.1, label=name)  # fmt: skip
+            axes.set_title(f"{row.frequency_hz:.3g} Hz", loc="left", fontsize=9)
+        for axes in panels.flat[len(rows) :]:
+            axes.set_axis_off()
+        panels.flat[0].legend(frameon=False, fontsize=7, loc="upper left")
+        figure.supxlabel("depth that swings at the frequency, mm", fontsize=9)
+        figure.supylabel("force that swings at it, N", fontsize=9)
+        return svg_text(figure), rows
+
+
+def _whole_loop(item: Series) -> str:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.4, 3.6), layout="constrained")
         axes = figure.subplots()
@@ -49,6 +76,28 @@ def hysteresis(item: Series) -> str:
         axes.set_xlabel("depth, mm")
         axes.set_ylabel("force, N")
         axes.legend(loc="upper left", frameon=False)
+        return svg_text(figure)
+
+
+def held_forces(scene: Hold, recorded: Hold | None) -> str:
+    """Force while the tool is held, of what it is at the beginning, on a logarithmic time."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(4.8, 3.4), layout="constrained")
+        axes = figure.subplots()
+        curves = [(scene.force_n, scene, PREDICTED, "--", f"C, {1e3 * scene.depth_m:.3g} mm")]
+        if recorded is not None and recorded.measured_n is not None:
+            depth = f"{1e3 * recorded.depth_m:.3g} mm"
+            curves += [(recorded.measured_n, recorded, MEASURED, "-", f"measured, {depth}"),
+                       (recorded.force_n, recorded, ERROR, ":", f"C on it, {depth}")]  # fmt: skip
+        for force_n, hold, colour, dashes, name in curves:
+            kept = np.unique(np.geomspace(1, len(force_n), 600).astype(int)) - 1
+            axes.plot((kept + 1) * hold.dt_s, 100.0 * force_n[kept] / force_n[0], color=colour,
+                      ls=dashes, lw=1.3, label=name)  # fmt: skip
+        axes.set_xscale("log")
+        axes.set_ylim(0.0, 110.0)
+        axes.set_xlabel("time held still, s")
+        axes.set_ylabel("force, % of the first")
+        axes.legend(frameon=False, loc="lower left")
         return svg_text(figure)
 
 

@@ -1,45 +1,106 @@
 """The report: one self-contained HTML page on an emitted and validated scene."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.plan.plan import Plan
 from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission
-from springpot.host.native.scene_library import scene_prefix
+from springpot.host.metrics import start_up_ramp
+from springpot.host.native.replay import Replay
+from springpot.host.native.scene_library import SceneLibrary, scene_prefix
 from springpot.host.page import page_text
+from springpot.host.stability.check import stability
+from springpot.host.stability.report import stability_section
 from springpot.host.validation import figures
-from springpot.host.validation.store import Stored, read_validation
+from springpot.host.validation.error_parts import errors_by_speed
+from springpot.host.validation.findings import (
+    accuracy_findings,
+    code_findings,
+    relaxation_finding,
+    stability_finding,
+)
+from springpot.host.validation.relaxation import recorded_hold, scene_hold
+from springpot.host.validation.store import Series, Stored, read_validation
 
 _REPORT_NAME = "report.html"
 
 
 def write_report(folder: Path) -> Path:
-    """Write folder/report.html. Raises DataError where the folder was not emitted or validated."""
+    """Write folder/report.html: accuracy, relaxation, stability, what was left out.
+
+    Runs a minute's hold and the whole stability check. Raises DataError where the folder was not
+    emitted or validated.
+    """
     plan, model = read_emission(folder)
     stored = read_validation(folder)
-    manifest = json.loads((folder / "manifest.json").read_text())
+    library = SceneLibrary(folder)
+    result, manifest = stored.metadata["result"], json.loads((folder / "manifest.json").read_text())
+    ramps = _ramps(plan, library, stored.series)
+    speeds = errors_by_speed(stored.series, ramps)
+    mean_error_n = _mean_error_n(stored.series, ramps)
+    hold, recorded = scene_hold(plan, library), recorded_hold(stored.series)
+    checked = stability(plan)
     shares = model.provenance.get("importance", [])
     orders = getattr(model.features, "orders", ())
     typical = figures.typical_series(stored.series)
+    loops, loop_rows = figures.hysteresis_loops(typical)
     context = {
         "title": plan.scene.name,
         "manifest": manifest,
-        "result": stored.metadata["result"],
+        "result": result,
         "machine": stored.metadata["machine"],
         "recordings": stored.metadata["recordings"],
         "provenance": dict(model.provenance),
+        "findings": [
+            *accuracy_findings(result, mean_error_n, speeds),
+            relaxation_finding(plan, hold, recorded),
+            stability_finding(checked),
+            *code_findings(result, manifest),
+        ],
+        "mean_error_n": mean_error_n,
+        "speeds": speeds,
         "prediction": figures.prediction_figure(typical),
-        "hysteresis": figures.hysteresis(typical),
+        "loops": loops,
+        "loop_rows": loop_rows,
+        "held": figures.held_forces(hold, recorded),
         "percentage_error": figures.percentage_error(stored.series),
         "importance": figures.importance(orders, shares) if orders and shares else "",
-        "ticks": figures.tick_histogram(
-            stored.tick_ns, stored.metadata["result"]["tick_ns"]["hot_median"]
-        ),
+        "ticks": figures.tick_histogram(stored.tick_ns, result["tick_ns"]["hot_median"]),
         "commands": _commands(folder, stored, manifest),
+        **stability_section(checked),
     }
     path = folder / _REPORT_NAME
-    path.write_text(page_text("report.html", context), encoding="utf-8")
+    path.write_text(page_text("report.html", context, angle=_angle), encoding="utf-8")
     return path
+
+
+def _ramps(plan: Plan, library: SceneLibrary, series: Sequence[Series]) -> list[int]:
+    """Samples of each recording while the force rose from zero: no error counts them."""
+    replay = Replay(library)
+    found = []
+    for item in series:
+        position = item.position_m.astype(plan.dtype)
+        notes = replay.run(position, backward_velocity(position, plan.dt_s))[1]
+        found.append(start_up_ramp(notes))
+    return found
+
+
+def _mean_error_n(series: Sequence[Series], ramps: Sequence[int]) -> float:
+    errors = [
+        (item.predicted_n - item.measured_n)[ramp:]
+        for item, ramp in zip(series, ramps, strict=True)
+    ]
+    return float(np.concatenate(errors).mean())
+
+
+def _angle(swing: complex) -> str:
+    """Loss angle of a complex stiffness, degrees."""
+    return f"{np.degrees(np.angle(swing)):.1f}"
 
 
 def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[str]:

@@ -52,6 +52,11 @@ def run(
         raise UsageError(
             f"{log}: a log is a recording: give it a name ending in {RECORDING_SUFFIX}"
         )
+
+    def report(line: str) -> None:
+        if line != session.line:  # why it ended is told once: by the table, or as the error
+            _say_above(line)
+
     with emitted_folder(scene) as folder, stopping_on_sigterm():
         session = Session(
             folder,
@@ -61,7 +66,7 @@ def run(
             max_force_n=max_force_n,
             max_depth_m=None if max_depth_mm is None else max_depth_mm / 1e3,
             reconnect_s=reconnect_s,
-            report=_say_above,
+            report=report,
         )
         try:
             with session:
@@ -70,7 +75,10 @@ def run(
         except KeyboardInterrupt:
             say("interrupted: zero force was sent")
         result = session.result()
-    print_result(result, as_json, _rows(result))
+    rows = _rows(result)
+    if session.error is not None:
+        del rows["stopped"]
+    print_result(result, as_json, rows)
     if session.error is not None:
         raise session.error
 

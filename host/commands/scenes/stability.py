@@ -11,6 +11,7 @@ from springpot.host.console.output import json_option, print_result, progress_co
 
 if TYPE_CHECKING:
     from springpot.host.stability.check import Stability
+    from springpot.host.stability.closed_loop import Outcome
 
 
 @click.command(name="stability")
@@ -48,35 +49,46 @@ def stability_(
 
 
 def stability_rows(found: Stability) -> dict[str, str]:
-    """A person's view: the verdict, then a line for each case, the worst of its hands."""
-    from springpot.host.stability.closed_loop import worst_losses
+    """A person's view: the verdict, what is not good case by case, and the extremes of the rest."""
+    from springpot.host.stability.judgement import Grade, judged_cases
 
     checked = found.check
     inside, outside = checked.model_map.active(False), checked.model_map.active(True)
-    rows = {
-        "verdict": found.as_dict()["recommendation"],
+    judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.UNJUDGED]
+    doubtful = [item for item in judged if item.grade != Grade.GOOD]
+    rows = {"verdict": found.as_dict()["recommendation"]}
+    for item in doubtful:
+        rows[f"{item.grade.word}: {_named(item.outcome)}"] = (
+            f"{item.words}; {_figures(item.outcome)}"
+        )
+    first = next((item for item in judged if item.grade == Grade.GOOD), None)
+    if first is not None:
+        rows[f"furthest: {_named(first.outcome)}"] = _figures(first.outcome)
+    rows |= {
+        "cases": f"{len(judged) - len(doubtful)} of {len(judged)} are good with three hands and "
+        "two delays; --report FILE.html shows all, --json lists them",
         "spectral radius": f"{checked.spectral_radius:.4f}",
         "active cells, model": f"{inside[0]} of {inside[1]}, beyond the trained depth "
         f"{outside[0]} of {outside[1]}",
         "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "
         f"object {1e-3 * found.stiff.coupling.felt_npm:.3g} N/mm",
     }
-    for outcome in found.whole:
-        name = f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"
-        rows[name] = ", ".join(
-            [
-                "bounded" if outcome.bounded else "NOT BOUNDED",
-                f"{1e3 * outcome.max_depth_m:.2f} mm",
-                f"{outcome.max_force_n:.2f} N",
-                f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz",
-                f"{outcome.fidelity_percent:.1f} % fidelity error",
-            ]
-        )
-    for outcome in worst_losses(found.outcomes):
-        assert outcome.losses is not None
-        rows[f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"] = (
+    return rows
+
+
+def _named(outcome: Outcome) -> str:
+    return f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"
+
+
+def _figures(outcome: Outcome) -> str:
+    """What an outcome measured; of lost samples, the change of force that is felt."""
+    if outcome.losses is not None:
+        return (
             f"force changes by {outcome.losses.force_step_n:.3f} N a tick, without a loss by "
             f"{outcome.losses.clean_force_step_n:.3f}"
-            + (": A KICK" if outcome.losses.kicks else "")
         )
-    return rows
+    return (
+        f"{1e3 * outcome.max_depth_m:.2f} mm, {outcome.max_force_n:.2f} N, "
+        f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz, "
+        f"{outcome.fidelity_percent:.1f} % fidelity error"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from springpot.host.console.output import json_option, print_result, progress_co
 
 if TYPE_CHECKING:
     from springpot.host.validation.validation import Validation
+    from springpot.trainer.recordings.recording import Recording
 
 
 @click.command(name="validate")
@@ -37,9 +39,41 @@ def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_jso
     found = read_recordings(map(Path, recordings))
     with progress_console.status(f"replaying {len(found)} recordings"):
         validation = validate(folder, found, device=url)
-    store_validation(folder, validation, found)
-    print_result(validation.as_dict(), as_json, validation_rows(validation))
+    felt = [recording.name for recording in found if is_session_log(recording, validation)]
+    if len(felt) < len(found):  # a log says nothing of the object: the page keeps what does
+        store_validation(folder, validation, found)
+    rows = validation_rows(validation)
+    if felt:
+        rows = session_rows(validation, felt, len(found))
+    print_result(validation.as_dict(), as_json, rows)
     fail_on_mismatch(folder, validation)
+
+
+def is_session_log(recording: Recording, validation: Validation) -> bool:
+    """Whether a recording is the log of a session of this scene, whose calls were made again."""
+    session = recording.details.get("session")
+    return bool(session and recording.channels and session["hash"] == validation.manifest["hash"])
+
+
+def session_rows(validation: Validation, felt: Sequence[str], of: int) -> dict[str, str]:
+    """The same where logs are among the recordings: what was compared with what."""
+    rows = validation_rows(validation)
+    told = (
+        f"{', '.join(felt)}: the calls of the session made again; the force sent is compared with "
+        "that of the C, not with a measured object"
+    )
+    if len(felt) == of:
+        error = ("RMSE", "RMSE, mean of recordings", "mean error", "maximum error",
+                 "below the JND above 2 N")  # fmt: skip
+        rows = {name: text for name, text in rows.items() if name not in error}
+        rows["C against reference"] = (
+            f"{validation.mismatches} of {validation.accuracy.samples} ticks differ, and so does "
+            "what was felt"
+            if validation.mismatches
+            else f"0 of {validation.accuracy.samples} ticks differ: what was felt is what the "
+            "model says"
+        )
+    return {"compared": told, **rows}
 
 
 def validation_rows(validation: Validation) -> dict[str, str]:
@@ -53,6 +87,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
         "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
         "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
+        "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
         "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
         "below the JND above 2 N": "no such sample" if below is None else f"{100 * below:.1f} %",
         "C against reference": f"{validation.mismatches} ticks differ",

@@ -3,8 +3,6 @@
 import html
 import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from support.bench_folder import CANDIDATES, bench_folder
+from support.browser import A4_PIXELS, CHROMIUM, browse, console_errors, layout_faults
 
 from springpot.host.benchmark import figures as bench_figures
 from springpot.host.benchmark.labels import label
@@ -20,9 +19,6 @@ from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import bench_page, paper_rows, write_bench_report
 from springpot.host.benchmark.store import read_result
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
-         "--enable-logging=stderr")  # fmt: skip
 # Where each figure is, and what a mark says when the mouse is over it.
 PROBE = """<script>
 const boxes = [...document.querySelectorAll("figure svg")].map((svg) => {
@@ -40,18 +36,6 @@ const wide = Math.max(document.documentElement.scrollWidth, ...tables.map(
 document.body.dataset.probe = JSON.stringify({boxes, marks: marks.length, told, wide});
 </script></body>"""
 WIDTHS = (1280, 800)
-A4_PIXELS = 703  # between the margins
-
-
-def browse(page: Path, width: int, *how: str) -> subprocess.CompletedProcess[str]:
-    assert CHROMIUM is not None
-    command = [CHROMIUM, *FLAGS, f"--user-data-dir={page.parent / 'profile'}",
-               f"--window-size={width},6000", *how, page.as_uri()]  # fmt: skip
-    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
-
-
-def console_errors(done: subprocess.CompletedProcess[str]) -> list[str]:
-    return [line for line in done.stderr.splitlines() if "CONSOLE" in line]
 
 
 def looked_at(page: Path, width: int) -> tuple[dict[str, Any], np.ndarray]:
@@ -97,6 +81,23 @@ def test_printed_nothing_is_cut(tmp_path: Path) -> None:
     require_samples(seen["boxes"], ink)
     assert seen["wide"] <= A4_PIXELS
     assert "overflow: visible" in text, "a table that scrolls is cut on paper"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+def test_on_a_phone_nothing_sticks_out_and_no_word_is_cut(tmp_path: Path) -> None:
+    text = write_bench_report(bench_folder()).read_text()
+    assert layout_faults(text, tmp_path, 400) == {"out": [], "cut": []}
+
+
+def test_what_is_unknown_of_every_model_is_no_column() -> None:
+    result = read_result(bench_folder())
+    why = "no arm-none-eabi-gcc: `make setup-mcu` installs it"
+    points = [point | {"flash_bytes": None, "why": why} for point in result["points"]]
+    page = bench_page(result | {"points": points}, "bench")
+    assert ">flash</th>" not in page
+    assert "unknown</td>" not in page
+    assert "<code>make setup-mcu</code>" in page
+    assert "`" not in re.sub("<script>.*?</script>", "", page, flags=re.DOTALL)
 
 
 def test_the_label_of_a_pick_covers_no_point() -> None:

@@ -54,6 +54,20 @@ def test_a_lost_frame_begins_again(faulty: int) -> None:
     np.testing.assert_array_equal(calls["input_m"][1::2], np.arange(5.0))
 
 
+class Prompt(Board):
+    """Answers a sample together with the idle call of the period after it."""
+
+    def send(self, name: str, **values: float) -> None:
+        super().send(name, **values)
+        self._waiting.reverse()
+
+
+def test_calls_that_come_with_an_answer_are_kept() -> None:
+    calls = BoardReplay(Prompt(0)).run(np.arange(5.0), np.zeros(5))  # type: ignore[arg-type]
+    idle = calls["call"].astype(int) & constant("IDLE") != 0
+    np.testing.assert_array_equal(idle, [False, True] * 4 + [False])
+
+
 def test_a_bad_line_is_told() -> None:
     with pytest.raises(DeviceError, match=r"a frame was lost \(5 so far\).*check the cable"):
         BoardReplay(Board(99)).run(np.arange(5.0), np.zeros(5))  # type: ignore[arg-type]

@@ -186,7 +186,7 @@ def test_command_prints_the_contract(tmp_path: Path) -> None:
     names = ("lost-1", "lost-2", "lost-10", "late", "nan-5", "rate-90", "rate-50", "rate-10")
     assert lossy == {name + suffix for suffix in ("", "-fast") for name in names}
     text = page.read_text()
-    assert text.count("<svg") == 2 + 11
+    assert text.count("<svg") == 2 + 3 * 11
     assert "http" not in text.replace("http://www.w3.org", "").replace(
         "http://purl.org", ""
     ).replace("http://creativecommons.org", "")

@@ -1,0 +1,88 @@
+"""What an outcome of the closed loop means for a hand: a grade and a few words."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+from springpot.host.simulation.losses import SPEEDS
+from springpot.host.stability.closed_loop import Outcome
+
+QUIET_MPS = 1e-3
+FAITHFUL_PERCENT = 10.0
+STILL_CASES = ("hold", "long-hold", "stiff")
+_FAST = tuple(name for name in SPEEDS if name)
+_REFUSED = ("rate-50", "rate-10")  # a session ends there
+
+
+class Grade(IntEnum):
+    """From the least to the gravest."""
+
+    UNJUDGED = 0
+    GOOD = 1
+    LOOK = 2
+    BAD = 3
+
+    @property
+    def word(self) -> str:
+        """As pages print it, beside its colour."""
+        return {"UNJUDGED": "not judged"}.get(self.name, self.name.lower())
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """An outcome, how good it is, and why. kicks: losses of samples are felt."""
+
+    outcome: Outcome
+    grade: Grade
+    words: str
+    unbounded: bool = False
+    loud: bool = False
+    kicks: bool = False
+    unfaithful: bool = False
+
+    @property
+    def beyond(self) -> tuple[int, float]:
+        """Sorts judgements, the gravest last."""
+        return self.grade, self.outcome.fidelity_percent
+
+
+def judge(outcome: Outcome) -> Judgement:
+    """One outcome. Lost samples at four times the trained speed warn, and do not condemn."""
+    if outcome.case.startswith(_REFUSED):
+        return Judgement(outcome, Grade.UNJUDGED, "a session ends at such a rate of samples")
+    lossy = outcome.losses is not None
+    unbounded = not outcome.bounded
+    loud = outcome.case in STILL_CASES and outcome.hf_speed_mps > QUIET_MPS
+    kicks = outcome.losses is not None and outcome.losses.kicks
+    unfaithful = (
+        not lossy and outcome.case != "stiff" and outcome.fidelity_percent > FAITHFUL_PERCENT
+    )
+    reasons = [
+        words
+        for holds, words in (
+            (unbounded, "not bounded"),
+            (loud, f"vibrates with {1e3 * outcome.hf_speed_mps:.2g} mm/s on a hold"),
+            (kicks, "lost samples are felt as a kick"),
+            (unfaithful, "felt otherwise than the model"),
+        )
+        if holds
+    ]
+    bad = unbounded or (kicks and not outcome.case.endswith(_FAST))
+    grade = Grade.BAD if bad else Grade.LOOK if reasons else Grade.GOOD
+    if not reasons:
+        reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.case in STILL_CASES else [
+            "bounded"
+        ]  # fmt: skip
+    if outcome.case == "stiff" and outcome.fidelity_percent > FAITHFUL_PERCENT:
+        reasons.append("felt softer than it is, as its coupling means it to be")
+    return Judgement(outcome, grade, ", ".join(reasons), unbounded, loud, kicks, unfaithful)
+
+
+def judged_cases(outcomes: Sequence[Outcome]) -> list[Judgement]:
+    """Of each case the hand and delay that fares worst; the gravest case first."""
+    worst: dict[str, Judgement] = {}
+    for found in map(judge, outcomes):
+        case = found.outcome.case
+        if case not in worst or found.beyond > worst[case].beyond:
+            worst[case] = found
+    return sorted(worst.values(), key=lambda item: item.beyond, reverse=True)

@@ -1,0 +1,142 @@
+"""What outcomes mean: grades, the order of cases, and the words of the command line."""
+
+import itertools
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from springpot.host.commands.scenes.stability import stability_rows
+from springpot.host.simulation.hand_loop import Trace
+from springpot.host.stability import figures
+from springpot.host.stability.check import Stability, recommendation
+from springpot.host.stability.closed_loop import Losses, Outcome
+from springpot.host.stability.judgement import Grade, judge, judged_cases
+
+WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
+LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")
+
+
+def outcome(case: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Outcome:
+    still = np.zeros(10)
+    found: dict[str, Any] = {
+        "hand": hand, "delay_samples": delay, "case": case, "bounded": True, "max_depth_m": 0.01,
+        "max_force_n": 5.0, "hf_speed_mps": 2e-4, "fidelity_percent": 2.0, "energy_out_j": -0.01,
+        "trace": Trace(still, still, still, still, np.zeros(10, dtype=np.int32), 0),
+        "model_only_n": still, "dt_s": np.full(10, 1e-3),
+    }  # fmt: skip
+    return Outcome(**found | changed)
+
+
+def losing(case: str, step_n: float = 0.1, **changed: Any) -> Outcome:
+    return outcome(case, losses=Losses(step_n, 0.1, 0.1, 0, 0), **changed)
+
+
+def checked(outcomes: list[Outcome], late: int = 0, stable: bool = True) -> Stability:
+    """A check with these outcomes: only what words are made of."""
+    cells = SimpleNamespace(active=lambda outside: (0, 18 if outside else 30), as_dict=dict)
+    choice = SimpleNamespace(why="off: asked for", felt_npm=2500.0)
+    device = SimpleNamespace(delay_samples=late)
+    plan = SimpleNamespace(scene=SimpleNamespace(name="pad", device=device), coupling=choice)
+    check = SimpleNamespace(stable=stable, spectral_radius=0.99, model_map=cells, scene_map=cells,
+                            plan=plan, as_dict=dict)  # fmt: skip
+    return Stability(cast(Any, check), cast(Any, plan), tuple(outcomes))
+
+
+def usual(*instead: Outcome) -> list[Outcome]:
+    """All cases with three hands and two delays, those of `instead` in their places."""
+    others = {(item.case, item.hand, item.delay_samples): item for item in instead}
+    made = []
+    for case, hand, delay in itertools.product(WHOLE + LOSING, ("mid", "firm", "light"), (0, 1)):
+        make = losing if case in LOSING else outcome
+        percent = {"stiff": 34.0, "lost-10-fast": 25.0}.get(case, 2.0)
+        fresh = make(case, hand=hand, delay=delay, fidelity_percent=percent)
+        made.append(others.get((case, hand, delay), fresh))
+    return made
+
+
+def test_the_verdict_covers_the_rows_below_it() -> None:
+    words = recommendation(checked(usual()))
+    assert "by at most 2.0 % of peak" in words
+    assert "with lost samples by 25.0 %" in words
+    assert "ten times stiffer by 34.0 %" in words
+
+
+def test_a_person_reads_a_screen_the_gravest_first() -> None:
+    bad = outcome("deep", "firm", 1, bounded=False)
+    kick = losing("lost-1", 2.0, hand="light")
+    rows = stability_rows(checked(usual(bad, kick)))
+    assert len(rows) < 15
+    names = list(rows)
+    assert names[0] == "verdict"
+    assert names[1:3] == ["bad: deep, firm, 1 late", "bad: lost-1, light, 0 late"]
+    assert rows[names[1]].startswith("not bounded; ")
+    assert "kick" in rows[names[2]]
+    assert rows["cases"].startswith("6 of 8 are good")
+    assert "Not bounded: deep (firm, delay 1)." in rows["verdict"]
+
+
+def test_an_unstable_loop_is_not_called_quiet() -> None:
+    words = recommendation(checked(usual(), late=4, stable=False))
+    assert "Unstable: do not hold" in words
+    assert "bounded and quiet" not in words
+    assert "the 4 of this scene's device count in the linear loop" in words
+
+
+def test_all_good_is_said_in_few_lines() -> None:
+    rows = stability_rows(checked(usual()))
+    assert len(rows) <= 6
+    assert rows["cases"].startswith("8 of 8 are good")
+
+
+@pytest.mark.parametrize(
+    ("found", "grade", "words"),
+    [
+        (outcome("hold"), Grade.GOOD, "bounded, quiet"),
+        (outcome("tap-4hz", hf_speed_mps=0.1), Grade.GOOD, "bounded"),
+        (outcome("hold", hf_speed_mps=2e-3), Grade.LOOK, "vibrates with 2 mm/s on a hold"),
+        (outcome("fast", fidelity_percent=12.0), Grade.LOOK, "felt otherwise than the model"),
+        (outcome("stiff", fidelity_percent=34.0), Grade.GOOD, "felt softer than it is"),
+        (outcome("deep", bounded=False), Grade.BAD, "not bounded"),
+        (losing("lost-1"), Grade.GOOD, "no kick"),
+        (losing("lost-1", 1.0), Grade.BAD, "kick"),
+        (losing("lost-1-fast", 1.0), Grade.LOOK, "kick"),
+        (losing("rate-10", 9.0, bounded=False), Grade.UNJUDGED, "a session ends"),
+    ],
+)
+def test_grades(found: Outcome, grade: Grade, words: str) -> None:
+    judged = judge(found)
+    assert judged.grade == grade
+    assert words in judged.words
+
+
+def test_the_gravest_hand_speaks_for_a_case() -> None:
+    cases = judged_cases(usual(outcome("hold", "light", 1, hf_speed_mps=5e-3)))
+    assert (cases[0].outcome.case, cases[0].outcome.hand) == ("hold", "light")
+    assert [item.outcome.case for item in cases[-2:]] == ["rate-50", "rate-10-fast"]
+    assert len(cases) == len(WHOLE + LOSING)
+
+
+def test_what_befell_every_hand_is_said_once() -> None:
+    everyone = [
+        outcome("deep", hand, delay, bounded=False)
+        for hand in ("mid", "firm", "light")
+        for delay in (0, 1)
+    ]
+    assert "Not bounded: deep (every hand)." in recommendation(checked(usual(*everyone)))
+
+
+def test_all_cases_are_drawn_on_one_scale() -> None:
+    small, large = outcome("hold", hf_speed_mps=1.5e-4), outcome("fast", hf_speed_mps=0.134)
+    scale = figures.CaseScale.of([small, large])
+    assert scale.speed_mmps[0] < 0.15
+    assert scale.speed_mmps[1] > 134.0
+    pictures = [figures.case_figures([item], scale) for item in (small, large)]
+    ticks = [picture[2].count("ytick") for picture in pictures]
+    assert ticks[0] == ticks[1] > 3
+
+
+def test_text_in_dark_cells_is_light() -> None:
+    assert figures.ink_on(0.95) == figures.ink_on(-0.95) == "white"
+    assert figures.ink_on(0.1) == figures.ink_on(0.0) != "white"

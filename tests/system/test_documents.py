@@ -1,0 +1,187 @@
+"""The documents run: their commands exist, give what the page says, and work in its order."""
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import can
+import cantools
+import click
+import numpy as np
+import pytest
+from scipy.io import savemat
+from support.documents import (
+    PAGES,
+    Block,
+    blocks,
+    inline_commands,
+    print_urls,
+    run_commands,
+)
+from support.paths import ROOT
+from support.small import DT_S, press, recording, soft_force, training
+
+from springpot.host.cli import springpot
+from springpot.host.emission.emission import emit
+from springpot.host.emission.scene_file import read_scene
+from springpot.trainer.recordings.recording_file import write_recording
+
+TESTED = {"python": "test_python_examples.py", "cpp": "test_chai3d.py", "c": "", "text": ""}
+KEYS = 'schema = 1\nname = "x"\nmodel = "model.spm"\n'
+EVERY = [block for page in PAGES for block in blocks(page)]
+COMMANDS = [block for block in EVERY if not block.language]
+TARGETS = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
+
+
+def page_blocks(name: str) -> list[Block]:
+    return [block for block in EVERY if block.page.name == name]
+
+
+def known_options(words: list[str]) -> None:
+    """Assert that a command and its options exist."""
+    context = click.Context(springpot)
+    found = springpot.get_command(context, words[1])
+    assert found, f"springpot {words[1]}: no such command"
+    known = {option for parameter in found.params for option in parameter.opts}
+    for word in words[2:]:
+        if word.startswith("--"):
+            assert word.partition("=")[0] in known, f"springpot {words[1]} {word}"
+
+
+def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
+    assert len(COMMANDS) > 8
+    for block in EVERY:
+        assert block.language in {"", "toml", *TESTED}, block.where
+        for name in filter(None, [TESTED.get(block.language)]):
+            assert list((ROOT / "tests").rglob(name)), name
+    run = {"README.md", "first-board.md", "devices.md", "stability.md"}
+    assert {block.page.name for block in COMMANDS} == run
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_command_and_option_exists(page: Path) -> None:
+    written = [line for block in blocks(page) if not block.language for line in block.commands]
+    for line in [*written, *inline_commands(page)]:
+        words = shlex.split(line, comments=True)
+        if words[0] == "springpot" and words[1:]:
+            known_options(words)
+        elif words[0] == "make" and words[1] != "-C":
+            assert words[1] in TARGETS, line
+
+
+@pytest.mark.parametrize(
+    "block", [block for block in EVERY if block.language == "toml"], ids=lambda block: block.where
+)
+def test_every_scene_is_one(block: Block, tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text(block.text if "schema" in block.text else KEYS + block.text)
+    read_scene(file)
+
+
+def run_page(name: str, folder: Path, board: bool = False) -> str:
+    """All blocks of a page in order, in one folder; those of a board only where it is asked for."""
+    printed = []
+    for block in page_blocks(name):
+        if block.note.startswith("file "):
+            (folder / block.note.removeprefix("file ")).write_text(block.text)
+        elif block.language or (block.note == "board") != board:
+            continue
+        elif block.note == "prints URL":
+            assert all("://" in url for url in print_urls(block, folder)), block.where
+        else:
+            printed += run_commands(block, folder)
+    return "\n".join(printed)
+
+
+def small_job(folder: Path) -> None:
+    """Recordings in two folders, a model and a scene, as the pages take them for given."""
+    from support.small import model_file
+
+    for name, items in (("training", training()), ("validation", [recording("v", press(0.9))])):
+        (folder / name).mkdir()
+        for item in items:
+            write_recording(folder / name / f"{item.name}.h5", item)
+    write_recording(folder / "press.h5", recording("press", press(2.0, cycles=2)))
+    model_file(folder)
+    (folder / "scene.toml").write_text(KEYS)
+
+
+def rig_files(folder: Path) -> None:
+    """What a material scientist has: a table, a Mach-1 text, a MAT file, a log of CAN frames."""
+    position_m = np.concatenate([press(0.5, 0.010, 2), press(2.0, 0.008, 4), press(5.0, 0.006, 5)])
+    force_n, time_s = soft_force(position_m), np.arange(len(position_m)) * DT_S
+    columns = np.column_stack([time_s, 1e3 * position_m, force_n])
+    np.savetxt(folder / "test-rig.csv", columns, fmt="%.6f", delimiter=",", comments="",
+               header="Time,Extension,Load")  # fmt: skip
+    savemat(folder / "rig.mat", {"rig": {"z": 1e3 * position_m, "Fz": force_n}})
+    rows = "".join(f"{t:.2f}\t{x:.6f}\t{f:.6f}\n" for t, x, f in
+                   zip(0.01 * np.arange(400), 1e3 * press(0.25, 0.004)[::10],
+                       soft_force(press(0.25, 0.004))[::10] / 9.80665e-3, strict=True))  # fmt: skip
+    head = ("<Mach-1 File>\n<INFO>\nTime:\t10:08:47.546\n<END INFO>\n<Sinusoid>\n"
+            "Stage Axis:\tPosition (z)\nAmplitude, mm:\t2\nFrequency, Hz:\t0.25000\n"
+            "Number of Cycles:\t1\n<DATA>\nTime, s\tPosition (z), mm\tFz, gf\n")  # fmt: skip
+    (folder / "Dynamic_data.txt").write_text(head + rows + "<END DATA>\n")
+    (folder / "rig.dbc").write_text(
+        'VERSION ""\nNS_ :\nBS_:\nBU_: RIG\nBO_ 291 Tool: 8 RIG\n'
+        ' SG_ Position : 0|32@1- (0.0001,0) [0|0] "mm" RIG\n'
+        ' SG_ Force : 32|16@1- (0.001,0) [0|0] "N" RIG\n'
+    )
+    database = cantools.database.load_file(folder / "rig.dbc")
+    with can.Logger(folder / "drive.blf") as logger:
+        for t, x, f in columns[::2]:
+            data = database.encode_message("Tool", {"Position": x, "Force": f})
+            logger(can.Message(1e9 + t, 291, is_extended_id=False, data=data, channel="vcan0"))
+
+
+@pytest.mark.slow
+def test_the_readme_runs(tmp_path: Path) -> None:
+    rig_files(tmp_path)
+    printed = " ".join(run_page("README.md", tmp_path).split())
+    assert "what was felt is what the model says" in printed
+    assert (tmp_path / "mine" / "report.html").exists()
+    picked, own = (tmp_path / name / "manifest.json" for name in ("c", "mine"))
+    assert picked.read_text() != own.read_text(), "the bench's choice was replaced"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["stability.md", "devices.md"])
+def test_a_page_runs(tmp_path: Path, name: str) -> None:
+    small_job(tmp_path)
+    if name == "devices.md":
+        shutil.rmtree(tmp_path / "training")
+        emit(read_scene(tmp_path / "scene.toml"), tmp_path / "model.spm", tmp_path / "c")
+    run_page(name, tmp_path)
+
+
+def table_row(name: str, begins: str) -> list[str]:
+    """The numbers of a row of a page's table."""
+    (row,) = [line for line in (ROOT / "docs" / name).read_text().splitlines()
+              if line.startswith(f"| {begins}")]  # fmt: skip
+    return [cell.strip() for cell in row.strip("|").split("|")[1:]]
+
+
+@pytest.mark.realtime
+@pytest.mark.skipif(
+    shutil.which("arm-none-eabi-gcc") is None, reason="no arm-none-eabi-gcc: make setup-mcu"
+)
+@pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="no qemu-system-arm")
+def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
+    small_job(tmp_path)
+    for name in ("training", "validation"):
+        shutil.rmtree(tmp_path / name)
+    record = [line for line in page_blocks("README.md")[1].commands if " record " in line]
+    given = Block(ROOT / "README.md", 0, "", "", "\n".join(record))
+    run_commands(given, tmp_path)
+    printed = " ".join(run_page("first-board.md", tmp_path).split())
+    flash, ram, stack, _, bound = table_row("first-board.md", "rf-fd")
+    found = re.search(r"flash (\d+) bytes RAM (\d+) bytes and (\d+) of stack", printed)
+    assert found, printed
+    # Other versions of the compiler and of scikit-learn may differ by a few bytes and nodes.
+    for said, given_bytes in zip((flash, ram, stack), found.groups(), strict=True):
+        assert int(given_bytes) == pytest.approx(int(said), rel=0.02)
+    told = re.search(r"at most (\d+) a tick", printed)
+    assert told
+    assert int(told[1]) == pytest.approx(int(bound), rel=0.02)
+    printed = " ".join(run_page("first-board.md", tmp_path, board=True).split())
+    assert "what was felt is what the model says" in printed
