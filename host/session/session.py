@@ -30,7 +30,8 @@ class Session:
 
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
-    them the session ends. Raises DeviceError where the device cannot be used as the scene wants.
+    them the session ends. accept_edited: C that is not as emitted is no refusal, log and result
+    name its files. Raises DeviceError where the device cannot be used as the scene wants.
     """
 
     def __init__(
@@ -44,8 +45,10 @@ class Session:
         max_depth_m: float | None = None,
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = say,
+        accept_edited: bool = False,
     ) -> None:
-        plan, _ = read_emission(Path(folder))
+        emitted = read_emission(Path(folder), accept_edited)
+        plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
         self._scene = SceneLibrary(Path(folder))
         max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
         settings = LoopSettings(
@@ -60,7 +63,7 @@ class Session:
             rate_hz=1 / plan.dt_s,
             watchdog_s=plan.watchdog_s,
             max_n=min(max_n, settings.max_force_n),
-            hash=self._scene.manifest["hash"],
+            hash=self._hash,
         )
         self._zero: Zero = "none" if plan.contact else "first"
         self._file, self._url = None if log is None else Path(log), url
@@ -76,7 +79,7 @@ class Session:
     def __enter__(self) -> Self:
         if self._file is not None:
             details = {"session": {"scene": self._scene.manifest["scene"], "device": self._url,
-                                   "hash": self._scene.manifest["hash"]}}  # fmt: skip
+                                   "hash": self._hash, "edited": self._edited}}  # fmt: skip
             self._log = SessionLog(
                 self._file, self._settings.period_s, self._url, details, zero=self._zero
             )
@@ -157,7 +160,8 @@ class Session:
             "flight": str(self.flight_file) if self.flight_file is not None else None,
             "scheduler": run.scheduler(),
             "stopped": self.line,
-            "hash": self._scene.manifest["hash"],
+            "hash": self._hash,
+            "edited": self._edited,
         }
 
     def _close_log(self, run: SessionRunner) -> None:

@@ -4,7 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission
+from springpot.codegen.errors import DataError
+from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
 from springpot.host.native.scene_library import scene_prefix
 from springpot.host.page import page_text
 from springpot.host.validation import figures
@@ -15,8 +16,13 @@ _REPORT_NAME = "report.html"
 
 def write_report(folder: Path) -> Path:
     """Write folder/report.html. Raises DataError where the folder was not emitted or validated."""
-    plan, model = read_emission(folder)
+    require_emission(folder)
     stored = read_validation(folder)
+    validated = stored.metadata["result"]
+    emitted = read_emission(folder, accept_edited=bool(validated.get("edited")))
+    if emitted.hash != validated["hash"]:
+        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
+    plan, model = emitted.plan, emitted.model
     manifest = json.loads((folder / "manifest.json").read_text())
     shares = model.provenance.get("importance", [])
     orders = getattr(model.features, "orders", ())
@@ -24,7 +30,7 @@ def write_report(folder: Path) -> Path:
     context = {
         "title": plan.scene.name,
         "manifest": manifest,
-        "result": stored.metadata["result"],
+        "result": validated,
         "machine": stored.metadata["machine"],
         "recordings": stored.metadata["recordings"],
         "provenance": dict(model.provenance),

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +43,7 @@ class Validation:
     """Result over all recordings; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit.
+    bit. edited: files of the folder that are not as emitted, and were accepted.
     """
 
     accuracy: Accuracy
@@ -52,6 +52,7 @@ class Validation:
     ticks: TickTimes
     predicted_n: tuple[NDArray[np.float64], ...]
     manifest: dict[str, Any]
+    edited: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of `validate --json`."""
@@ -70,6 +71,7 @@ class Validation:
             "notes": self.notes,
             "tick_ns": self.ticks.as_dict(),
             "hash": self.manifest["hash"],
+            "edited": list(self.edited),
         }
 
 
@@ -78,20 +80,23 @@ def validate(
     recordings: Sequence[Recording],
     paced_s: float = PACED_S,
     device: str | None = None,
+    accept_edited: bool = False,
 ) -> Validation:
     """Replay every recording from a fresh state; with `device`, through the board of that URL too.
 
-    Raises DataError for another sampling rate, DeviceError where the board does not answer.
+    Raises DataError for another sampling rate, or where the C is not as emitted, unless that is
+    accepted; DeviceError where the board does not answer.
     """
-    plan, model = read_emission(folder)
+    emitted = read_emission(folder, accept_edited)
+    plan, model = emitted.plan, emitted.model
     for recording in recordings:
         require_compatible(recording, model, plan.dt_s)
     library = SceneLibrary(folder)
-    opened = (
-        nullcontext() if device is None else board_replay(device, plan, library.manifest["hash"])
-    )
+    library.manifest["hash"] = emitted.hash  # of what was built, edits and all
+    opened = nullcontext() if device is None else board_replay(device, plan, emitted.hash)
     with opened as board:
-        return _validated(plan, library, recordings, paced_s, board)
+        found = _validated(plan, library, recordings, paced_s, board)
+    return replace(found, edited=emitted.edited)
 
 
 def fail_on_mismatch(folder: Path, validation: Validation) -> None:

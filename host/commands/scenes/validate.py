@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from springpot.host.console.options import accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
 
 if TYPE_CHECKING:
@@ -27,8 +28,11 @@ if TYPE_CHECKING:
 @click.option(
     "--device", "url", help="A board that renders the scene, such as serial:///dev/ttyACM0."
 )
+@accept_edited_option
 @json_option
-def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_json: bool) -> None:
+def validate_(
+    folder: Path, recordings: tuple[str, ...], url: str | None, accept_edited: bool, as_json: bool
+) -> None:
     """Replay recordings through the C of an emitted FOLDER."""
     from springpot.host.validation.store import store_validation
     from springpot.host.validation.validation import fail_on_mismatch, validate
@@ -36,7 +40,7 @@ def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_jso
 
     found = read_recordings(map(Path, recordings))
     with progress_console.status(f"replaying {len(found)} recordings"):
-        validation = validate(folder, found, device=url)
+        validation = validate(folder, found, device=url, accept_edited=accept_edited)
     store_validation(folder, validation, found)
     print_result(validation.as_dict(), as_json, validation_rows(validation))
     fail_on_mismatch(folder, validation)
@@ -49,6 +53,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
     return {
+        **({"edited C": ", ".join(validation.edited)} if validation.edited else {}),
         "samples": str(found.samples)
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
         "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
