@@ -29,6 +29,7 @@ from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.validation.seen import seen_by
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
@@ -43,7 +44,8 @@ class Validation:
     """Result over all recordings; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit. edited: files of the folder that are not as emitted, and were accepted.
+    bit. edited: files of the folder that are not as emitted, and were accepted. seen: recordings that the
+    model was trained on, None where it does not say.
     """
 
     accuracy: Accuracy
@@ -53,6 +55,7 @@ class Validation:
     predicted_n: tuple[NDArray[np.float64], ...]
     manifest: dict[str, Any]
     edited: tuple[str, ...] = ()
+    seen: int | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of `validate --json`."""
@@ -72,6 +75,7 @@ class Validation:
             "tick_ns": self.ticks.as_dict(),
             "hash": self.manifest["hash"],
             "edited": list(self.edited),
+            "seen": self.seen,
         }
 
 
@@ -96,7 +100,7 @@ def validate(
     opened = nullcontext() if device is None else board_replay(device, plan, emitted.hash)
     with opened as board:
         found = _validated(plan, library, recordings, paced_s, board)
-    return replace(found, edited=emitted.edited)
+    return replace(found, edited=emitted.edited, seen=seen_by(model, recordings))
 
 
 def fail_on_mismatch(folder: Path, validation: Validation) -> None:

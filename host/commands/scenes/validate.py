@@ -48,11 +48,15 @@ def validate_(
 
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
+    from springpot.host.validation.seen import seen_line
+
     found, ticks = validation.accuracy, validation.ticks
+    told = seen_line(validation.seen, len(validation.predicted_n))
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
     return {
+        **({"training data": told} if told else {}),
         **({"edited C": ", ".join(validation.edited)} if validation.edited else {}),
         "samples": str(found.samples)
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
