@@ -97,7 +97,7 @@ def _linked(
     prefix = scene_prefix(out)
     files = [f"{prefix}_scene.c", f"{prefix}_selftest.c", *sources]
     command = [
-        tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
+        *tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
         f"-Wl,--defsym=sp_stack_bytes={padded(_STACK_BYTES + selftest_bytes, 8)}",
@@ -112,4 +112,4 @@ def _linked(
             f"{board.name}: the firmware does not fit ({over.split(': ')[-1]}): give the "
             "scene a [budget] and `springpot emit --fit`"
         )
-    raise CompilerError(f"{tools.compiler} refused the firmware: {result.stderr.strip()[:600]}")
+    raise CompilerError(f"{tools.compiler[0]} refused the firmware: {result.stderr.strip()[:600]}")

@@ -98,7 +98,7 @@ class Session:
         finally:
             self.line, self.error = run.why()
             if error[0] is not None and run.error is None:
-                self.line = f"stopped by {error[0].__name__}"
+                self.line = _left_by(error[1])
             self._report(self.line)
             self._close_log(run)
 
@@ -179,6 +179,13 @@ class Session:
                 metadata = {"stopped": self.line, "state": asdict(run.state),
                          "counts": asdict(run.counts), "scheduler": run.scheduler()}  # fmt: skip
                 log.finish({"end": metadata})
+
+
+def _left_by(error: BaseException) -> str:
+    """Why the session was left, where the loop itself had not ended."""
+    if isinstance(error, KeyboardInterrupt):
+        return f"interrupted by {str(error) or 'Ctrl-C'}: zero force was sent"
+    return f"stopped by {type(error).__name__}"
 
 
 def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:

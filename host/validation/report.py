@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
 from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
 from springpot.host.native.scene_library import scene_prefix
@@ -44,7 +45,7 @@ def write_report(folder: Path) -> Path:
         "commands": _commands(folder, stored, manifest),
     }
     path = folder / _REPORT_NAME
-    path.write_text(page_text("report.html", context), encoding="utf-8")
+    write_file(path, page_text("report.html", context).encode())
     return path
 
 

@@ -44,8 +44,8 @@ class Validation:
     """Result over all recordings; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit. edited: files of the folder that are not as emitted, and were accepted. seen: recordings that the
-    model was trained on, None where it does not say.
+    bit. edited: files of the folder that are not as emitted, and were accepted. seen: how many
+    recordings the model was trained on, None where it does not say.
     """
 
     accuracy: Accuracy

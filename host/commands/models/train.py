@@ -115,8 +115,8 @@ def train(
     """Fit a model on RECORDINGS (files or folders)."""
     from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
     from springpot.host.console.quality import report_quality
-    from springpot.host.validation.training import training_result, training_rows, validated
     from springpot.host.validation.seen import seen_by
+    from springpot.host.validation.training import training_result, training_rows, validated
     from springpot.trainer.recordings.recording_file import read_recordings
 
     if out.suffix != MODEL_SUFFIX:

@@ -1,5 +1,6 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,7 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import POSITIVE, accept_edited_option
-from springpot.host.console.output import json_option, print_result, progress_console, say
+from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
 
 
@@ -66,12 +67,9 @@ def run(
             report=_say_above,
             accept_edited=accept_edited,
         )
-        try:
-            with session:
-                session.start()
-                watch(session.runner)
-        except KeyboardInterrupt:
-            say("interrupted: zero force was sent")
+        with contextlib.suppress(KeyboardInterrupt), session:  # the session says that and why
+            session.start()
+            watch(session.runner)
         result = session.result()
     print_result(result, as_json, _rows(result))
     if session.error is not None:

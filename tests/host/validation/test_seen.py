@@ -34,8 +34,8 @@ def cut(item: Recording) -> Recording:
 def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A model, its C, and three recordings: two of the training under another name."""
     folder = tmp_path_factory.mktemp("seen")
-    for name, items in (("training", training()),
-                        ("mixed", (NEW, renamed(training()[0]), renamed(training()[5])))):  # fmt: skip
+    mixed = (NEW, renamed(training()[0]), renamed(training()[5]))
+    for name, items in (("training", training()), ("mixed", mixed)):
         (folder / name).mkdir()
         for item in items:
             write_recording(folder / name / f"{item.name}.h5", item)
