@@ -13,8 +13,8 @@ CHECKSUMS = "from/files.json"
 _OWN_LATER = {"validation", "report.html", "example"}
 # For a build by hand, and its user's to change: springpot compiles neither these nor with these.
 _FOR_BY_HAND = {"main.c", "Makefile", "flags.mk"}
-# A header more in the folder would be taken in the place of a system's.
-_HEADERS = {".h", ".gch"}
+# What a build reads. A header more would be taken in the place of a system's.
+_READ = ("*.h", "*.gch", "*_scene.c", "*_selftest.c", "manifest.json", "from/*")
 _MAX_BYTES = 1 << 30
 
 
@@ -83,9 +83,9 @@ def _edited(folder: Path) -> tuple[str, ...]:
         for name, digest in known.items()
         if name not in _FOR_BY_HAND and _digest(folder / name) != digest
     }
-    more = {
-        str(file.relative_to(folder)) for file in folder.rglob("*") if file.suffix in _HEADERS
-    } - known.keys()
+    read = {file for pattern in _READ for file in folder.rglob(pattern)}
+    read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
+    more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
     return tuple(sorted(changed | more))
 
 
@@ -95,12 +95,13 @@ def _known(folder: Path) -> dict[str, str]:
         known = json.loads(read_bounded(folder / CHECKSUMS, _MAX_BYTES))
     except (OSError, ValueError, DataError):
         return {}
-    return known if isinstance(known, dict) else {}
+    fits = isinstance(known, dict) and all(name.isprintable() for name in known)
+    return known if fits else {}
 
 
 def _digest(file: Path) -> str:
     """SHA-256 of a file; nothing where there is none to be read."""
     try:
         return hashlib.sha256(read_bounded(file, _MAX_BYTES)).hexdigest()
-    except (OSError, DataError):
+    except (OSError, ValueError, DataError):
         return ""

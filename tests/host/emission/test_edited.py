@@ -11,6 +11,7 @@ from support.small import model_file, press, recording, scene
 
 import springpot
 from springpot.codegen.errors import DataError
+from springpot.host.emission.checksums import CHECKSUMS
 from springpot.host.emission.emission import emit, read_emission
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
@@ -140,4 +141,30 @@ def test_two_scenes_in_one_folder_are_named(folder: Path) -> None:
     shutil.copyfile(folder / "sp_scene.c", folder / "my_scene.c")
     done = spring("build", folder)
     assert done.returncode == 3
+    assert "my_scene.c: not as springpot emitted it" in done.stderr
+    done = spring("build", folder, "--accept-edited")
+    assert done.returncode == 3
     assert "holds my_scene.c and sp_scene.c: remove the one" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "first"),
+    [("sp_scene.c", "sp_scene.c"), ("from/scene.json", "from/scene.json"), ("a\nb", CHECKSUMS)],
+)
+def test_a_list_that_leaves_out_a_file_hides_no_edit(folder: Path, name: str, first: str) -> None:
+    listed = json.loads((folder / CHECKSUMS).read_text())
+    if listed.pop(name, None) is None:
+        listed[name] = "0"
+    (folder / CHECKSUMS).write_text(json.dumps(listed))
+    done = spring("build", folder)
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+    assert f"{folder / first}: not as springpot emitted it" in done.stderr
+
+
+def test_a_folder_of_headers_behind_a_link_is_seen(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    (folder / "bits").symlink_to(tmp_path / "elsewhere")
+    done = spring("build", folder)
+    assert done.returncode == 3
+    assert f"{folder}/bits: not as springpot emitted it" in done.stderr

@@ -49,7 +49,10 @@ def test_train_validate_and_report_say_it_first(job: Path) -> None:
     assert json.loads(spring(*train, "--json").stdout)["seen"] == 2
     first = " ".join(spring(*train).stdout.split())
     assert first.startswith(f"training data {TOLD[:40]}")
-    assert spring("emit", "--scene", job / "scene.toml", "--out", job / "c").returncode == 0
+    emitted = spring("emit", "--scene", job / "scene.toml", "--out", job / "c",
+                     "--recording", job / "mixed")  # fmt: skip
+    assert emitted.returncode == 0
+    assert emitted.stderr.startswith(TOLD)
     validate = ["validate", job / "c", "--recording", job / "mixed"]
     assert json.loads(spring(*validate, "--json").stdout)["seen"] == 2
     shown = " ".join(spring(*validate).stdout.split())
