@@ -12,6 +12,7 @@ from springpot.codegen.model.regressors import Regressor
 
 Contact = Literal["surface", "always"]
 Basis = Literal["powers", "ramps"]
+BASIS_SIZE: dict[Basis, int] = {"powers": 3, "ramps": 8}  # functions of each
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,11 +20,11 @@ from springpot.codegen.model.features import (
     PositionVelocity,
     RecursiveBank,
 )
-from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.model import BASIS_SIZE, Hammerstein, Model, TrainedRange
+from springpot.codegen.model.provenance import require_provenance
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.tree_shape import require_trees
 
-CURVES = {"powers": 3, "ramps": 8}  # functions of each basis
 # Far beyond what a hand, a soft object and a control loop can have.
 _MAX_M, _MAX_MPS, _MAX_N = 100.0, 1e4, 1e4
 _MIN_DT_S, _MAX_DT_S = 1e-6, 1e2
@@ -52,11 +52,9 @@ def _model(model: Model, n_features: int) -> None:
     adds = model.hammerstein is not None and model.hammerstein_adds
     _require(adds or model.regressor is not None, "regressor, hammerstein: no force")
     _require(adds == model.hammerstein_adds, "hammerstein_adds: nothing to add")
-    for name in ("seed", "rows", "rows_total"):
-        found = model.provenance.get(name, 0)
-        fits = isinstance(found, int) and found >= 0
-        _require(fits, f"provenance.{name}: no whole number of 0 or more")
-    _require(_is_finite_json(model.provenance), "provenance: a number that is not finite")
+    require_provenance(model.provenance)
+    law = model.kind == "springpot" and "material" in model.provenance
+    _require(not law or model.hammerstein is not None, "provenance.material: of no passive model")
     for part, value in (
         ("trained", model.trained),
         ("features", model.features),
@@ -82,7 +80,7 @@ def _trained(trained: TrainedRange, n_features: int) -> None:
 
 @require_valid.register
 def _hammerstein(passive: Hammerstein, n_features: int) -> None:
-    curves = CURVES[passive.basis]
+    curves = BASIS_SIZE[passive.basis]
     branches, stops = passive.tau_s.size, passive.radius_m.size
     _require(0.0 < passive.span_m <= _MAX_M, f"span_m: {passive.span_m:g} m is no depth above 0")
     _require(abs(passive.origin_m) <= _MAX_M, f"origin_m: {passive.origin_m:g} m")
@@ -186,10 +184,3 @@ def _shaped(name: str, values: NDArray[np.float64], shape: tuple[int, ...]) -> N
 def _positive(name: str, values: NDArray[np.float64]) -> None:
     low = float(values.min(initial=math.inf))
     _require(low > 0.0, f"{name}: {low:g} is not above 0")
-
-
-def _is_finite_json(value: Any) -> bool:
-    if isinstance(value, float):
-        return math.isfinite(value)
-    items = value.values() if hasattr(value, "values") else value
-    return not isinstance(value, list | tuple | dict) or all(map(_is_finite_json, items))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, struct_text
-from springpot.codegen.model.model import Basis, Hammerstein
+from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.recursive import SLOW_TICKS, loss_and_gain
 from springpot.codegen.stages.stage import (
@@ -23,8 +23,6 @@ from springpot.codegen.stages.stage import (
     padded,
     segments,
 )
-
-BASIS_SIZE: dict[Basis, int] = {"powers": 3, "ramps": 8}
 
 
 @dataclass(frozen=True)

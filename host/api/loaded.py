@@ -16,20 +16,28 @@ if TYPE_CHECKING:
     from springpot.host.native.scene_library import SceneState
 
 
-def load(folder: File) -> "LoadedScene":
+def load(folder: File, *, accept_edited: bool = False) -> "LoadedScene":
     """Build the C of an emitted folder, or take it from the cache, and load it.
 
-    Raises DataError where the folder is none, or of another version.
+    Raises DataError where the folder is none, of another version, or not as emitted, unless that is
+    accepted: the result's `edited` names the files.
     """
-    return LoadedScene(Path(folder))
+    return LoadedScene(Path(folder), accept_edited)
 
 
 class LoadedScene:
-    """What `load` returns. manifest: of the emission, as in manifest.json."""
+    """What `load` returns. manifest: of the emission, as in manifest.json.
 
-    def __init__(self, folder: Path) -> None:
+    edited: files of the folder that are not as emitted, and were accepted.
+    """
+
+    def __init__(self, folder: Path, accept_edited: bool = False) -> None:
+        from springpot.host.emission.checksums import require_as_emitted
+        from springpot.host.emission.emission import require_emission
         from springpot.host.native.scene_library import SceneLibrary
 
+        require_emission(folder)
+        self.edited = require_as_emitted(folder, accept_edited)
         self._library = SceneLibrary(folder)
         self.manifest: dict[str, Any] = self._library.manifest
 

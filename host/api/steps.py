@@ -118,15 +118,17 @@ def validate(
     *,
     paced_s: float = 3.0,
     device: str | None = None,
+    accept_edited: bool = False,
 ) -> "Validation":
     """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
 
     paced_s: how long ticks are timed at the scene's rate, s. device: URL of a board that renders
-    the scene too. Raises DataError for recordings of another rate or zero than the model's.
+    the scene too. accept_edited: C that is not as emitted is no refusal; the result's `edited`
+    names its files. Raises DataError for recordings of another rate or zero than the model's.
     """
     from springpot.host.validation.validation import validate as validate_folder
 
-    return validate_folder(Path(folder), _some(recordings), paced_s, device)
+    return validate_folder(Path(folder), _some(recordings), paced_s, device, accept_edited)
 
 
 def stability(

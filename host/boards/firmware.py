@@ -1,6 +1,5 @@
 """Firmware: an emitted scene, the protocol and a board's port, built for that board."""
 
-import json
 import shutil
 import subprocess
 from pathlib import Path
@@ -25,25 +24,29 @@ _NAME = "firmware.elf"
 _STACK_BYTES = 4096  # of everything else
 
 
-def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) -> Path:
+def build_firmware(
+    folder: Path, board: Board, out: Path, strict: bool = False, accept_edited: bool = False
+) -> Path:
     """Build the firmware of an emitted folder into `out`, with all its sources beside it.
 
-    Raises UsageError without a compiler, BudgetError where it does not fit the board.
+    Raises UsageError without a compiler, BudgetError where it does not fit the board, DataError
+    where the C is not as emitted, unless that is accepted: the board then reports another hash.
     """
-    plan, _ = read_emission(folder)
+    emitted = read_emission(folder, accept_edited)
+    plan = emitted.plan
     _copy(folder, out)
     for name in (*_COMMON, *_headers(), *board.sources):
         _port_file(name, plan, out)
     for name in _WIRE:
         shutil.copyfile(PORT_WIRE / name, out / name)
-    (out / "sp_metadata.h").write_text(_metadata(plan, folder))
+    (out / "sp_metadata.h").write_text(_metadata(plan, emitted.hash))
     sources = (*_COMMON, "sp_wire.c", *board.sources)
     return _linked(board, out, sources, state_bytes(plan), strict)
 
 
 def build_batch(folder: Path, board: Board, out: Path) -> Path:
     """Build the program that makes calls out of a file, for the emulator (sp_batch.c)."""
-    plan, _ = read_emission(folder)
+    plan = read_emission(folder).plan
     _copy(folder, out)
     for name in ("sp_batch.c", "sp_port.c", "sp_transducer.c", *_headers(), *board.sources):
         _port_file(name, plan, out)
@@ -68,9 +71,9 @@ def _port_file(name: str, plan: Plan, out: Path) -> None:
     (out / name).write_text(prefixed(text, prefix))
 
 
-def _metadata(plan: Plan, folder: Path) -> str:
+def _metadata(plan: Plan, scene_hash: str) -> str:
     """What the protocol says of the scene."""
-    digest = bytes.fromhex(json.loads((folder / "manifest.json").read_text())["hash"])
+    digest = bytes.fromhex(scene_hash)
     items = ", ".join(f"{byte}" for byte in digest)
     max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
     return (
@@ -94,7 +97,7 @@ def _linked(
     prefix = scene_prefix(out)
     files = [f"{prefix}_scene.c", f"{prefix}_selftest.c", *sources]
     command = [
-        tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
+        *tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
         f"-Wl,--defsym=sp_stack_bytes={padded(_STACK_BYTES + selftest_bytes, 8)}",
@@ -109,4 +112,4 @@ def _linked(
             f"{board.name}: the firmware does not fit ({over.split(': ')[-1]}): give the "
             "scene a [budget] and `springpot emit --fit`"
         )
-    raise CompilerError(f"{tools.compiler} refused the firmware: {result.stderr.strip()[:600]}")
+    raise CompilerError(f"{tools.compiler[0]} refused the firmware: {result.stderr.strip()[:600]}")

@@ -39,3 +39,9 @@ SEED = click.IntRange(0, 2**32 - 1)
 POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)
 PERCENT = Percent()
+
+accept_edited_option = click.option(
+    "--accept-edited",
+    is_flag=True,
+    help="Take C that was changed after it was emitted; logs and reports name its files.",
+)

@@ -49,10 +49,10 @@ def examine() -> list[Diagnosis]:
 
 def _compiler() -> Diagnosis:
     try:
-        path = find_compiler()
+        compiler = find_compiler()
     except CompilerError as error:
         return Diagnosis("C compiler", False, "none", str(error))
-    return Diagnosis("C compiler", True, f"{path}: {compiler_version(path)}")
+    return Diagnosis("C compiler", True, f"{' '.join(compiler)}: {compiler_version(compiler)}")
 
 
 def _cache() -> Diagnosis:

@@ -1,14 +1,21 @@
-"""Checksums of an emitted folder: what a user changed there is never replaced."""
+"""Checksums of an emitted folder: what was changed there is never replaced, nor run unnoticed."""
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.regular_file import read_bounded
 
 CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.
 _OWN_LATER = {"validation", "report.html", "example"}
+# For a build by hand, and its user's to change: springpot compiles neither these nor with these.
+_FOR_BY_HAND = {"main.c", "Makefile", "flags.mk"}
+# What a build reads. A header more would be taken in the place of a system's.
+_READ = ("*.h", "*.gch", "*_scene.c", "*_selftest.c", "manifest.json", "from/*")
+_MAX_BYTES = 1 << 30
 
 
 def require_replaceable(folder: Path) -> None:
@@ -21,12 +28,12 @@ def require_replaceable(folder: Path) -> None:
                 f"{folder}: holds files that springpot did not emit: give --out an empty or new "
                 "folder"
             )
-        known = json.loads((folder / CHECKSUMS).read_text())
+        known = _known(folder)
         for file in sorted(folder.rglob("*")):
             name = str(file.relative_to(folder))
             if file.is_dir() or name == CHECKSUMS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
                 continue
-            if known.get(name) != hashlib.sha256(file.read_bytes()).hexdigest():
+            if known.get(name) != _digest(file):
                 raise UsageError(
                     f"{file}: not as springpot emitted it: move your changes out of {folder}, or "
                     "give --out another folder"
@@ -34,11 +41,67 @@ def require_replaceable(folder: Path) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
 
 
+def require_as_emitted(folder: Path, accept_edited: bool = False) -> tuple[str, ...]:
+    """Names of the files that a build takes and that are not as emitted: none, unless accepted.
+
+    Raises DataError naming the first where they are not accepted.
+    """
+    edited = _edited(folder)
+    if edited and not accept_edited:
+        more = f" (and {len(edited) - 1} more)" if len(edited) > 1 else ""
+        what = "not as springpot emitted it" if (folder / edited[0]).exists() else "missing"
+        raise DataError(
+            f"{folder / edited[0]}: {what}{more}: `springpot emit` again into another folder; or "
+            "use it as it is with --accept-edited, which logs and reports then say"
+        )
+    return edited
+
+
+def edited_hash(emitted: str, folder: Path, edited: Sequence[str]) -> str:
+    """The hash of an emission, of its edits too: boards and logs tell one from the other."""
+    if not edited:
+        return emitted
+    digest = hashlib.sha256(emitted.encode())
+    for name in edited:
+        digest.update(f"{name} {_digest(folder / name)}\n".encode())
+    return digest.hexdigest()
+
+
 def write_checksums(folder: Path) -> None:
     """SHA-256 of every file of a new emission, in the folder itself."""
-    files = [file for file in folder.rglob("*") if file.is_file()]
-    checksums = {
-        str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in files
-    }
+    files = [file for file in folder.rglob("*") if file.is_file() and file != folder / CHECKSUMS]
+    checksums = {str(file.relative_to(folder)): _digest(file) for file in files}
     (folder / CHECKSUMS).write_text(json.dumps(checksums, indent=2, sort_keys=True) + "\n")
+
+
+def _edited(folder: Path) -> tuple[str, ...]:
+    known = _known(folder)
+    if not known:
+        return (CHECKSUMS,)
+    changed = {
+        name
+        for name, digest in known.items()
+        if name not in _FOR_BY_HAND and _digest(folder / name) != digest
+    }
+    read = {file for pattern in _READ for file in folder.rglob(pattern)}
+    read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
+    more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
+    return tuple(sorted(changed | more))
+
+
+def _known(folder: Path) -> dict[str, str]:
+    """Name -> digest; nothing where the list is missing or no list."""
+    try:
+        known = json.loads(read_bounded(folder / CHECKSUMS, _MAX_BYTES))
+    except (OSError, ValueError, DataError):
+        return {}
+    fits = isinstance(known, dict) and all(name.isprintable() for name in known)
+    return known if fits else {}
+
+
+def _digest(file: Path) -> str:
+    """SHA-256 of a file; nothing where there is none to be read."""
+    try:
+        return hashlib.sha256(read_bounded(file, _MAX_BYTES)).hexdigest()
+    except (OSError, ValueError, DataError):
+        return ""

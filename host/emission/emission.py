@@ -3,7 +3,7 @@
 import json
 import shutil
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from springpot.codegen.atomic_write import folder_written_aside
@@ -14,7 +14,12 @@ from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Scene
-from springpot.host.emission.checksums import require_replaceable, write_checksums
+from springpot.host.emission.checksums import (
+    edited_hash,
+    require_as_emitted,
+    require_replaceable,
+    write_checksums,
+)
 from springpot.host.emission.result import Emission, budget_excess, budgeted_sizes, require_sizes
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
@@ -54,14 +59,41 @@ def emit(
         return _built(plan, aside, folder, write_s, accept_unmeasured)
 
 
-def read_emission(folder: Path) -> tuple[Plan, Model]:
-    """Read back the plan of an emitted folder from what it was made from."""
+@dataclass(frozen=True, eq=False)
+class Emitted:
+    """An emitted folder read back.
+
+    edited: files that are not as emitted, and were accepted. hash: of the emission, and of them.
+    """
+
+    plan: Plan
+    model: Model
+    edited: tuple[str, ...]
+    hash: str
+
+
+def require_emission(folder: Path) -> None:
+    """Raise DataError where the folder is none of `emit`."""
     if not (folder / SCENE_COPY).exists():
         raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
+
+
+def read_emission(folder: Path, accept_edited: bool = False) -> Emitted:
+    """Read back the plan of an emitted folder from what it was made from.
+
+    Raises DataError where a file is not as emitted, unless that is accepted.
+    """
+    require_emission(folder)
+    edited = require_as_emitted(folder, accept_edited)
     model = read_model(folder / MODEL_COPY)
     scene = scene_from_json((folder / SCENE_COPY).read_text(), str(folder / SCENE_COPY))
-    accepted = json.loads((folder / "manifest.json").read_text()).get("accept_unsafe", False)
-    return make_plan(model, scene, accepted), model
+    try:
+        metadata = json.loads((folder / "manifest.json").read_text())
+        accepted, emitted_hash = bool(metadata["accept_unsafe"]), str(metadata["hash"])
+    except (OSError, ValueError, KeyError, TypeError):
+        raise DataError(f"{folder / 'manifest.json'}: no manifest: emit again") from None
+    plan = make_plan(model, scene, accepted)
+    return Emitted(plan, model, edited, edited_hash(emitted_hash, folder, edited))
 
 
 def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:

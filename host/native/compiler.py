@@ -3,6 +3,7 @@
 import hashlib
 import os
 import platform
+import shlex
 import shutil
 import stat
 import subprocess
@@ -30,20 +31,26 @@ def cache_folder() -> Path:
 
 
 @cache
-def find_compiler() -> str:
-    """Return the path of $CC, gcc, clang or cc, the first that exists.
+def find_compiler() -> tuple[str, ...]:
+    """Return the command that compiles: $CC, which may be several words, gcc, clang or cc.
 
-    Raises NoCompilerError with what to install where there is none.
+    The first word is a path. Raises NoCompilerError with what to install where there is none.
     """
-    asked = os.environ.get("CC")
+    asked = os.environ.get("CC", "").strip()
     if asked:
-        found = shutil.which(asked)
+        try:
+            words = [asked] if shutil.which(asked) else shlex.split(asked)
+        except ValueError as error:
+            raise NoCompilerError(f"CC={asked}: cannot be read ({error}): unset CC") from None
+        found = shutil.which(words[0])
         if found is None:
-            raise NoCompilerError(f"CC={asked}: no such compiler on PATH: unset CC or install it")
-        return found
+            raise NoCompilerError(
+                f"CC={asked}: no {words[0]} on PATH: unset CC, or install what it names"
+            )
+        return (found, *words[1:])
     for name in ("gcc", "clang", "cc"):
         if found := shutil.which(name):
-            return found
+            return (found,)
     raise NoCompilerError(
         "no C compiler on PATH (looked for gcc, clang, cc): install one, "
         "for example with `apt-get install gcc`, or set CC"
@@ -51,20 +58,22 @@ def find_compiler() -> str:
 
 
 @cache
-def compiler_version(compiler: str) -> str:
+def compiler_version(compiler: tuple[str, ...]) -> str:
     """First line of `compiler --version`."""
-    result = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False)
-    return (result.stdout or result.stderr).splitlines()[0].strip()
+    result = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False)
+    lines = (result.stdout or result.stderr).splitlines()
+    return lines[0].strip() if lines else f"{' '.join(compiler)}, of no known version"
 
 
 def run_compiler(arguments: Sequence[str]) -> None:
     """Run the compiler; raise CompilerError with its first error line where it fails."""
     compiler = find_compiler()
-    result = subprocess.run([compiler, *arguments], capture_output=True, text=True, check=False)
+    name = " ".join(compiler)
+    result = subprocess.run([*compiler, *arguments], capture_output=True, text=True, check=False)
     if result.returncode != 0:
         lines = [line for line in result.stderr.splitlines() if "error" in line]
         first = lines[0] if lines else result.stderr.strip()[-300:]
-        raise CompilerError(f"{compiler} refused the sources: {first}")
+        raise CompilerError(f"{name} refused the sources: {first}")
 
 
 def shared_library(
@@ -92,7 +101,9 @@ def shared_library(
     with written_aside(library) as built:
         run_compiler([*build_flags, *folders, *map(str, sources), "-o", str(built), "-lm"])
         if not built.exists():
-            raise CompilerError(f"{find_compiler()} wrote no library: set CC to a C compiler")
+            raise CompilerError(
+                f"{' '.join(find_compiler())} wrote no library: set CC to a C compiler"
+            )
         built.chmod(0o700)  # whatever the umask: see _require_own
         digest = hashlib.sha256(built.read_bytes()).hexdigest()
     with written_aside(checksum) as aside:
@@ -137,6 +148,7 @@ def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence
         digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
     metadata = [
         compiler_version(find_compiler()),
+        *find_compiler(),
         *build_flags,
         platform.machine(),
         platform.system(),

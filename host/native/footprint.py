@@ -31,7 +31,7 @@ def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
         command = [
-            tools.compiler, *flags("SP_CFLAGS"), *tools.flags, "-fcallgraph-info=su", "-c",
+            *tools.compiler, *flags("SP_CFLAGS"), *tools.flags, "-fcallgraph-info=su", "-c",
             str(folder / source), "-o", str(built),
         ]  # fmt: skip
         graph = True
@@ -41,7 +41,9 @@ def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
             graph = False
             result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
-            raise CompilerError(f"{tools.compiler} refused {source}: {result.stderr.strip()[:300]}")
+            raise CompilerError(
+                f"{tools.compiler[0]} refused {source}: {result.stderr.strip()[:300]}"
+            )
         sizes = subprocess.run(
             [tools.size, "-A", "-d", str(built)], capture_output=True, text=True, check=True
         ).stdout

@@ -16,8 +16,11 @@ from springpot.host.native.compiler import shared_library
 def scene_prefix(folder: Path) -> str:
     """Prefix of the C names in an emitted folder. Raises DataError where it is none."""
     sources = sorted(folder.glob("*_scene.c"))
-    if len(sources) != 1:
+    if not sources:
         raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
+    if len(sources) > 1:
+        names = " and ".join(source.name for source in sources[:2])
+        raise DataError(f"{folder}: holds {names}: remove the one that springpot did not emit")
     return sources[0].name.removesuffix("_scene.c")
 
 

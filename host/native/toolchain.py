@@ -8,9 +8,9 @@ from springpot.host.native.compiler import find_compiler
 
 @dataclass(frozen=True)
 class Toolchain:
-    """A compiler, its size tool, and the flags of one target."""
+    """A compiler's command, its size tool, and the flags of one target."""
 
-    compiler: str
+    compiler: tuple[str, ...]
     size: str
     flags: tuple[str, ...]
 
@@ -45,7 +45,7 @@ def toolchain(target: str) -> Toolchain | None:
     compiler, size = shutil.which(prefix + "gcc"), shutil.which(prefix + "size")
     if compiler is None or size is None:
         return None
-    return Toolchain(compiler, size, flags)
+    return Toolchain((compiler,), size, flags)
 
 
 def package_of(target: str) -> str:

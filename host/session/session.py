@@ -30,7 +30,8 @@ class Session:
 
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
-    them the session ends. Raises DeviceError where the device cannot be used as the scene wants.
+    them the session ends. accept_edited: C that is not as emitted is no refusal, log and result
+    name its files. Raises DeviceError where the device cannot be used as the scene wants.
     """
 
     def __init__(
@@ -44,8 +45,10 @@ class Session:
         max_depth_m: float | None = None,
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = say,
+        accept_edited: bool = False,
     ) -> None:
-        plan, _ = read_emission(Path(folder))
+        emitted = read_emission(Path(folder), accept_edited)
+        plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
         self._scene = SceneLibrary(Path(folder))
         max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
         settings = LoopSettings(
@@ -60,7 +63,7 @@ class Session:
             rate_hz=1 / plan.dt_s,
             watchdog_s=plan.watchdog_s,
             max_n=min(max_n, settings.max_force_n),
-            hash=self._scene.manifest["hash"],
+            hash=self._hash,
         )
         self._zero: Zero = "none" if plan.contact else "first"
         self._file, self._url = None if log is None else Path(log), url
@@ -76,7 +79,7 @@ class Session:
     def __enter__(self) -> Self:
         if self._file is not None:
             details = {"session": {"scene": self._scene.manifest["scene"], "device": self._url,
-                                   "hash": self._scene.manifest["hash"]}}  # fmt: skip
+                                   "hash": self._hash, "edited": self._edited}}  # fmt: skip
             self._log = SessionLog(
                 self._file, self._settings.period_s, self._url, details, zero=self._zero
             )
@@ -95,7 +98,7 @@ class Session:
         finally:
             self.line, self.error = run.why()
             if error[0] is not None and run.error is None:
-                self.line = f"stopped by {error[0].__name__}"
+                self.line = _left_by(error[1])
             self._report(self.line)
             self._close_log(run)
 
@@ -157,7 +160,8 @@ class Session:
             "flight": str(self.flight_file) if self.flight_file is not None else None,
             "scheduler": run.scheduler(),
             "stopped": self.line,
-            "hash": self._scene.manifest["hash"],
+            "hash": self._hash,
+            "edited": self._edited,
         }
 
     def _close_log(self, run: SessionRunner) -> None:
@@ -175,6 +179,13 @@ class Session:
                 metadata = {"stopped": self.line, "state": asdict(run.state),
                          "counts": asdict(run.counts), "scheduler": run.scheduler()}  # fmt: skip
                 log.finish({"end": metadata})
+
+
+def _left_by(error: BaseException) -> str:
+    """Why the session was left, where the loop itself had not ended."""
+    if isinstance(error, KeyboardInterrupt):
+        return f"interrupted by {str(error) or 'Ctrl-C'}: zero force was sent"
+    return f"stopped by {type(error).__name__}"
 
 
 def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:

@@ -60,7 +60,7 @@ def stopping_on_sigterm() -> Iterator[None]:
     """Leave with statements, and so end with zero force, when the process is asked to end."""
 
     def leave(_number: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt("SIGTERM")  # Python's own of Ctrl-C says nothing
 
     before = signal.signal(signal.SIGTERM, leave)
     try:

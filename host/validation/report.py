@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.atomic_write import write_file
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
-from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission
+from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
 from springpot.host.metrics import start_up_ramp
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, scene_prefix
@@ -36,10 +38,15 @@ def write_report(folder: Path) -> Path:
     Runs a minute's hold and the whole stability check. Raises DataError where the folder was not
     emitted or validated.
     """
-    plan, model = read_emission(folder)
+    require_emission(folder)
     stored = read_validation(folder)
+    result = stored.metadata["result"]
+    emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
+    if emitted.hash != result["hash"]:
+        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
+    plan, model = emitted.plan, emitted.model
     library = SceneLibrary(folder)
-    result, manifest = stored.metadata["result"], json.loads((folder / "manifest.json").read_text())
+    manifest = json.loads((folder / "manifest.json").read_text())
     ramps = _ramps(plan, library, stored.series)
     speeds = errors_by_speed(stored.series, ramps)
     mean_error_n = _mean_error_n(stored.series, ramps)
@@ -75,7 +82,7 @@ def write_report(folder: Path) -> Path:
         **stability_section(checked),
     }
     path = folder / _REPORT_NAME
-    path.write_text(page_text("report.html", context, angle=_angle), encoding="utf-8")
+    write_file(path, page_text("report.html", context, angle=_angle).encode())
     return path
 
 

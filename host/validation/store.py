@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import DataError
 from springpot.host.native.machine import machine_metadata
 from springpot.host.validation.validation import Validation
@@ -56,8 +57,9 @@ def store_validation(folder: Path, validation: Validation, recordings: Sequence[
         arrays[f"position_m_{i}"] = rec.position_m
         arrays[f"measured_n_{i}"] = rec.force_n
         arrays[f"predicted_n_{i}"] = predicted_n
-    np.savez_compressed(target / _SERIES, allow_pickle=False, **arrays)
-    (target / _METADATA).write_text(json.dumps(metadata, indent=2) + "\n")
+    with written_aside(target / _SERIES) as aside, aside.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+    write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
 
 
 def read_validation(folder: Path) -> Stored:

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.host.metrics import Accuracy, accuracy
+from springpot.host.validation.seen import seen_line
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.recording import Recording
 
@@ -56,7 +57,9 @@ def training_rows(
     """A person's view of a fit."""
     sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
              if key in result]  # fmt: skip
+    told = seen_line(result["seen"], tested) if found is not None else ""
     rows = {
+        **({"training data": told} if told else {}),
         "model": f"{fit.model.kind}, {', '.join(sizes)}, {out}",
         "rows": f"{fit.rows} of {result['rows_total']}",
         "memory": f"{result['window_s']:.4g} s",

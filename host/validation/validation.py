@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.validation.seen import seen_by
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
@@ -43,7 +44,8 @@ class Validation:
     """Result over all recordings; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit.
+    bit. edited: files of the folder that are not as emitted, and were accepted. seen: how many
+    recordings the model was trained on, None where it does not say.
     """
 
     accuracy: Accuracy
@@ -52,6 +54,8 @@ class Validation:
     ticks: TickTimes
     predicted_n: tuple[NDArray[np.float64], ...]
     manifest: dict[str, Any]
+    edited: tuple[str, ...] = ()
+    seen: int | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of `validate --json`."""
@@ -63,6 +67,7 @@ class Validation:
             "rmse_percent_of_peak": found.rmse_percent_of_peak,
             "mean_recording_rmse_n": found.mean_recording_rmse_n,
             "mean_recording_rmse_interval_n": found.interval_n,
+            "mean_error_n": found.mean_error_n,
             "max_abs_error_n": found.max_abs_error_n,
             "p99_abs_error_n": found.p99_abs_error_n,
             "ape_below_jnd": found.ape_below_jnd,
@@ -70,6 +75,8 @@ class Validation:
             "notes": self.notes,
             "tick_ns": self.ticks.as_dict(),
             "hash": self.manifest["hash"],
+            "edited": list(self.edited),
+            "seen": self.seen,
         }
 
 
@@ -78,20 +85,23 @@ def validate(
     recordings: Sequence[Recording],
     paced_s: float = PACED_S,
     device: str | None = None,
+    accept_edited: bool = False,
 ) -> Validation:
     """Replay every recording from a fresh state; with `device`, through the board of that URL too.
 
-    Raises DataError for another sampling rate, DeviceError where the board does not answer.
+    Raises DataError for another sampling rate, or where the C is not as emitted, unless that is
+    accepted; DeviceError where the board does not answer.
     """
-    plan, model = read_emission(folder)
+    emitted = read_emission(folder, accept_edited)
+    plan, model = emitted.plan, emitted.model
     for recording in recordings:
         require_compatible(recording, model, plan.dt_s)
     library = SceneLibrary(folder)
-    opened = (
-        nullcontext() if device is None else board_replay(device, plan, library.manifest["hash"])
-    )
+    library.manifest["hash"] = emitted.hash  # of what was built, edits and all
+    opened = nullcontext() if device is None else board_replay(device, plan, emitted.hash)
     with opened as board:
-        return _validated(plan, library, recordings, paced_s, board)
+        found = _validated(plan, library, recordings, paced_s, board)
+    return replace(found, edited=emitted.edited, seen=seen_by(model, recordings))
 
 
 def fail_on_mismatch(folder: Path, validation: Validation) -> None:

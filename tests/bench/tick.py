@@ -94,7 +94,7 @@ def instructions(row: Row, position_m: np.ndarray, folder: Path) -> float | None
     if not counter.exists():
         source = HERE / "tick_count.c"
         subprocess.run(
-            [find_compiler(), "-O2", "-D_GNU_SOURCE", source, "-o", counter, "-ldl"], check=True
+            [*find_compiler(), "-O2", "-D_GNU_SOURCE", source, "-o", counter, "-ldl"], check=True
         )
     positions = folder / "positions.bin"
     position_m.astype(np.float32).tofile(positions)

@@ -85,7 +85,7 @@ def literal_row(ensemble: Any, scale: float, bank: FirBank, folder: Path) -> Row
     begin = time.perf_counter()
     score = folder / "score.o"
     subprocess.run(
-        [find_compiler(), "-O1", "-fPIC", "-c", folder / "score.c", "-o", score], check=True
+        [*find_compiler(), "-O1", "-fPIC", "-c", folder / "score.c", "-o", score], check=True
     )
     compile_s = time.perf_counter() - begin
     library = folder / "literal.so"
@@ -98,7 +98,7 @@ def literal_row(ensemble: Any, scale: float, bank: FirBank, folder: Path) -> Row
 def compiled(sources: list[Path], library: Path, extra: list[str]) -> None:
     """Shared library of C sources, with the project's flags."""
     command = [
-        find_compiler(),
+        *find_compiler(),
         *flags("SP_CFLAGS"),
         *flags("SP_SHARED"),
         *extra,

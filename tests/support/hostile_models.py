@@ -233,6 +233,14 @@ def _chain(arrays: Arrays, depth: int) -> None:
     _replace_trees(arrays, np.where(inner, 0, -1), left, right)
 
 
+_WHOLE = {"stiffness_npm": [1.0, 0.1], "coefficient": [1.0, 0.1], "order": [0.5, None]}
+_MATERIALS: tuple[Any, ...] = (
+    "soft", [], {}, {"order": [0.5, 0.1]}, {**_WHOLE, "order": 0.5}, {**_WHOLE, "order": []},
+    {**_WHOLE, "order": ["0.5", 0.1]}, {**_WHOLE, "order": [0.5]}, {**_WHOLE, "more": None},
+    {**_WHOLE, "order": [0.5, "0.1"]}, {**_WHOLE, "order": {"0": 0.5, "1": 0.1}},
+)  # fmt: skip
+
+
 def _shapes_and_ranges() -> Iterator[HostileModel]:
     for name, path, value in (
         ("rf-fd", "contact", "junk"), ("rf-fd", "kind", "x; rm -rf ~"), ("rf-fd", "kind", ""),
@@ -254,7 +262,17 @@ def _shapes_and_ranges() -> Iterator[HostileModel]:
         ("hybrid", "features.samples", {"tuple": [0, 1, 2, 6, 14, 35, 85, 206, 205]}),
         ("hybrid", "features.samples", {"tuple": [-1, 1, 2, 6, 14, 35, 85, 206, 500]}),
         ("rf-fd", "provenance", []), ("rf-fd", "provenance", {"seed": "0"}),
-        ("rf-fd", "provenance", {"rows_total": -1}), ("rf-fd", "surprise", 1.0),
+        ("rf-fd", "provenance", {"rows_total": -1}), ("rf-fd", "provenance", {"rows": True}),
+        ("rf-fd", "provenance", {"smooth_s": "0.025"}), ("rf-fd", "provenance", {"smooth_s": -1}),
+        ("rf-fd", "provenance", {"recordings": ["press"]}),
+        ("rf-fd", "provenance", {"recordings": {"press": {}}}),
+        ("rf-fd", "provenance", {"importance": {"0": 1}}),
+        ("rf-fd", "provenance", {"importance": ["1"]}),
+        *(("rf-fd", "provenance", {"material": material}) for material in _MATERIALS),
+        ("rf-fd", "provenance", {"not_identified": "order"}),
+        ("rf-fd", "provenance", {"residual_percent": "1 %"}),
+        ("rf-fd", "provenance", {"covered_hz": [2.0, 0.1]}),
+        ("rf-fd", "provenance", {"measured": [{"frequency_hz": None}]}), ("rf-fd", "surprise", 1.0),
         ("rf-fd", "part", "TrainedRange"), ("rf-fd", "part", "os"),
     ):  # fmt: skip
         yield _set(name, path, value)

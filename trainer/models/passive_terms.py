@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.model.model import Basis, Hammerstein
-from springpot.codegen.stages.hammerstein import BASIS_SIZE, basis
+from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
+from springpot.codegen.stages.hammerstein import basis
 from springpot.trainer.features.values import highpass
 from springpot.trainer.models.training_set import TrainingSet
 

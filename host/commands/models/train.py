@@ -115,6 +115,7 @@ def train(
     """Fit a model on RECORDINGS (files or folders)."""
     from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
     from springpot.host.console.quality import report_quality
+    from springpot.host.validation.seen import seen_by
     from springpot.host.validation.training import training_result, training_rows, validated
     from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -143,6 +144,7 @@ def train(
     if testing:
         found = validated(fit.model, testing, smooth_s if smooth_validation else 0.0)
         result |= {
+            "seen": seen_by(fit.model, testing),
             "rmse_n": found.rmse_n,
             "rmse_percent_of_peak": found.rmse_percent_of_peak,
             "mean_recording_rmse_n": found.mean_recording_rmse_n,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import POSITIVE
+from springpot.host.console.options import POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, say
 
 if TYPE_CHECKING:
@@ -66,10 +66,12 @@ def emit_(
     as_json: bool,
 ) -> None:
     """Emit the C source of a scene, or of a benchmark's pick (keys of --scene override it)."""
+    from springpot.codegen.model.model_file import read_model
     from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
     from springpot.host.benchmark.picks import PlatformBudget
     from springpot.host.emission.budget_fit import emit_fitting
     from springpot.host.emission.scene_file import model_path, read_scene
+    from springpot.host.validation.seen import seen_by, seen_line
     from springpot.trainer.recordings.recording_file import read_recordings
 
     scene = None if scene_file is None else read_scene(scene_file)
@@ -89,6 +91,8 @@ def emit_(
     else:
         model_file = model_file or model_path(scene, scene_file)
     measured = read_recordings(map(Path, recordings)) if recordings else []
+    if measured and (told := seen_line(seen_by(read_model(model_file), measured), len(measured))):
+        say(told)
     unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
     emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
     for notice in emission.notices:
@@ -129,13 +133,20 @@ def _stability(emission: Emission) -> str:
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
+@accept_edited_option
 @json_option
-def build(folder: Path, as_json: bool) -> None:
+def build(folder: Path, accept_edited: bool, as_json: bool) -> None:
     """Build an emitted FOLDER's shared library in the cache; print its path."""
+    from springpot.host.emission.checksums import require_as_emitted
+    from springpot.host.emission.emission import require_emission
     from springpot.host.native.scene_library import build_scene
 
+    require_emission(folder)
+    edited = require_as_emitted(folder, accept_edited)
     library = build_scene(folder)
     if as_json:
-        print_result({"library": str(library)}, True, {})
+        print_result({"library": str(library), "edited": list(edited)}, True, {})
     else:
+        if edited:
+            say(f"not as springpot emitted it: {', '.join(edited)}")
         click.echo(library)

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from springpot.host.boards.boards import BOARDS, board_of
+from springpot.host.console.options import accept_edited_option
 from springpot.host.console.output import json_option, print_result
 
 
@@ -17,15 +18,16 @@ from springpot.host.console.output import json_option, print_result
 )
 @click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@accept_edited_option
 @json_option
-def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
+def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""
     from springpot.host.boards.firmware import build_firmware
     from springpot.host.emission.folder import emitted_folder
 
     board = board_of(name)
     with emitted_folder(scene) as folder:
-        program = build_firmware(folder, board, out)
+        program = build_firmware(folder, board, out, accept_edited=accept_edited)
     run = (
         f"{' '.join([board.emulator, '-M', board.name, *board.options])} -nographic -monitor none "
         f"-chardev pty,id=c0 -serial chardev:c0 -kernel {program}"

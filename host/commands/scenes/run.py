@@ -1,13 +1,14 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import POSITIVE
-from springpot.host.console.output import json_option, print_result, progress_console, say
+from springpot.host.console.options import POSITIVE, accept_edited_option
+from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
 
 
@@ -31,6 +32,7 @@ from springpot.host.devices.device import RECONNECT_S
     show_default=True,
     help="How long to wait for a device that was unplugged.",
 )
+@accept_edited_option
 @json_option
 def run(
     scene: Path,
@@ -40,6 +42,7 @@ def run(
     max_force_n: float | None,
     max_depth_mm: float | None,
     reconnect_s: float,
+    accept_edited: bool,
     as_json: bool,
 ) -> None:
     """Render a scene on a device. Keys: q stop, p pause, r reset; Ctrl-C stops too."""
@@ -67,13 +70,11 @@ def run(
             max_depth_m=None if max_depth_mm is None else max_depth_mm / 1e3,
             reconnect_s=reconnect_s,
             report=report,
+            accept_edited=accept_edited,
         )
-        try:
-            with session:
-                session.start()
-                watch(session.runner)
-        except KeyboardInterrupt:
-            say("interrupted: zero force was sent")
+        with contextlib.suppress(KeyboardInterrupt), session:  # the session says that and why
+            session.start()
+            watch(session.runner)
         result = session.result()
     rows = _rows(result)
     if session.error is not None:
@@ -102,4 +103,5 @@ def _rows(result: dict[str, Any]) -> dict[str, str]:
         + (", latched" if result["latched"] else ""),
         "scheduler": result["scheduler"],
         "log": result["log"] or "none",
+        **({"edited C": ", ".join(result["edited"])} if result["edited"] else {}),
     }

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from springpot.host.console.options import accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
 
 if TYPE_CHECKING:
@@ -29,8 +30,11 @@ if TYPE_CHECKING:
 @click.option(
     "--device", "url", help="A board that renders the scene, such as serial:///dev/ttyACM0."
 )
+@accept_edited_option
 @json_option
-def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_json: bool) -> None:
+def validate_(
+    folder: Path, recordings: tuple[str, ...], url: str | None, accept_edited: bool, as_json: bool
+) -> None:
     """Replay recordings through the C of an emitted FOLDER."""
     from springpot.host.validation.store import store_validation
     from springpot.host.validation.validation import fail_on_mismatch, validate
@@ -38,7 +42,7 @@ def validate_(folder: Path, recordings: tuple[str, ...], url: str | None, as_jso
 
     found = read_recordings(map(Path, recordings))
     with progress_console.status(f"replaying {len(found)} recordings"):
-        validation = validate(folder, found, device=url)
+        validation = validate(folder, found, device=url, accept_edited=accept_edited)
     felt = [recording.name for recording in found if is_session_log(recording, validation)]
     if len(felt) < len(found):  # a log says nothing of the object: the page keeps what does
         store_validation(folder, validation, found)
@@ -78,11 +82,16 @@ def session_rows(validation: Validation, felt: Sequence[str], of: int) -> dict[s
 
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
+    from springpot.host.validation.seen import seen_line
+
     found, ticks = validation.accuracy, validation.ticks
+    told = seen_line(validation.seen, len(validation.predicted_n))
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
     return {
+        **({"training data": told} if told else {}),
+        **({"edited C": ", ".join(validation.edited)} if validation.edited else {}),
         "samples": str(found.samples)
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
         "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",

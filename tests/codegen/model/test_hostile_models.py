@@ -12,8 +12,6 @@ from support.hostile_models import hostile_models
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.field_types import MAX_NUMBER
 from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
-from springpot.codegen.model.validity import CURVES
-from springpot.codegen.stages.hammerstein import BASIS_SIZE
 
 
 @pytest.fixture
@@ -60,7 +58,3 @@ def test_what_would_be_refused_is_not_written() -> None:
     object.__setattr__(forest, "threshold", np.full_like(forest.threshold, 2 * MAX_NUMBER))
     with pytest.raises(DataError, match=r"rf-fd: model\.regressor\.threshold: a number that"):
         model_bytes(model)
-
-
-def test_the_bases_are_those_of_the_c() -> None:
-    assert CURVES == BASIS_SIZE

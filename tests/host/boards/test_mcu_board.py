@@ -27,6 +27,7 @@ from springpot.codegen.reference.notes import LATCHED
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.replay import board_force
 from springpot.host.devices.wire import Sender, constant
+from springpot.host.emission.checksums import write_checksums
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
@@ -181,6 +182,7 @@ def test_a_board_whose_self_test_fails_renders_nothing(tmp_path: Path, emitted: 
     text = tables.read_text()
     begin = text.index("leaf_step_n = ") + len("leaf_step_n = ")
     tables.write_text(text[:begin] + "2.0f * " + text[begin:])
+    write_checksums(altered)  # as if it had been emitted so
     with emulated(altered, "mps2-an386") as port:
         status, _, told = command("run", "--scene", folder, "--device", f"serial://{port}",
                                   "--seconds", 1)  # fmt: skip

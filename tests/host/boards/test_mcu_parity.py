@@ -16,6 +16,7 @@ from springpot.codegen.reference.run import run_reference
 from springpot.host.boards import emulator
 from springpot.host.boards.boards import BOARDS, Board
 from springpot.host.boards.emulator import CALL_IDLE, CALL_RESET, Batch, Calls, run_batch, steps
+from springpot.host.emission.checksums import write_checksums
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
@@ -124,6 +125,7 @@ def test_a_count_beyond_the_counter_is_told(tmp_path: Path) -> None:
     at = text.index("    int notes = 0;", text.index(begins))
     waits = "    for (volatile int i = 0; i < 200000; i++) {\n    }\n"
     source.write_text(text[:at] + waits + text[at:])
+    write_checksums(tmp_path / "c")  # as if it had been emitted so
     position = np.full(3, 0.005, dtype=np.float32)
     calls = steps(position, np.zeros_like(position))
     for name in ("mps2-an386", "virt"):

@@ -4,7 +4,7 @@ import json
 import subprocess
 import sys
 
-HEAVY = {"numpy", "scipy", "sklearn", "h5py", "matplotlib", "jinja2", "cffi", "pydantic", "serial"}
+LIGHT = {"annotated_types", "click", "rich", "springpot", "typing_extensions"}
 ASK_ALL = f"""
 import io, json, sys
 from contextlib import redirect_stdout
@@ -12,7 +12,8 @@ import click
 from springpot.host.cli import springpot
 
 def heavy():
-    return sorted({HEAVY!r} & {{name.split(".")[0] for name in sys.modules}})
+    loaded = {{name.split(".")[0] for name in sys.modules if not name.startswith("_")}}
+    return sorted(loaded - {LIGHT!r} - sys.stdlib_module_names)
 
 def help_of(*arguments):
     with redirect_stdout(io.StringIO()) as printed:

@@ -144,7 +144,7 @@ def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -
     assert not (tmp_path / "c").exists()
     emission = emit(unsafe, file, tmp_path / "c", accept_unsafe=True)
     assert emission.manifest["accept_unsafe"] is True
-    assert read_emission(tmp_path / "c")[0].accept_unsafe
+    assert read_emission(tmp_path / "c").plan.accept_unsafe
     auto = dataclasses.replace(unsafe, coupling=Coupling())
     safe = emit(auto, file, tmp_path / "safe")
     assert safe.manifest["accept_unsafe"] is False

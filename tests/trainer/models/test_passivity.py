@@ -15,8 +15,7 @@ import pytest
 from scipy.optimize import minimize
 from support.small import DT_S, press, soft_force
 
-from springpot.codegen.model.model import Basis, Hammerstein
-from springpot.codegen.stages.hammerstein import BASIS_SIZE
+from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
 from springpot.trainer.models import hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein

@@ -1,0 +1,42 @@
+"""Whether recordings are a model's own training data: their error is then not that of new ones.
+
+A model holds hashes of the samples that it was fitted on. Another name or folder does not hide a
+recording; of one that was cut, resampled or converted since, the hash is another, and cannot say.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+
+from springpot.codegen.model.model import Model
+from springpot.trainer.recordings.recording import Recording
+
+
+def seen_by(model: Model, recordings: Sequence[Recording]) -> int | None:
+    """How many of them the model was trained on; None where it does not say on which."""
+    hashes = model.provenance.get("recordings")
+    if not isinstance(hashes, Mapping) or not hashes:
+        return None
+    return known_among(set(hashes.values()), recordings, model.provenance.get("smooth_s", 0.0))
+
+
+def known_among(
+    hashes: Collection[str], recordings: Sequence[Recording], smooth_s: float = 0.0
+) -> int:
+    """How many recordings have one of these hashes, as they are or smoothed for a fit."""
+    from springpot.trainer.recordings.smoothing import smoothed
+
+    return sum(
+        recording.content_hash in hashes or smoothed(recording, smooth_s).content_hash in hashes
+        for recording in recordings
+    )
+
+
+def seen_line(seen: int | None, recordings: int) -> str:
+    """What a person is told before the figures; nothing where all recordings are new."""
+    if seen is None:
+        return "the model does not say which recordings it was trained on"
+    if not seen:
+        return ""
+    return (
+        f"{seen} of {recordings} of these recordings are training data: the error is not that of "
+        "new ones"
+    )

@@ -1,0 +1,170 @@
+"""C that is not what was emitted is refused wherever it would run, or accepted and named."""
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from support.in_process import spring
+from support.small import model_file, press, recording, scene
+
+import springpot
+from springpot.codegen.errors import DataError
+from springpot.host.emission.checksums import CHECKSUMS
+from springpot.host.emission.emission import emit, read_emission
+from springpot.trainer.recordings.recording_file import read_recording, write_recording
+
+
+@pytest.fixture(scope="module")
+def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    above = tmp_path_factory.mktemp("edited")
+    write_recording(above / "press.h5", recording("press", press(2.0)))
+    return emit(scene(), model_file(above), above / "c").folder
+
+
+@pytest.fixture
+def folder(emitted: Path, tmp_path: Path) -> Path:
+    """A copy to edit."""
+    return shutil.copytree(emitted, tmp_path / "c")
+
+
+def raise_the_clamp(folder: Path) -> None:
+    """A thousand times the force that the recordings say."""
+    source = folder / "sp_scene.c"
+    text = source.read_text()
+    limit = text.split(".max_n = ")[1].split("f,")[0]
+    source.write_text(text.replace(f".max_n = {limit}f", f".max_n = {1e3 * float(limit)}f"))
+
+
+def commands(folder: Path, press_file: Path) -> dict[str, list[str]]:
+    """What runs an emitted folder."""
+    return {
+        "build": ["build", str(folder)],
+        "validate": ["validate", str(folder), "--recording", str(press_file)],
+        "run": ["run", "--scene", str(folder), "--device", "sim://ecoflex-00-30",
+                "--seconds", "0.05", "--log", str(folder.parent / "felt.h5")],
+        "firmware": ["firmware", "--scene", str(folder), "--board", "mps2-an386",
+                     "--out", str(folder.parent / "fw")],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["build", "validate", "run", "firmware"])
+def test_a_raised_clamp_is_refused(name: str, folder: Path, emitted: Path) -> None:
+    raise_the_clamp(folder)
+    done = spring(*commands(folder, emitted.parent / "press.h5")[name])
+    assert done.returncode == 3
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1
+    assert f"{folder}/sp_scene.c: not as springpot emitted it: `springpot emit`" in done.stderr
+    assert "--accept-edited" in done.stderr
+    assert sorted(path.name for path in folder.parent.iterdir()) == ["c"]
+
+
+def test_python_refuses_it_too(folder: Path, emitted: Path) -> None:
+    raise_the_clamp(folder)
+    found = [read_recording(emitted.parent / "press.h5")]
+    calls: list[Callable[[], object]] = [
+        lambda: springpot.load(folder),
+        lambda: springpot.validate(folder, found),
+        lambda: springpot.Session(folder, "sim://ecoflex-00-30"),
+    ]
+    for call in calls:
+        with pytest.raises(DataError, match=r"sp_scene\.c: not as springpot emitted it"):
+            call()
+    assert springpot.load(folder, accept_edited=True).edited == ("sp_scene.c",)
+
+
+def test_an_accepted_edit_is_named_in_result_log_and_report(folder: Path, emitted: Path) -> None:
+    raise_the_clamp(folder)
+    asked = commands(folder, emitted.parent / "press.h5")
+    found = {}
+    for name in ("build", "validate", "run"):
+        done = spring(*asked[name], "--accept-edited", "--json")
+        assert done.returncode == 0, done.stderr
+        found[name] = json.loads(done.stdout)
+        assert found[name]["edited"] == ["sp_scene.c"]
+    said = read_recording(folder.parent / "felt.h5").details["session"]
+    assert said["edited"] == ["sp_scene.c"]
+    # Neither a board nor a log of the C that was emitted is taken for one of these.
+    assert found["run"]["hash"] == found["validate"]["hash"] == said["hash"]
+    assert said["hash"] != read_emission(emitted).hash
+    assert spring("report", folder).returncode == 0
+    page = (folder / "report.html").read_text()
+    assert "This C is not what springpot emitted: sp_scene.c" in page
+    (folder / "sp.h").write_text("/* another change */\n" + (folder / "sp.h").read_text())
+    again = spring("report", folder)
+    assert again.returncode == 3
+    assert "changed since it was validated" in again.stderr
+    rows = spring(*asked["validate"], "--accept-edited").stdout
+    assert "sp.h, sp_scene.c" in rows.splitlines()[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("sp_tables.h", "missing"),
+        ("manifest.json", "not as springpot emitted it"),
+        ("from/model.spm", "missing"),
+        ("from/files.json", "missing"),
+        ("from/files.json", "not as springpot emitted it"),
+        ("stddef.h", "not as springpot emitted it"),  # compiled in the system's place
+        ("bits/types.h", "not as springpot emitted it"),
+    ],
+)
+def test_missing_changed_and_additional_files(folder: Path, name: str, what: str) -> None:
+    file = folder / name
+    if what == "missing":
+        file.unlink()
+    else:
+        file.parent.mkdir(exist_ok=True)
+        file.write_text("{}" if name.endswith("json") else "#define CHANGED 1\n")
+    done = spring("build", folder)
+    assert done.returncode == 3
+    assert f"{file}: {what}" in done.stderr
+
+
+def test_the_library_built_before_is_not_taken_for_edited_c(folder: Path) -> None:
+    assert spring("build", folder).returncode == 0
+    raise_the_clamp(folder)
+    assert spring("build", folder).returncode == 3
+
+
+def test_what_is_for_a_build_by_hand_is_its_users_to_change(folder: Path) -> None:
+    for name in ("main.c", "Makefile", "flags.mk", "my_loop.c", "notes.txt"):
+        (folder / name).write_text("mine")
+    assert spring("build", folder).returncode == 0
+    assert read_emission(folder).edited == ()
+
+
+def test_two_scenes_in_one_folder_are_named(folder: Path) -> None:
+    shutil.copyfile(folder / "sp_scene.c", folder / "my_scene.c")
+    done = spring("build", folder)
+    assert done.returncode == 3
+    assert "my_scene.c: not as springpot emitted it" in done.stderr
+    done = spring("build", folder, "--accept-edited")
+    assert done.returncode == 3
+    assert "holds my_scene.c and sp_scene.c: remove the one" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "first"),
+    [("sp_scene.c", "sp_scene.c"), ("from/scene.json", "from/scene.json"), ("a\nb", CHECKSUMS)],
+)
+def test_a_list_that_leaves_out_a_file_hides_no_edit(folder: Path, name: str, first: str) -> None:
+    listed = json.loads((folder / CHECKSUMS).read_text())
+    if listed.pop(name, None) is None:
+        listed[name] = "0"
+    (folder / CHECKSUMS).write_text(json.dumps(listed))
+    done = spring("build", folder)
+    assert done.returncode == 3
+    assert done.stderr.count("\n") == 1
+    assert f"{folder / first}: not as springpot emitted it" in done.stderr
+
+
+def test_a_folder_of_headers_behind_a_link_is_seen(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    (folder / "bits").symlink_to(tmp_path / "elsewhere")
+    done = spring("build", folder)
+    assert done.returncode == 3
+    assert f"{folder}/bits: not as springpot emitted it" in done.stderr

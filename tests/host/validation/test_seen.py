@@ -1,0 +1,95 @@
+"""Validation on training recordings is noticed by their samples, and said before any figure."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from support.bench_folder import CANDIDATES, asked, small
+from support.in_process import spring
+from support.small import press, recording, small_fit, training
+
+from springpot.host.benchmark.report import bench_page
+from springpot.host.benchmark.run import run_bench
+from springpot.host.commands.models.bench import bench_rows
+from springpot.host.validation.seen import seen_by, seen_line
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import write_recording
+
+NEW = recording("new", press(1.7, 0.01))
+TOLD = "2 of 3 of these recordings are training data: the error is not that of new ones"
+
+
+def renamed(item: Recording) -> Recording:
+    return replace(item, name=f"my-{item.name}", source="another folder")
+
+
+def cut(item: Recording) -> Recording:
+    return replace(item, position_m=item.position_m[10:], force_n=item.force_n[10:])
+
+
+@pytest.fixture(scope="module")
+def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A model, its C, and three recordings: two of the training under another name."""
+    folder = tmp_path_factory.mktemp("seen")
+    mixed = (NEW, renamed(training()[0]), renamed(training()[5]))
+    for name, items in (("training", training()), ("mixed", mixed)):
+        (folder / name).mkdir()
+        for item in items:
+            write_recording(folder / name / f"{item.name}.h5", item)
+    (folder / "scene.toml").write_text('schema = 1\nname = "seen"\nmodel = "m.spm"\n')
+    return folder
+
+
+def test_train_validate_and_report_say_it_first(job: Path) -> None:
+    train = ["train", job / "training", "--model", "hammerstein", "--out", job / "m.spm",
+             "--validate", job / "mixed"]  # fmt: skip
+    assert json.loads(spring(*train, "--json").stdout)["seen"] == 2
+    first = " ".join(spring(*train).stdout.split())
+    assert first.startswith(f"training data {TOLD[:40]}")
+    emitted = spring("emit", "--scene", job / "scene.toml", "--out", job / "c",
+                     "--recording", job / "mixed")  # fmt: skip
+    assert emitted.returncode == 0
+    assert emitted.stderr.startswith(TOLD)
+    validate = ["validate", job / "c", "--recording", job / "mixed"]
+    assert json.loads(spring(*validate, "--json").stdout)["seen"] == 2
+    shown = " ".join(spring(*validate).stdout.split())
+    assert shown.startswith(f"training data {TOLD[:40]}")
+    assert spring("report", job / "c").returncode == 0
+    page = (job / "c/report.html").read_text()
+    said = page.index("2 of these recordings are training data")
+    assert said < page.index('class="cards"')
+
+
+def test_new_recordings_are_no_matter(job: Path) -> None:
+    model = small_fit().model
+    assert seen_by(model, [NEW]) == 0
+    assert seen_line(0, 1) == ""
+
+
+@pytest.mark.parametrize("smooth_s", [0.0, 0.025])
+def test_a_name_hides_nothing_and_a_cut_cannot_be_known(smooth_s: float) -> None:
+    """Also where the fit saw the recordings smoothed."""
+    model = fit_model("hammerstein", "m", training(), FitOptions(smooth_s=smooth_s)).model
+    assert seen_by(model, [training()[0], renamed(training()[1]), NEW]) == 2
+    assert seen_by(model, [cut(training()[0])]) == 0
+
+
+def test_a_model_that_does_not_say_is_not_called_unseen() -> None:
+    model = replace(small_fit().model, provenance={})
+    assert seen_by(model, [NEW]) is None
+    assert "does not say" in seen_line(None, 1)
+
+
+def test_the_bench_says_it_first(tmp_path: Path) -> None:
+    bench = replace(asked(), validation=(NEW, renamed(training()[0]), training()[5]))
+    with small(lambda *_: [CANDIDATES[4]]):
+        result = run_bench(bench, tmp_path, "bench")
+    assert result["seen"] == 2
+    name, line = next(iter(bench_rows(result, tmp_path).items()))
+    assert (name, line) == ("training data", TOLD)
+    page = bench_page(result, "bench")
+    assert "2 of them training data" in page
+    assert "that no model has seen" not in page
