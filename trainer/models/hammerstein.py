@@ -7,12 +7,12 @@ from operator import add
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.features import Features, Lags
 from springpot.codegen.model.model import Basis, Hammerstein
 from springpot.trainer.features.exponentials import recursive_bank
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.folds import Folds, recording_folds
+from springpot.trainer.models.folds import Folds, fold_families, geometric_mean, pieces
 from springpot.trainer.models.forests import depth_scale, fit_forest
 from springpot.trainer.models.nonnegative import Normal, normal_equations, sparse_solve
 from springpot.trainer.models.passive_terms import (
@@ -28,7 +28,9 @@ from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
 SPARSE_LOSS = 0.005
-BASES: tuple[Basis, ...] = ("powers", "ramps")
+# Bases, and the prices tried on their curves' bends: of squared changes of slope, in a row's
+# squared error.
+BENDS: dict[Basis, tuple[float, ...]] = {"powers": (0.0,), "ramps": (1e-6, 1e-5, 1e-4, 1e-3)}
 HYBRID_TREES = 50
 HYBRID_LEAF = 20
 N_LAGS = 8
@@ -40,17 +42,10 @@ def term_columns(terms: Terms, data: TrainingSet, rows: np.ndarray) -> Samples:
     return data.along(rows, lambda depth, at: columns(terms, depth, data.dt_s, at))
 
 
-BasisChoice = tuple[Basis, bool]  # basis, and whether a bias is fitted
-
-
-def choices(data: TrainingSet) -> tuple[BasisChoice, ...]:
-    """Every basis, with and without a bias; at a surface the force is 0 by itself: no bias."""
-    biases = (False,) if data.contact == "surface" else (False, True)
-    return tuple((kind, bias) for kind in BASES for bias in biases)
-
-
 def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
-    """Fit every choice; keep the one of lowest cross-validated error.
+    """Fit both bases, with each price on bends; keep what has the lowest cross-validated error.
+
+    A bias only where the tool never leaves the object: at a surface the force is 0 by itself.
 
     Returns the model, the rows used, and its cross-validated RMSE, N.
     """
@@ -68,17 +63,21 @@ def _timed_passive(
 def _fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
     force_n = data.force_n(rows)
-    folds = recording_folds(data, rows, options.seed)
+    families = fold_families(data, rows, options.seed)
+    piece = pieces(families)
     best: tuple[float, Terms, Normal] | None = None
-    for kind, bias in choices(data):
-        terms = standard_terms(data, kind, bias, options.poles)
-        parts = _fold_equations(term_columns(terms, data, rows), force_n, folds)
-        error = _cross_validated(parts, folds)
-        if best is None or error < best[0]:
-            best = (error, terms, _sum(parts))
+    for kind, prices in BENDS.items():
+        terms = standard_terms(data, kind, data.contact == "always", options.poles)
+        parts = _equations(term_columns(terms, data, rows), force_n, piece)
+        bends = terms.bends()
+        for price in prices:
+            error = _cross_validated(parts, families, piece, price * bends)
+            if best is None or error < best[0]:
+                best = (error, terms, _sum(parts).penalised(price * bends))
     assert best is not None
     error, terms, normal = best
-    return to_model(terms, sparse_solve(normal, SPARSE_LOSS)), len(rows), error
+    weights = sparse_solve(normal, terms.blocks, SPARSE_LOSS)
+    return to_model(terms, weights), len(rows), error
 
 
 def fit_hammerstein(
@@ -143,23 +142,32 @@ def passive_force(passive: Hammerstein, data: TrainingSet, rows: np.ndarray) -> 
     return data.along(rows, lambda depth, at: hammerstein_force(passive, depth, data.dt_s, at))
 
 
-def _fold_equations(values: Samples, force_n: Samples, folds: Folds) -> list[Normal]:
+def _equations(values: Samples, force_n: Samples, piece: Indices) -> list[Normal]:
+    """Normal equations of each piece of the rows: every fold is a sum of some."""
     return [
-        normal_equations(values[folds.number == fold], force_n[folds.number == fold])
-        for fold in range(int(folds.number.max()) + 1)
+        normal_equations(values[piece == k], force_n[piece == k])
+        for k in range(int(piece.max()) + 1)
     ]
 
 
-def _cross_validated(parts: list[Normal], folds: Folds) -> float:
-    """RMSE over the held-out folds, N."""
-    squares = rows = 0.0
-    for fold in folds.tested:
-        training = [part for i, part in enumerate(parts) if i != fold]
-        if not training or not parts[fold].rows:
-            continue
-        squares += parts[fold].error(_sum(training).solve())
-        rows += parts[fold].rows
-    return float(np.sqrt(squares / max(rows, 1.0)))
+def _cross_validated(
+    parts: list[Normal], families: Sequence[Folds], piece: Indices, penalty: Samples
+) -> float:
+    """RMSE over the held-out folds, N: geometric mean in each family, then of all."""
+    _, first = np.unique(piece, return_index=True)
+    means = []
+    for folds in families:
+        number = folds.number[first]
+        errors = []
+        for fold in folds.tested:
+            training = [part for part, its in zip(parts, number, strict=True) if its != fold]
+            held = [part for part, its in zip(parts, number, strict=True) if its == fold]
+            if training and held:
+                weights = _sum(training).penalised(penalty).solve()
+                errors.append(_sum(held).rmse(weights))
+        if errors:
+            means.append(geometric_mean(errors))
+    return geometric_mean(means) if means else 0.0
 
 
 def _sum(parts: list[Normal]) -> Normal:

@@ -8,8 +8,9 @@ from scipy.optimize import nnls
 
 from springpot.codegen.arrays import Samples
 
-_TRIED = 5  # terms of lowest contribution tried for removal at each step
-_RIDGE = 1e-10  # of the mean diagonal: keeps the factor of nearly equal columns real
+_TRIED = 5  # blocks of lowest contribution tried for removal at each step
+_RIDGE = 1e-8  # of the diagonal: keeps the factor of nearly equal columns real
+_MIN_DIAGONAL = 1e-12  # a row: a column that the rows hardly see gets no weight, not a huge one
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,10 @@ class Normal:
             self.rows + other.rows,
         )
 
+    def penalised(self, penalty: Samples) -> "Normal":
+        """The same with w' penalty w, (terms, terms), added to the squared error of each row."""
+        return Normal(self.matrix + self.rows * penalty, self.vector, self.square, self.rows)
+
     def solve(self, active: NDArray[np.bool_] | None = None) -> Samples:
         """Weights >= 0 of lowest error, (terms,); 0 for terms that are not active.
 
@@ -37,7 +42,7 @@ class Normal:
         """
         chosen = np.ones(len(self.vector), dtype=bool) if active is None else active
         # Columns scaled to length 1, so that the ridge is the same share of each.
-        size = np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
+        size = self._size
         scaled = self.matrix / np.outer(size, size)
         scaled = scaled[np.ix_(chosen, chosen)]
         factor = np.linalg.cholesky(scaled + _RIDGE * np.eye(len(scaled)))
@@ -47,8 +52,16 @@ class Normal:
         result: Samples = weights / size
         return result
 
+    @property
+    def _size(self) -> Samples:
+        return np.sqrt(np.maximum(np.diag(self.matrix), _MIN_DIAGONAL * self.rows))
+
+    def contribution(self, weights: Samples) -> Samples:
+        """Each term's share in what the weights give, (terms,): comparable among terms."""
+        return weights * self._size
+
     def error(self, weights: Samples) -> float:
-        """Sum of squared errors of weights on these rows; never below 0 by rounding."""
+        """Sum of squared errors of weights on these rows, with the penalty if there is one."""
         crossed = float(weights @ self.vector)
         return max(self.square - 2.0 * crossed + float(weights @ self.matrix @ weights), 0.0)
 
@@ -61,25 +74,23 @@ def normal_equations(columns: Samples, target: Samples) -> Normal:
     return Normal(columns.T @ columns, columns.T @ target, float(target @ target), len(target))
 
 
-def sparse_solve(normal: Normal, loss: float) -> Samples:
-    """Weights >= 0 with few terms, (terms,): the RMSE stays within a share `loss` of the lowest.
+def sparse_solve(normal: Normal, blocks: NDArray[np.intp], loss: float) -> Samples:
+    """Weights >= 0 in few blocks, (terms,): the RMSE stays within a share `loss` of the lowest.
 
-    Backward elimination: of the terms that contribute least, the one that raises the error least is
-    removed, and the others are fitted again. The limit is that of the full fit: losses do not add
-    up.
+    blocks: number of each term's block, (terms,): what costs time in C is a block, not a term.
+    Backward elimination: of the blocks that contribute least, the one that raises the error least
+    is removed, and the others are fitted again. The limit is that of the full fit: losses do not
+    add up.
     """
-    best = normal.solve()
-    limit = (1.0 + loss) * normal.rmse(best)
-    size = np.sqrt(np.maximum(np.diag(normal.matrix), 0.0))
-    weights = best
+    weights = normal.solve()
+    limit = (1.0 + loss) * normal.rmse(weights)
     while True:
-        active = weights > 0.0
+        size = np.bincount(blocks, normal.contribution(weights))
+        kept = size[blocks] > 0.0
         trials = []
-        smallest = np.argsort(np.where(active, weights * size, np.inf))[:_TRIED]
-        for term in smallest[active[smallest]]:
-            without = active.copy()
-            without[term] = False
-            if without.any():
+        for block in np.argsort(np.where(size > 0.0, size, np.inf))[:_TRIED]:
+            without = kept & (blocks != block)
+            if size[block] > 0.0 and without.any():
                 trial = normal.solve(without)
                 trials.append((normal.rmse(trial), trial))
         if not trials:

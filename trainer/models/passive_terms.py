@@ -37,9 +37,31 @@ class Terms:
         return BASIS_SIZE[self.basis]
 
     @property
+    def curves(self) -> int:
+        """The spring, the poles' branches and the stops: a curve of `n_basis` terms each."""
+        return 1 + len(self.tau_s) + len(self.radius_m)
+
+    @property
     def count(self) -> int:
-        blocks = 1 + len(self.tau_s) + len(self.radius_m)
-        return self.n_basis * blocks + 2 * self.bias
+        return self.n_basis * self.curves + 2 * self.bias
+
+    @property
+    def blocks(self) -> Indices:
+        """Number of each term's curve, (terms,); the bias is one more."""
+        return np.minimum(np.arange(self.count) // self.n_basis, self.curves)
+
+    def bends(self) -> Samples:
+        """Quadratic form of the weights, (terms, terms): squared changes of slope of each curve.
+
+        Without a price on bends a rise between two trained depths goes into whichever ramp the
+        solver likes, and what no row has seen is anything. Powers cannot bend at one depth.
+        """
+        form = np.zeros((self.count, self.count))
+        if self.basis == "ramps":
+            change = np.diff(np.eye(self.n_basis), axis=0)
+            end = self.n_basis * self.curves
+            form[:end, :end] = np.kron(np.eye(self.curves), change.T @ change)
+        return form
 
 
 def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = PASSIVE_POLES) -> Terms:

@@ -11,7 +11,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import FractionalBank, PositionVelocity
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.folds import condition_folds, recording_folds
+from springpot.trainer.models.folds import fold_families
 from springpot.trainer.models.nonnegative import normal_equations
 from springpot.trainer.models.radial import farthest_points, fit_rbf, kernel, standard
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
@@ -99,9 +99,7 @@ def _both_folds(data: TrainingSet, rows: np.ndarray, seed: int) -> list[np.ndarr
 
     Pairs that interpolate between recordings alike differ in what they do between conditions.
     """
-    found = [recording_folds(data, rows, seed).number]
-    conditions = condition_folds(data, rows, seed)
-    return found if conditions is None else [*found, conditions.number]
+    return [folds.number for folds in fold_families(data, rows, seed)]
 
 
 def _pair_errors(

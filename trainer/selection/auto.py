@@ -10,9 +10,9 @@ from springpot.trainer.models.folds import N_FOLDS, geometric_mean
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection.cross_validation import (
-    condition_splits,
     fold_errors_n,
     recording_splits,
+    whole_splits,
 )
 
 _ERROR_TOLERANCE = 1.005  # of the lowest error: the cheaper of two within it is taken
@@ -32,7 +32,11 @@ class AutoCandidate:
 
 @dataclass(frozen=True)
 class Score:
-    """Geometric mean of a candidate's held-out RMSEs, N: recordings, conditions, and both."""
+    """Geometric mean of a candidate's held-out RMSEs, N.
+
+    recordings_n: repeats apart; conditions_n: each depth, and each speed, held out whole, where
+    there are three of it, else the same; mean_n: of every such way to fold alike.
+    """
 
     name: str
     cost: int
@@ -47,8 +51,7 @@ def fit_auto(
     """Fit the best candidate on all training recordings; the table of scores is in its metadata."""
     begin = time.perf_counter()
     families = [recording_splits(data.recordings, 0.0, options.seed, N_FOLDS)]
-    if by_condition := condition_splits(data, options.seed):
-        families.append(by_condition)
+    families += whole_splits(data)
     known = candidates(data, options)
     scores = []
     for candidate in known:
@@ -56,8 +59,9 @@ def fit_auto(
             geometric_mean(fold_errors_n(candidate.kind, splits, candidate.options, _ROWS))
             for splits in families
         ]
+        whole_n = geometric_mean(means[1:] or means)
         scores.append(
-            Score(candidate.name, candidate.cost, means[0], means[-1], geometric_mean(means))
+            Score(candidate.name, candidate.cost, means[0], whole_n, geometric_mean(means))
         )
     best = choose_score(scores, max(abs(data.trained.max_n), abs(data.trained.min_n)))
     search_s = time.perf_counter() - begin

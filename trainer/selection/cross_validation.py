@@ -5,10 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.codegen.arrays import Indices
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import condition_numbers, geometric_mean, recording_numbers
+from springpot.trainer.models.folds import (
+    FEWEST,
+    Folds,
+    geometric_mean,
+    held_out_whole,
+    repeats_apart,
+)
 from springpot.trainer.models.predict import predict_each_n
 from springpot.trainer.models.training_set import TrainingSet, training_set
 from springpot.trainer.recordings.recording import Recording
@@ -29,28 +34,30 @@ class Split:
 def recording_splits(
     recordings: Sequence[Recording], smooth_s: float, seed: int, folds: int = 3
 ) -> tuple[Split, ...]:
-    """Folds of whole recordings: leave-one-out where there are few, blocks of one or two.
+    """Folds of whole recordings, repeats apart: one by one where there are few, else `folds`.
+
+    One or two recordings are folded in blocks.
 
     Raises DataError where the recordings do not fit together.
     """
     pieces = blocks(recordings)
     count = folds if len(pieces) > _SEPARATE else len(pieces)
-    return _splits(pieces, recording_numbers(len(pieces), count, seed), range(count), smooth_s)
+    depths_m = [piece.position_m for piece in pieces]
+    return _splits(pieces, repeats_apart(depths_m, pieces[0].dt_s, count, seed), smooth_s)
 
 
-def condition_splits(data: TrainingSet, seed: int) -> tuple[Split, ...]:
-    """Folds of recordings of one range and speed; none where there are too few conditions."""
-    numbers, tested = condition_numbers(data, seed)
-    return _splits(data.recordings, numbers, tested, 0.0)
+def whole_splits(data: TrainingSet) -> list[tuple[Split, ...]]:
+    """Folds that hold a depth out whole, and those that do a speed; none of too few groups."""
+    if len(data.recordings) < FEWEST:
+        return []
+    return [_splits(data.recordings, folds, 0.0) for folds in held_out_whole(data)]
 
 
-def _splits(
-    pieces: Sequence[Recording], numbers: Indices, tested: Sequence[int], smooth_s: float
-) -> tuple[Split, ...]:
+def _splits(pieces: Sequence[Recording], folds: Folds, smooth_s: float) -> tuple[Split, ...]:
     found = []
-    for number in tested:
-        kept = [piece for piece, its in zip(pieces, numbers, strict=True) if its != number]
-        held = [piece for piece, its in zip(pieces, numbers, strict=True) if its == number]
+    for number in folds.tested:
+        kept = [piece for piece, its in zip(pieces, folds.number, strict=True) if its != number]
+        held = [piece for piece, its in zip(pieces, folds.number, strict=True) if its == number]
         found.append(Split(training_set(kept, smooth_s), tuple(held)))
     return tuple(found)
 

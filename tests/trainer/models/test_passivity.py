@@ -87,7 +87,7 @@ def fitted(basis: Basis) -> Hammerstein:
             force_n = soft_force(depth_m) + 150.0 * (depth_m - play(depth_m, 0.002))
             recordings.append(Recording(f"{share}-{frequency_hz}", depth_m, force_n, DT_S))
     data = training_set(recordings, smooth_s=0.0)
-    with mock.patch.object(hammerstein, "BASES", (basis,)):
+    with mock.patch.object(hammerstein, "BENDS", {basis: hammerstein.BENDS[basis]}):
         fit = fit_hammerstein("x", data, FitOptions())
     assert fit.model.hammerstein is not None
     assert len(fit.model.hammerstein.radius_m) > 0

@@ -9,7 +9,7 @@ from support.small import DT_S, press, training
 from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import condition_folds, recording_folds
+from springpot.trainer.models.folds import fold_families
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording import Recording
@@ -44,28 +44,16 @@ def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():
     assert first.metadata["scores"] == again.metadata["scores"]
     data = training_set(long, 0.0)
     rows = np.arange(data.rows_total)
-    folds = recording_folds(data, rows, seed=0)
+    (folds,) = fold_families(data, rows, seed=0)
     assert np.all(np.diff(folds.number) >= 0)
     assert folds.tested == (0, 1, 2, 3, 4)
-    assert condition_folds(data, rows, seed=0) is None
 
 
 def test_repeats_of_one_press_are_one_condition():
     same = [dataclasses.replace(training()[3], name=f"{k}") for k in range(4)]
     data = training_set(same, 0.0)
-    assert condition_folds(data, np.arange(data.rows_total), seed=0) is None
+    assert len(fold_families(data, np.arange(data.rows_total), seed=0)) == 1
     assert fit_model("auto", "x", same, OPTIONS).metadata["chosen"]
-
-
-def test_the_strongest_condition_is_never_held_out():
-    data = training_set(training(), 0.0)
-    rows = np.arange(data.rows_total)
-    folds = condition_folds(data, rows, seed=0)
-    assert folds is not None
-    strongest = int(np.argmax([recording.force_n.max() for recording in data.recordings]))
-    held_out = {int(number) for number in folds.number[data.owner(rows) == strongest]}
-    assert len(held_out) == 1
-    assert not held_out & set(folds.tested)
 
 
 @pytest.mark.parametrize(("dear_n", "chosen"), [(0.996, "cheap"), (0.99, "dear")])

@@ -1,0 +1,92 @@
+"""The passive model where recordings leave something open: a depth not reached, a gap between."""
+
+import numpy as np
+import pytest
+from support.small import DT_S, press
+
+from springpot.host.metrics import accuracy
+from springpot.trainer.features.values import highpass
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.hammerstein import BENDS, term_columns
+from springpot.trainer.models.nonnegative import normal_equations, sparse_solve
+from springpot.trainer.models.passive_terms import standard_terms
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
+from springpot.trainer.recordings.recording import Recording
+
+DEPTH_M = 0.01
+MODES = ((0.02, 2.0), (0.2, 1.5), (2.0, 1.5))  # s, N
+SPRING_N = 6.0
+
+
+def tissue(name: str, position_m: np.ndarray, stiffening: float) -> Recording:
+    """An object whose spring and three relaxations follow one exponential curve of depth."""
+    curve = np.expm1(stiffening * position_m / DEPTH_M) / np.expm1(stiffening)
+    force_n = SPRING_N * curve
+    for tau_s, weight_n in MODES:
+        force_n = force_n + weight_n * highpass(curve, tau_s, DT_S)
+    return Recording(name, position_m, force_n, DT_S, zero="min")
+
+
+def about(share: float, stiffening: float) -> list[Recording]:
+    """Cycles of a tenth of the depth about one share of it, at three speeds."""
+    return [
+        tissue(f"{share}-{hz}", DEPTH_M * (share - 0.1) + press(hz, 0.2 * DEPTH_M, 2), stiffening)
+        for hz in (0.5, 2.0, 8.0)
+    ]
+
+
+def one_twice_as_deep() -> list[Recording]:
+    motions = {"half": press(0.5, 0.005), "again": press(2.0, 0.005), "deep": press(1.0, DEPTH_M)}
+    return [tissue(name, position_m, 4.0) for name, position_m in motions.items()]
+
+
+def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() -> None:
+    # Without a price on bends: weights of 1e25 on the ramps that the fold never reached.
+    data = training_set(one_twice_as_deep(), smooth_s=0.0)
+    peak_n = data.trained.max_n
+    terms = standard_terms(data, "ramps", bias=True)
+    rows = np.arange(data.rows_total)
+    values, force_n = term_columns(terms, data, rows), data.force_n(rows)
+    for price in BENDS["ramps"]:
+        for held in range(3):
+            out = data.owner(rows) == held
+            kept = normal_equations(values[~out], force_n[~out]).penalised(price * terms.bends())
+            weights = kept.solve()
+            assert weights.max() < 10.0 * peak_n
+            assert normal_equations(values[out], force_n[out]).rmse(weights) < peak_n
+
+
+def test_the_deepest_recordings_fold_decides_for_no_basis() -> None:
+    fit = fit_model("hammerstein", "x", one_twice_as_deep(), FitOptions(smooth_s=0.0))
+    test = tissue("other", press(0.7, 0.8 * DEPTH_M), 4.0)
+    found = accuracy([test.force_n], [predict_n(fit.model, test)])
+    assert fit.metadata["basis"] == "ramps"
+    assert found.rmse_percent_of_peak < 5.5  # powers, where ramps could not be chosen: 7.5
+
+
+@pytest.mark.parametrize(
+    ("trained", "left_out", "limit"),
+    [((0.2, 0.55, 0.85), 0.4, 2.0), ((0.2, 0.8), 0.5, 6.0)],
+)
+def test_a_rise_between_two_trained_depths_goes_on_straight(
+    trained: tuple[float, ...], left_out: float, limit: float
+) -> None:
+    # Where bends cost nothing: 3.7 and 19 %.
+    training = [item for share in trained for item in about(share, 4.0)]
+    model = fit_model("hammerstein", "x", training, FitOptions(smooth_s=0.0)).model
+    tests = about(left_out, 4.0)
+    found = accuracy([item.force_n for item in tests], [predict_n(model, item) for item in tests])
+    assert found.rmse_percent_of_peak < limit
+
+
+def test_ramps_that_no_row_saw_have_the_slope_of_the_last_one_seen() -> None:
+    data = training_set([tissue("half", press(1.0, 0.5 * DEPTH_M), 2.0)], smooth_s=0.0)
+    whole = training_set([tissue("whole", press(1.0, DEPTH_M), 2.0)], smooth_s=0.0)
+    terms = standard_terms(whole, "ramps", bias=False)
+    rows = np.arange(data.rows_total)
+    normal = normal_equations(term_columns(terms, data, rows), data.force_n(rows))
+    slopes = sparse_solve(normal.penalised(1e-4 * terms.bends()), terms.blocks, 0.005)
+    for curve in slopes.reshape(terms.curves, terms.n_basis):
+        np.testing.assert_allclose(curve[4:], curve[3], rtol=1e-2, atol=1e-3)
