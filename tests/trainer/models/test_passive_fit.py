@@ -1,7 +1,6 @@
 """The passive model where recordings leave something open: a depth not reached, a gap between."""
 
 import numpy as np
-import pytest
 from support.small import DT_S, press
 
 from springpot.host.metrics import accuracy
@@ -63,22 +62,15 @@ def test_the_deepest_recordings_fold_decides_for_no_basis() -> None:
     test = tissue("other", press(0.7, 0.8 * DEPTH_M), 4.0)
     found = accuracy([test.force_n], [predict_n(fit.model, test)])
     assert fit.metadata["basis"] == "ramps"
-    assert found.rmse_percent_of_peak < 5.5  # powers, where ramps could not be chosen: 7.5
+    assert found.rmse_percent_of_peak < 4.0  # powers, where ramps could not be chosen: 7.5
 
 
-@pytest.mark.parametrize(
-    ("trained", "left_out", "limit"),
-    [((0.2, 0.55, 0.85), 0.4, 2.0), ((0.2, 0.8), 0.5, 6.0)],
-)
-def test_a_rise_between_two_trained_depths_goes_on_straight(
-    trained: tuple[float, ...], left_out: float, limit: float
-) -> None:
-    # Where bends cost nothing: 3.7 and 19 %.
-    training = [item for share in trained for item in about(share, 4.0)]
+def test_a_rise_between_two_trained_depths_goes_on_straight() -> None:
+    training = [item for share in (0.2, 0.55, 0.85) for item in about(share, 4.0)]
     model = fit_model("hammerstein", "x", training, FitOptions(smooth_s=0.0)).model
-    tests = about(left_out, 4.0)
+    tests = about(0.4, 4.0)
     found = accuracy([item.force_n for item in tests], [predict_n(model, item) for item in tests])
-    assert found.rmse_percent_of_peak < limit
+    assert found.rmse_percent_of_peak < 2.0  # where bends cost nothing: 3.7
 
 
 def test_ramps_that_no_row_saw_have_the_slope_of_the_last_one_seen() -> None:
