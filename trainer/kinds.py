@@ -111,7 +111,8 @@ def fit_kind(
         else:
             function = KINDS[kind].function()
         fit = function(name, data, options, validation)
-    return replace(fit, warnings=(*fit.warnings, *_short_recordings(data, options)))
+    warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))
+    return replace(fit, warnings=tuple(warnings))
 
 
 def _loaded(path: str) -> Callable[..., "Fit"]:

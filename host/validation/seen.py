@@ -21,11 +21,13 @@ def seen_by(model: Model, recordings: Sequence[Recording]) -> int | None:
 def known_among(
     hashes: Collection[str], recordings: Sequence[Recording], smooth_s: float = 0.0
 ) -> int:
-    """How many recordings have one of these hashes, as they are or smoothed for a fit."""
+    """How many recordings have one of these hashes, as they are or as a fit prepares them."""
     from springpot.trainer.recordings.smoothing import smoothed
+    from springpot.trainer.recordings.spikes import hold_spikes
 
     return sum(
-        recording.content_hash in hashes or smoothed(recording, smooth_s).content_hash in hashes
+        recording.content_hash in hashes
+        or smoothed(hold_spikes(recording)[0], smooth_s).content_hash in hashes
         for recording in recordings
     )
 

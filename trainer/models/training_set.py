@@ -15,12 +15,20 @@ from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.rows import MAX_ROWS, choose_rows
+from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.quality.signs import require_signs
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
+from springpot.trainer.recordings.spikes import hold_spikes
 
 _STEP_TOLERANCE = 1e-3
 MAX_SMOOTHED = 0.25  # of the shortest recording
+_LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is its surface
+_REST_SHARE = 0.02  # of the peak force
+_PRELOADED = (
+    "force is {rest_n:.3g} N at the lowest positions and no recording leaves the object: the model "
+    "pushes there too, and has no surface; if position 0 is the surface, record from above it"
+)
 _Result = TypeVar("_Result")
 
 
@@ -33,6 +41,7 @@ class TrainingSet:
     dt_s: float
     contact: Contact
     trained: TrainedRange
+    warnings: tuple[str, ...] = ()
     _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
 
     def once(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
@@ -97,11 +106,21 @@ class TrainingSet:
         return np.searchsorted(self.bounds, rows, side="right") - 1
 
 
-def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
-    """Prepare recordings. Raises DataError where they do not fit together, or are no object."""
+def training_set(
+    recordings: Sequence[Recording], smooth_s: float, contact: Contact | None = None
+) -> TrainingSet:
+    """Prepare recordings. Raises DataError where they do not fit together, or are no object.
+
+    contact: of the whole that these are a part of; by default what these show.
+    """
     dt_s = common_time_step(recordings)
+    held, spikes = zip(*(hold_spikes(recording) for recording in recordings), strict=True)
+    recordings, warnings = held, [line for line in spikes if line]
     require_signs(recordings)
-    contact = contact_of(recordings)
+    if contact is None:
+        contact = contact_of(recordings)
+        if contact == "always" and recordings[0].zero == "none":
+            warnings.append(_PRELOADED.format(rest_n=rest_force_n(recordings)))
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
     if smooth_s > MAX_SMOOTHED * shortest.duration_s:
         raise UsageError(
@@ -116,6 +135,7 @@ def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSe
         dt_s=dt_s,
         contact=contact,
         trained=trained_range(prepared, contact),
+        warnings=tuple(warnings),
     )
 
 
@@ -134,14 +154,39 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
 
 
 def contact_of(recordings: Sequence[Recording]) -> Contact:
-    """Return "always" where an importer moved the zero: position 0 is then no surface."""
+    """Return "surface" where force is 0 at position 0, "always" where the tool never leaves.
+
+    It never leaves where an importer moved the zero, or where force at the lowest depth is 2 % of
+    the peak or more and no recording shows where contact begins. (One that does has a tare: it is
+    no force that the object pushes with.)
+    """
     moved = [recording.name for recording in recordings if recording.zero != "none"]
     if moved and len(moved) != len(recordings):
         kept = next(recording.name for recording in recordings if recording.zero == "none")
         raise DataError(
             f"{moved[0]} was imported with --zero and {kept} without: import all the same way"
         )
-    return "always" if moved else "surface"
+    if moved:
+        return "always"
+    peak_n = max(float(recording.force_n.max()) for recording in recordings)
+    if abs(rest_force_n(recordings)) < _REST_SHARE * peak_n or peak_n <= 0.0:
+        return "surface"
+    return "surface" if any(map(_shows_contact, recordings)) else "always"
+
+
+def rest_force_n(recordings: Sequence[Recording]) -> float:
+    """Median force at the lowest 2 % of the depths of all recordings, N."""
+    depth = np.concatenate([depth_m(recording, "surface") for recording in recordings])
+    force_n = np.concatenate([recording.force_n for recording in recordings])
+    return float(np.median(force_n[depth <= depth.min() + _LOWEST * np.ptp(depth)]))
+
+
+def _shows_contact(recording: Recording) -> bool:
+    try:
+        find_contact(recording)
+    except DataError:
+        return False
+    return True
 
 
 def depth_m(recording: Recording, contact: Contact) -> Samples:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from springpot.codegen.model.model import Contact
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
@@ -15,8 +16,9 @@ from springpot.trainer.models.folds import (
     repeats_apart,
 )
 from springpot.trainer.models.predict import predict_each_n
-from springpot.trainer.models.training_set import TrainingSet, training_set
+from springpot.trainer.models.training_set import TrainingSet, contact_of, training_set
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.spikes import hold_spikes
 
 _SEPARATE = 5  # as many recordings, or fewer, are held out one by one
 _BLOCKS = 3  # of each recording, where there are too few to hold any out
@@ -40,25 +42,29 @@ def recording_splits(
 
     Raises DataError where the recordings do not fit together.
     """
+    recordings = [hold_spikes(recording)[0] for recording in recordings]
     pieces = blocks(recordings)
     count = folds if len(pieces) > _SEPARATE else len(pieces)
     depths_m = [piece.position_m for piece in pieces]
-    return _splits(pieces, repeats_apart(depths_m, pieces[0].dt_s, count, seed), smooth_s)
+    numbers = repeats_apart(depths_m, pieces[0].dt_s, count, seed)
+    return _splits(pieces, numbers, smooth_s, contact_of(recordings))
 
 
 def whole_splits(data: TrainingSet) -> list[tuple[Split, ...]]:
     """Folds that hold a depth out whole, and those that do a speed; none of too few groups."""
     if len(data.recordings) < FEWEST:
         return []
-    return [_splits(data.recordings, folds, 0.0) for folds in held_out_whole(data)]
+    return [_splits(data.recordings, folds, 0.0, data.contact) for folds in held_out_whole(data)]
 
 
-def _splits(pieces: Sequence[Recording], folds: Folds, smooth_s: float) -> tuple[Split, ...]:
+def _splits(
+    pieces: Sequence[Recording], folds: Folds, smooth_s: float, contact: Contact
+) -> tuple[Split, ...]:
     found = []
     for number in folds.tested:
         kept = [piece for piece, its in zip(pieces, folds.number, strict=True) if its != number]
         held = [piece for piece, its in zip(pieces, folds.number, strict=True) if its == number]
-        found.append(Split(training_set(kept, smooth_s), tuple(held)))
+        found.append(Split(training_set(kept, smooth_s, contact), tuple(held)))
     return tuple(found)
 
 

@@ -1,0 +1,85 @@
+"""Spikes of position: what is held, what is a motion, and what a fit says of it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from support.small import DT_S, press, recording, soft_force
+
+from springpot.host.metrics import accuracy
+from springpot.host.validation.seen import seen_by
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.spikes import hold_spikes, spike_rows
+
+CYCLES = 0.006 + press(1.0, 0.004, 3)
+
+
+def preloaded(hz: float) -> Recording:
+    position_m = 0.006 + press(hz, 0.004, 3)
+    return Recording(f"{hz}", position_m, 1.0 + soft_force(position_m), DT_S)
+
+
+def spoiled(item: Recording, rows: list[int], to_m: float) -> Recording:
+    position_m = item.position_m.copy()
+    position_m[rows] = to_m
+    return dataclasses.replace(item, position_m=position_m)
+
+
+@pytest.mark.parametrize(
+    "rows", [[0], [0, 1, 2], [700], [700, 701, 702, 703, 704], [2999], [5, 700, 702, 1900]]
+)
+@pytest.mark.parametrize("to_m", [0.0, 0.03, -5.0])
+def test_a_spike_is_held_and_counted(rows: list[int], to_m: float) -> None:
+    item = preloaded(1.0)
+    held, line = hold_spikes(spoiled(item, rows, to_m))
+    assert f"{len(rows)} of 3000 samples of position" in line
+    np.testing.assert_allclose(held.position_m, item.position_m, atol=6e-5)
+    assert held.force_n is item.force_n
+
+
+def test_a_small_spike_beside_a_large_one_is_found_too() -> None:
+    item = spoiled(spoiled(preloaded(1.0), [300], 4.0), [900], 0.012)
+    assert spike_rows(item.position_m, item.force_n).tolist() == [300, 900]
+
+
+def test_what_a_tool_did_is_no_spike() -> None:
+    rest = np.zeros(3000)
+    sudden = rest + 0.005 * (np.arange(3000) > 2)  # three samples before a sudden press
+    tap = rest + 0.005 * ((np.arange(3000) >= 400) & (np.arange(3000) < 406))  # six samples
+    stairs = rest + 0.002 * (np.arange(3000) > 700) + 0.002 * (np.arange(3000) > 702)
+    for position_m in (CYCLES, sudden, tap, stairs, press(200.0, 0.01, 200), rest[:2]):
+        item = Recording("x", position_m, soft_force(position_m), DT_S)
+        assert hold_spikes(item) == (item, "")
+
+
+def test_a_first_sample_far_off_spoils_no_fit() -> None:
+    presses = [preloaded(hz) for hz in (0.5, 1.0, 4.0)]
+    presses[1] = spoiled(presses[1], [0], 0.03)
+    fit = fit_model("hammerstein", "x", presses, FitOptions(smooth_s=0.0))
+    assert fit.model.trained.max_m == pytest.approx(0.01)
+    assert sum("1.0: 1 of 3000 samples" in line for line in fit.warnings) == 1
+    test = preloaded(2.0)
+    found = accuracy([test.force_n], [predict_n(fit.model, test)])
+    assert found.rmse_percent_of_peak < 1.3  # with the spike: 4.2
+    assert seen_by(fit.model, presses) == 3
+
+
+def test_force_at_the_lowest_depth_says_whether_there_is_a_surface() -> None:
+    assert training_set([recording("a", press(1.0, 0.01))], 0.0).contact == "surface"
+    data = training_set([preloaded(1.0)], 0.0)
+    assert data.contact == "always"
+    assert any("no recording leaves the object" in line for line in data.warnings)
+    air = np.maximum(press(1.0, 0.012, 2) - 0.002, 0.0)
+    tare = Recording("tare", press(1.0, 0.012, 2) - 0.002, 0.5 + soft_force(air), DT_S)
+    assert training_set([tare], 0.0).contact == "surface"  # nothing pushes in free air
+
+
+def test_a_preload_has_a_bias_and_its_folds_have_the_contact_of_all() -> None:
+    fit = fit_model("hammerstein", "x", [preloaded(hz) for hz in (0.5, 2.0)], FitOptions())
+    assert fit.model.contact == "always"
+    assert fit.model.hammerstein is not None
+    assert fit.model.hammerstein.bias_n > 0.5
