@@ -31,7 +31,7 @@ SPARSE_LOSS = 0.003
 # Bases, and the prices tried on their curves' bends: of squared changes of slope, in a row's
 # squared error. The first is taken unless another has a tenth less cross-validated error: what
 # few recordings tell is not enough to choose by hundredths.
-BENDS: dict[Basis, tuple[float, ...]] = {"ramps": (1e-6, 1e-5, 1e-4, 1e-3), "powers": (0.0,)}
+BENDS: dict[Basis, tuple[float, ...]] = {"powers": (0.0,), "ramps": (1e-6, 1e-5, 1e-4, 1e-3)}
 BETTER = 0.9
 HYBRID_TREES = 50
 HYBRID_LEAF = 20
