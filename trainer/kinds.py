@@ -52,7 +52,7 @@ KINDS: dict[str, Kind] = {
              "models.hammerstein:fit_hybrid", "X", "#40916c"),
         Kind("boosted", "boosted trees on fractional derivatives",
              "models.rf_fd:fit_boosted", "D", "#5a189a"),
-        Kind("springpot", "fractional Kelvin-Voigt: three numbers",
+        Kind("springpot", "a fractional solid: three or four numbers",
              "models.springpot:fit_springpot", "*", "#6c584c"),
     )
 }  # fmt: skip
