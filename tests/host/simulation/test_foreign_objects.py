@@ -1,0 +1,103 @@
+"""Objects of other physics than the silicones, against solutions that scipy's solvers find."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from springpot.codegen.errors import UsageError
+from springpot.host.simulation.bench import ObjectMotion
+from springpot.host.simulation.objects import FOREIGN_OBJECTS, SimulatedObject, parse_url
+
+# Fast in, hold, half out, hold, in again, slowly out: times s, depths m; the punch never leaves.
+PRESS_S = np.array([0.0, 0.08, 0.5, 0.55, 0.9, 1.2, 2.2])
+PRESS_M = np.array([0.0, 0.011, 0.011, 0.009, 0.009, 0.013, 0.0115])
+
+
+def simulated_n(name, times_s, depths_m):
+    """The object's force at each ms, the first sample at 1 ms."""
+    ticks_s = np.arange(1, round(times_s[-1] * 1000) + 1) / 1000
+    return ticks_s, ObjectMotion(SimulatedObject(name)).move(np.interp(ticks_s, times_s, depths_m))
+
+
+def solved(rate, times_s, start, ticks_s):
+    """States (k, n) at the ticks of y' = rate(t, y), one tight solution a leg of the press."""
+    states = []
+    for begin_s, end_s in itertools.pairwise(times_s):
+        ticks = ticks_s[(ticks_s > begin_s + 1e-9) & (ticks_s <= end_s + 1e-9)]
+        found = solve_ivp(rate, (begin_s, end_s), start, method="LSODA", rtol=1e-10, atol=1e-13,
+                          t_eval=np.append(ticks[:-1], end_s))  # fmt: skip
+        assert found.success
+        states.append(found.y)
+        start = found.y[:, -1]
+    return np.concatenate(states, axis=1)
+
+
+class TwoNetworks:
+    """Bergström and Boyce's equations for one direction, as published, in MPa and m."""
+
+    AREA_M2, HEIGHT_M = np.pi / 4 * 0.004**2, 0.035
+
+    def chain(self, stretch):
+        return np.sqrt((stretch**2 + 2 / stretch) / 3)
+
+    def stress_mpa(self, stretch):
+        """Of network A; network B has 1.6 times it at its own stretch."""
+        share = self.chain(stretch) / np.sqrt(8)
+        inverse_langevin = share * (3 - share**2) / (1 - share**2)
+        return 0.6 / 3 * inverse_langevin / share * (stretch**2 - 1 / stretch)
+
+    def creep_rate(self, stretch, crept):
+        stress_mpa = 1.6 * self.stress_mpa(stretch / crept)
+        rate_psmpa = 5 / np.sqrt(3) ** 4 / (self.chain(crept) - 1 + 0.01)
+        return rate_psmpa * stress_mpa**4 * np.sign(stress_mpa)
+
+    def force_n(self, stretch, crept):
+        both_mpa = self.stress_mpa(stretch) + 1.6 * self.stress_mpa(stretch / crept)
+        return -both_mpa * 1e6 / stretch * self.AREA_M2
+
+
+def test_bergstrom_boyce_is_the_solution_of_its_equations():
+    law = TwoNetworks()
+
+    def stretch(t_s):
+        return 1 - np.interp(t_s, PRESS_S, PRESS_M) / law.HEIGHT_M
+
+    ticks_s, force_n = simulated_n("bergstrom-boyce", PRESS_S, PRESS_M)
+    logs = solved(lambda t, y: law.creep_rate(stretch(t), np.exp(y)), PRESS_S, [0.0], ticks_s)
+    expected_n = law.force_n(stretch(ticks_s), np.exp(logs[0]))
+    assert expected_n.min() > 0
+    assert np.abs(force_n - expected_n).max() < 5e-4 * expected_n.max()
+
+
+def test_bergstrom_boyce_recovers_without_a_punch():
+    """Released at once: the surface goes where both networks balance, then creeps back."""
+    law = TwoNetworks()
+    motion = ObjectMotion(SimulatedObject("bergstrom-boyce"))
+    ticks_s = np.arange(1, 1501) / 1000
+    depth_m = np.where(ticks_s <= 0.5, 0.012, 0.0)
+    motion.move(depth_m[:1000])
+
+    def free(crept):
+        return brentq(lambda stretch: law.force_n(stretch, crept), 0.5, 1.0, xtol=1e-13)
+
+    held = solve_ivp(lambda _t, y: law.creep_rate(1 - 0.012 / law.HEIGHT_M, np.exp(y)), (0, 0.5),
+                     [0.0], method="LSODA", rtol=1e-10, atol=1e-13)  # fmt: skip
+    alone = solve_ivp(lambda _t, y: [float(law.creep_rate(free(np.exp(y[0])), np.exp(y[0])))],
+                      (0, 0.5), held.y[:, -1], method="LSODA", rtol=1e-9, atol=1e-12)  # fmt: skip
+    dent_m = law.HEIGHT_M * (1 - free(np.exp(alone.y[0, -1])))
+    assert dent_m > 0.004
+    probes_m = np.array([dent_m - 0.00005, dent_m + 0.0004])
+    above_n, below_n = motion.move(probes_m)
+    assert above_n == 0
+    crept = np.exp(alone.y[0, -1])
+    assert below_n == pytest.approx(law.force_n(1 - probes_m[1] / law.HEIGHT_M, crept), rel=0.03)
+
+
+def test_foreign_objects_have_no_variants():
+    for name in FOREIGN_OBJECTS:
+        assert parse_url(f"sim://{name}?stiffer=2").stiffer == 2
+        with pytest.raises(UsageError, match=f"variant=b: {name} has no variants.*leave variant"):
+            parse_url(f"sim://{name}?variant=b")
