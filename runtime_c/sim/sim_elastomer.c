@@ -58,13 +58,14 @@ static double elastic_strain(const sim_elastomer *elastomer, double stretch)
     const creep_step step = {.strain = log(stretch) - elastomer->creep,
                              .creep_at_mpa = elastomer->step_s * elastomer->rate_psmpa};
     double excess = excess_strain(&step, step.strain);
-    if (fabs(excess) < 1e-14) {
-        return step.strain;
+    if (fabs(excess) <= 1e-6 * fabs(step.strain)) {
+        return step.strain - excess; /* hardly any creep: a step back is exact enough */
     }
-    return step.strain < 0.0 ? sim_root(excess_strain, &step, step.strain, excess, 0.0,
-                                        -step.strain, 1e-15, 1e-14)
-                             : sim_root(excess_strain, &step, 0.0, -step.strain, step.strain,
-                                        excess, 1e-15, 1e-14);
+    double low = fmin(step.strain, 0.0);
+    double low_value = step.strain < 0.0 ? excess : -step.strain;
+    double high = fmax(step.strain, 0.0);
+    double high_value = step.strain < 0.0 ? -step.strain : excess;
+    return sim_root(excess_strain, &step, low, low_value, high, high_value, 1e-13, 1e-12);
 }
 
 static double column_stretch(double depth_m)

@@ -16,6 +16,7 @@ static const struct {
     double (*step)(void *material, double tool_m);
 } foreign[] = {
     {"bergstrom-boyce", sim_elastomer_init, sim_elastomer_step},
+    {"stiffening-tissue", sim_tissue_init, sim_tissue_step},
 };
 enum { OBJECTS = SILICONES + sizeof foreign / sizeof foreign[0] };
 

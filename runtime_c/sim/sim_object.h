@@ -5,6 +5,7 @@
 #include "sim.h"
 #include "sim_elastomer.h"
 #include "sim_material.h"
+#include "sim_tissue.h"
 
 enum { SIM_MAX_SUBSTEPS = 4096 };
 
@@ -12,6 +13,7 @@ struct sim_object {
     union {
         sim_material silicone;
         sim_elastomer elastomer;
+        sim_tissue tissue;
     } material;
     double (*step)(void *material, double tool_m); /* of that material; returns the force, N */
 

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import exp1
 
 from springpot.codegen.errors import UsageError
-from springpot.host.simulation.bench import ObjectMotion
+from springpot.host.recording import protocols
+from springpot.host.simulation.bench import ObjectMotion, SimulatedBench
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, SimulatedObject, parse_url
 
 # Fast in, hold, half out, hold, in again, slowly out: times s, depths m; the punch never leaves.
@@ -94,6 +96,69 @@ def test_bergstrom_boyce_recovers_without_a_punch():
     assert above_n == 0
     crept = np.exp(alone.y[0, -1])
     assert below_n == pytest.approx(law.force_n(1 - probes_m[1] / law.HEIGHT_M, crept), rel=0.03)
+
+
+def elastic_n(depth_m):
+    """Of the tissue: its stiffness 40 N/m to 2 mm, a hundredfold from 2.6 mm, exponential between."""
+    per_m = np.log(100) / 0.0006
+    bent_m = np.clip(depth_m - 0.002, 0, 0.0006)
+    straight_m = np.minimum(depth_m, 0.002) + 100 * np.maximum(depth_m - 0.0026, 0)
+    return 40 * (straight_m + np.expm1(per_m * bent_m) / per_m)
+
+
+def relaxation(t_s):
+    """Fung's reduced relaxation function with a box spectrum, in closed form."""
+    return (1 + 0.15 * (exp1(t_s / 8.38) - exp1(t_s / 0.006))) / (1 + 0.15 * np.log(8.38 / 0.006))
+
+
+def hereditary_n(times_s, depths_m, ticks_s):
+    """Fung's integral of relaxation(t - s) dT(s), by its definition."""
+    s = np.linspace(0, times_s[-1], 88_001)
+    steps_n = np.diff(elastic_n(np.interp(s, times_s, depths_m)))
+    middles_s = (s[1:] + s[:-1]) / 2
+    past = [middles_s < t_s for t_s in ticks_s]
+    return np.array(
+        [relaxation(t_s - middles_s[p]) @ steps_n[p] for t_s, p in zip(ticks_s, past, strict=True)]
+    )
+
+
+def test_stiffening_tissue_is_the_integral_over_its_past():
+    depths_m = PRESS_M / 0.013 * 0.0045
+    ticks_s, force_n = simulated_n("stiffening-tissue", PRESS_S, depths_m)
+    expected_n = hereditary_n(PRESS_S, depths_m, ticks_s[19::20])
+    assert expected_n.min() > 0
+    assert np.abs(force_n[19::20] - expected_n).max() < 1e-3 * expected_n.max()
+
+
+def test_the_branches_of_the_tissue_are_the_box_spectrum():
+    """A sudden press that is held for a minute: the sum against the integral in closed form."""
+    force_n = ObjectMotion(SimulatedObject("stiffening-tissue")).move(np.full(60_000, 0.001))
+    since_s = np.arange(60_000) / 1000 + 0.0005  # the press takes the first ms
+    error = force_n / elastic_n(0.001) - relaxation(since_s)
+    assert np.abs(error[2:]).max() < 1e-3
+    assert relaxation(60.0) == pytest.approx(0.4794, abs=1e-3)
+
+
+def sudden_n(name, depth_m):
+    """Force 1 ms after a press that takes that time."""
+    return ObjectMotion(SimulatedObject(name)).move(np.array([depth_m]))[0]
+
+
+def test_stiffening_tissue_stiffens_a_hundredfold_over_a_tenth_of_its_depth():
+    bench = SimulatedBench(SimulatedObject("stiffening-tissue"))
+    for profile in protocols.training():
+        depth_m, force_n = bench.press(profile.command_n)
+        peak_n = profile.command_n.max()
+        # The device falls through the soft layer and lands on the stiff bed.
+        assert np.sqrt(np.mean((force_n - profile.command_n) ** 2)) < 0.02 + 0.14 * peak_n
+        assert 0.99 * peak_n < force_n.max() < peak_n + 0.7
+        if peak_n > 9.9:
+            assert 0.0006 < 0.12 * depth_m.max()
+    soft_n, stiff_n = (
+        sudden_n("stiffening-tissue", x + 1e-5) - sudden_n("stiffening-tissue", x)
+        for x in (0.0019, 0.0027)
+    )
+    assert stiff_n == pytest.approx(100 * soft_n, rel=0.03)
 
 
 def test_foreign_objects_have_no_variants():
