@@ -17,6 +17,7 @@ static const struct {
 } foreign[] = {
     {"bergstrom-boyce", sim_elastomer_init, sim_elastomer_step},
     {"stiffening-tissue", sim_tissue_init, sim_tissue_step},
+    {"mullins", sim_damaged_init, sim_damaged_step},
 };
 enum { OBJECTS = SILICONES + sizeof foreign / sizeof foreign[0] };
 

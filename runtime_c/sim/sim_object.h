@@ -3,6 +3,7 @@
 #define SIM_OBJECT_H
 
 #include "sim.h"
+#include "sim_damaged.h"
 #include "sim_elastomer.h"
 #include "sim_material.h"
 #include "sim_tissue.h"
@@ -14,6 +15,7 @@ struct sim_object {
         sim_material silicone;
         sim_elastomer elastomer;
         sim_tissue tissue;
+        sim_damaged damaged;
     } material;
     double (*step)(void *material, double tool_m); /* of that material; returns the force, N */
 

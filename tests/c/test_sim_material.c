@@ -1,5 +1,6 @@
 /* The simulated silicone by itself: closed forms, the free surface, states that carry. */
 #include "sim_contact.c"
+#include "sim_damaged.c"
 #include "sim_elastomer.c"
 #include "sim_material.c"
 #include "sim_noise.c"
