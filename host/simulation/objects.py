@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from springpot.codegen.coupling.linear_loop import HandName
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
-FOREIGN_OBJECTS = ("bergstrom-boyce", "stiffening-tissue", "mullins")  # sources: runtime_c/sim
+# Of other physics; runtime_c/sim names the sources.
+FOREIGN_OBJECTS = ("bergstrom-boyce", "stiffening-tissue", "mullins", "poro-viscoelastic")
 ALL_OBJECTS = OBJECTS + FOREIGN_OBJECTS
 HAND_NAMES: "tuple[HandName, ...]" = ("mid", "firm", "light")
 VARIANTS = ("a", "b")

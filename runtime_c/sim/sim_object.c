@@ -18,6 +18,7 @@ static const struct {
     {"bergstrom-boyce", sim_elastomer_init, sim_elastomer_step},
     {"stiffening-tissue", sim_tissue_init, sim_tissue_step},
     {"mullins", sim_damaged_init, sim_damaged_step},
+    {"poro-viscoelastic", sim_porous_init, sim_porous_step},
 };
 enum { OBJECTS = SILICONES + sizeof foreign / sizeof foreign[0] };
 

@@ -6,6 +6,7 @@
 #include "sim_damaged.h"
 #include "sim_elastomer.h"
 #include "sim_material.h"
+#include "sim_porous.h"
 #include "sim_tissue.h"
 
 enum { SIM_MAX_SUBSTEPS = 4096 };
@@ -16,6 +17,7 @@ struct sim_object {
         sim_elastomer elastomer;
         sim_tissue tissue;
         sim_damaged damaged;
+        sim_porous porous;
     } material;
     double (*step)(void *material, double tool_m); /* of that material; returns the force, N */
 

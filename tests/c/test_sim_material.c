@@ -5,6 +5,7 @@
 #include "sim_material.c"
 #include "sim_noise.c"
 #include "sim_object.c"
+#include "sim_porous.c"
 #include "sim_root.c"
 #include "sim_tissue.c"
 
