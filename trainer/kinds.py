@@ -80,10 +80,13 @@ def fit_model(
 ) -> "Fit":
     """Fit one model. `validation` decides only for rbf-fd and --within with select "paper".
 
-    Raises UsageError for an unknown kind, DataError where the recordings do not fit together.
+    Raises UsageError for an unknown kind, DataError where the recordings do not fit together or
+    are no object's.
     """
     from springpot.trainer.models.training_set import training_set
+    from springpot.trainer.recordings.quality.signs import require_signs
 
+    require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
     return fit_kind(kind, name, training_set(recordings, options.smooth_s), options, validation)
 
 

@@ -15,7 +15,6 @@ from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.rows import MAX_ROWS, choose_rows
-from springpot.trainer.recordings.quality.signs import require_signs
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
 
@@ -98,9 +97,8 @@ class TrainingSet:
 
 
 def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
-    """Prepare recordings. Raises DataError where they do not fit together, or are no object."""
+    """Prepare recordings. Raises DataError where they do not fit together."""
     dt_s = common_time_step(recordings)
-    require_signs(recordings)
     contact = contact_of(recordings)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
     if smooth_s > MAX_SMOOTHED * shortest.duration_s:
