@@ -8,13 +8,14 @@ static const double column_m = 0.035;
 static const double column_n = 8.48; /* modulus, 0.3 MPa, times area */
 static const double bottom_m = 0.034;
 
-/* Ogden and Roxburgh's r, of their fit to a filled rubber; m is of this column's energies, which
- * are 0.03 J at 10 N. */
+/* Ogden and Roxburgh's r, of their fit to a filled rubber; ours are m, of this column's energies,
+ * which are 0.03 J at 10 N, and the time of healing. */
 static const double damage_r = 2.104;
 static const double damage_m_j = 0.01;
 static const double healing_s = 60.0;
 
-/* Beside it, two Maxwell branches on the undamaged force: adaptation and drift. */
+/* Beside it, two Maxwell branches on the undamaged force: adaptation and drift.
+ * Times and strengths are ours. */
 static const double branch_s[SIM_DAMAGED_BRANCHES] = {0.3, 300.0};
 static const double branch_strength[SIM_DAMAGED_BRANCHES] = {0.2, 0.3};
 

@@ -9,8 +9,7 @@ static const double height_m = 0.035;
 static const double area_m2 = 12.566e-6; /* of a punch of 4 mm */
 static const double deepest_m = 0.033;   /* deeper, the force stays finite */
 
-/* The equilibrium network: modulus and locking as of a chloroprene rubber filled with carbon black.
- */
+/* The equilibrium network: modulus and locking of the order of a filled chloroprene rubber's. */
 static const double modulus_mpa = 0.6;
 static const double locking_squared = 8.0; /* links of a chain: its greatest stretch, squared */
 
