@@ -4,7 +4,8 @@
 #include <math.h>
 
 /* Elastic response T: soft, then stiffening as exp(depth) (Fung 1967: stiffness grows linearly with
- * stress), then straight, as collagen once it is stretched (Viidik 1968). Its depths and stiffness are ours. */
+ * stress), then straight, as collagen once it is stretched (Viidik 1968). Its depths and stiffness
+ * are ours. */
 static const double soft_npm = 40.0;
 static const double toe_m = 0.0020; /* soft up to here, */
 static const double heel_m =
