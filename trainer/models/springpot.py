@@ -84,7 +84,7 @@ def _solved(
         weights = np.zeros(2)
         part = matrix[np.ix_(chosen, chosen)]
         weights[chosen] = np.linalg.lstsq(part, vector[chosen], rcond=None)[0]
-        error = float(products[-1, -1] - 2 * weights @ vector + weights @ matrix @ weights)
+        error = _error(products, weights @ terms)
         if weights.min() >= 0.0 and error < square:
             best, square = weights, error
     return Solid(float(best[0]), float(best[1]), order, time_s), max(square, 0.0)

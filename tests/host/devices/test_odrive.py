@@ -12,7 +12,6 @@ import threading
 import time
 import tty
 from importlib.resources import files
-from typing import cast
 
 import can
 import cantools
@@ -26,12 +25,11 @@ from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.scene import Guard
-from springpot.host.devices.can_bus import CanBus, SocketBus, open_bus
+from springpot.host.devices.can_bus import SocketBus, open_bus
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.odrive import (
     CLOSED_LOOP,
     ENCODER,
-    VERSION,
     Drive,
     DriveLimits,
     identifier,
@@ -598,26 +596,3 @@ def test_a_raw_can_socket_carries_the_same_frames():
     assert struct.unpack("=IB3x8s", far.recv(16))[0] == 0x40000020
     far.close()
     bus.close()
-
-
-class ForgetfulBus:
-    """A bus that loses the answers to the first questions for a version."""
-
-    def __init__(self, lost: int) -> None:
-        self.lost, self.asked = lost, 0
-
-    def send(self, number: int, data: bytes, *, remote: bool = False) -> None:
-        assert (number, data, remote) == (identifier(3, VERSION), b"", True)
-        self.asked += 1
-
-    def receive(self, until_s: float) -> tuple[int, bytes] | None:
-        return (identifier(3, VERSION), bytes(8)) if self.asked > self.lost else None
-
-
-@pytest.mark.parametrize(("lost", "family"), [(0, "0.6"), (1, "0.6"), (2, "0.6"), (99, "0.5")])
-def test_a_lost_answer_does_not_make_another_firmware(lost: int, family: str) -> None:
-    """Taken for 0.5, a drive of 0.6 seems to fail in every heartbeat and is never armed."""
-    bus = ForgetfulBus(lost)
-    drive = Drive(cast(CanBus, bus), 3, "odrive://x", DriveLimits(10.0, 1.0))
-    assert drive._firmware() == family
-    assert bus.asked <= 3

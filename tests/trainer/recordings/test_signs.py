@@ -123,7 +123,7 @@ def recording_of(kind: str) -> Any:
 
 
 def test_real_recordings_of_every_sign(shared_data: Path) -> None:
-    """Of those that were pressed, each of the four sign combinations is told from the others."""
+    """Of those that were pressed, each of the four sign combinations is recognised."""
     recordings = import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None)
     compressed: list[Any] = list(recordings.recordings)
     for file in sorted((shared_data / "ecoflex_compression").rglob("*_A1.csv")):
