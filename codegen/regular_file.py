@@ -9,8 +9,8 @@ from springpot.codegen.errors import DataError
 def require_regular(path: Path) -> None:
     """Raise DataError for pipes, devices and sockets, and OSError where there is nothing.
 
-    Looks without opening: opening a pipe waits for whoever writes to it. Folders pass: whoever
-    opens one is told so.
+    Looks without opening: opening a pipe waits for whoever writes to it. Folders pass: the
+    system refuses to read one as a file.
     """
     mode = path.stat().st_mode
     if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)):

@@ -52,7 +52,7 @@ KINDS: dict[str, Kind] = {
              "models.hammerstein:fit_hybrid", "X", "#40916c"),
         Kind("boosted", "boosted trees on fractional derivatives",
              "models.rf_fd:fit_boosted", "D", "#5a189a"),
-        Kind("springpot", "fractional Kelvin-Voigt: three numbers",
+        Kind("springpot", "a fractional solid: three or four numbers",
              "models.springpot:fit_springpot", "*", "#6c584c"),
     )
 }  # fmt: skip
@@ -80,10 +80,13 @@ def fit_model(
 ) -> "Fit":
     """Fit one model. `validation` decides only for rbf-fd and --within with select "paper".
 
-    Raises UsageError for an unknown kind, DataError where the recordings do not fit together.
+    Raises UsageError for an unknown kind, DataError where the recordings do not fit together or
+    are no object's.
     """
     from springpot.trainer.models.training_set import training_set
+    from springpot.trainer.recordings.quality.signs import require_signs
 
+    require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
     return fit_kind(kind, name, training_set(recordings, options.smooth_s), options, validation)
 
 

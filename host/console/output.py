@@ -1,12 +1,15 @@
 """What commands print: a table for people, or one JSON object; progress on standard error."""
 
 import json
+import logging
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import click
 from rich.console import Console
+from rich.status import Status
 from rich.table import Table
 from rich.text import Text
 
@@ -18,6 +21,32 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
 def say(line: str) -> None:
     """Print a message on standard error."""
     click.echo(line, err=True)
+
+
+class _StatusLine(logging.Handler):
+    """What long work logs, behind the spinner's text."""
+
+    def __init__(self, status: Status, text: str) -> None:
+        super().__init__()
+        self._status, self._text = status, text
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._status.update(f"{self._text}, {record.getMessage()}")
+
+
+@contextmanager
+def spinner(text: str) -> Iterator[Status]:
+    """A spinner on standard error that says how far the trainer is."""
+    logger = logging.getLogger("springpot.trainer")
+    with progress_console.status(text) as status:
+        handler, level = _StatusLine(status, text), logger.level
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+        try:
+            yield status
+        finally:
+            logger.removeHandler(handler)
+            logger.setLevel(level)
 
 
 def print_result(result: Mapping[str, Any], as_json: bool, rows: Mapping[str, str]) -> None:

@@ -17,6 +17,7 @@ _TORQUE_CONTROL, _PASSTHROUGH = 1, 1
 _WATCHDOG = {"0.5": 0x800, "0.6": 0x1000000}
 _HEARD_S, _ARMED_S, _PROOF_S, _FEED_S = 2.0, 2.0, 1.5, 0.005
 _PROOFS = 3  # a heartbeat may be lost, or come late
+_QUESTIONS, _ANSWER_S = 3, 0.1
 
 
 @dataclass(frozen=True)
@@ -120,12 +121,13 @@ class Drive:
         raise DeviceError(f"{self.url}: no heartbeat of node {self.node}: {others}")
 
     def _firmware(self) -> str:
-        """0.6 answers a question for its version, 0.5 does not know it."""
-        self.send(VERSION, b"", remote=True)
-        until = time.monotonic() + 0.3
-        while (frame := self.bus.receive(until)) is not None:
-            if frame[0] == identifier(self.node, VERSION) and len(frame[1]) == 8:
-                return "0.6"
+        """0.6 answers a question for its version, 0.5 does not know it; an answer may get lost."""
+        for _ in range(_QUESTIONS):
+            self.send(VERSION, b"", remote=True)
+            until = time.monotonic() + _ANSWER_S
+            while (frame := self.bus.receive(until)) is not None:
+                if frame[0] == identifier(self.node, VERSION) and len(frame[1]) == 8:
+                    return "0.6"
         return "0.5"
 
     def _heartbeat(self, until_s: float) -> Heartbeat | None:

@@ -1,4 +1,4 @@
-"""The simulated bench: silicones, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
+"""The simulated bench: soft objects, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
 
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -10,7 +10,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.errors import DeviceError
 from springpot.host.native.c_library import CLibrary, load
-from springpot.host.simulation.objects import HAND_NAMES, OBJECTS, VARIANTS, SimulatedObject
+from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES, VARIANTS, SimulatedObject
 from springpot.runtime_c import paths
 
 MAX_COMMAND_N = 12.0
@@ -34,7 +34,7 @@ class ObjectMotion:
         _check(
             self._library.c.sim_object_init(
                 self.state,
-                OBJECTS.index(simulated.name),
+                ALL_OBJECTS.index(simulated.name),
                 VARIANTS.index(simulated.variant),
                 simulated.stiffer,
                 dt_s,
@@ -91,7 +91,7 @@ class SimulatedBench:
         _check(
             self._library.c.sim_bench_init(
                 state,
-                OBJECTS.index(self.simulated.name),
+                ALL_OBJECTS.index(self.simulated.name),
                 VARIANTS.index(self.simulated.variant),
                 self.simulated.stiffer,
                 (self.simulated.seed << 32) + self._presses,
@@ -185,7 +185,7 @@ class SimulatedHand:
 @cache
 def _library() -> CLibrary:
     library = load([paths.SIM / "sim.h"], sorted(paths.SIM.glob("*.c")))
-    _check_names(library, "object", OBJECTS)
+    _check_names(library, "object", ALL_OBJECTS)
     _check_names(library, "hand", HAND_NAMES)
     return library
 

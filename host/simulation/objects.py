@@ -12,6 +12,9 @@ if TYPE_CHECKING:
     from springpot.codegen.coupling.linear_loop import HandName
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
+# Of other physics; runtime_c/sim names the sources.
+FOREIGN_OBJECTS = ("bergstrom-boyce", "stiffening-tissue", "mullins", "poro-viscoelastic")
+ALL_OBJECTS = OBJECTS + FOREIGN_OBJECTS
 HAND_NAMES: "tuple[HandName, ...]" = ("mid", "firm", "light")
 VARIANTS = ("a", "b")
 
@@ -20,7 +23,8 @@ VARIANTS = ("a", "b")
 class SimulatedObject:
     """What a `sim://` URL says: the object, how it is changed, who presses it.
 
-    variant: "a" quasi-linear, "b" relaxation depends on stress. stiffer: factor on the force.
+    variant: "a" quasi-linear, "b" relaxation depends on stress: of the five silicones alone.
+    stiffer: factor on the force.
     seed: of the sensors' noise. delay_samples: 1 where the motor force leaves one tick late.
     """
 
@@ -39,8 +43,8 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
     Raises UsageError naming what is unknown and listing what exists.
     """
     parts = urlsplit(url)
-    if parts.netloc not in OBJECTS or parts.path not in ("", "/"):
-        known = ", ".join(OBJECTS)
+    if parts.netloc not in ALL_OBJECTS or parts.path not in ("", "/"):
+        known = ", ".join(ALL_OBJECTS)
         raise UsageError(f"{url}: no object {parts.netloc + parts.path!r}: use one of {known}")
     settings: dict[str, Any] = {"seed": default_seed}
     for key, value in parse_qsl(parts.query, keep_blank_values=True):
@@ -59,7 +63,13 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
                 raise UsageError(
                     f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay"
                 )
-    return SimulatedObject(name=parts.netloc, **settings)
+    simulated = SimulatedObject(name=parts.netloc, **settings)
+    if simulated.name in FOREIGN_OBJECTS and simulated.variant != "a":
+        raise UsageError(
+            f"{url}: variant={simulated.variant}: {simulated.name} has no variants, they are of "
+            f"{', '.join(OBJECTS)}: leave variant out"
+        )
+    return simulated
 
 
 def _one_of(url: str, key: str, value: str, known: Sequence[str]) -> str:

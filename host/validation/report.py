@@ -42,14 +42,17 @@ def write_report(folder: Path) -> Path:
     stored = read_validation(folder)
     result = stored.metadata["result"]
     emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
-    if emitted.hash != result["hash"]:
-        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
+    if emitted.hash != result["hash"] or "mean_error_n" not in result:
+        raise DataError(
+            f"{folder}: changed since it was validated, or validated by an older springpot: "
+            "`springpot validate` again"
+        )
     plan, model = emitted.plan, emitted.model
     library = SceneLibrary(folder)
     manifest = json.loads((folder / "manifest.json").read_text())
     ramps = _ramps(plan, library, stored.series)
     speeds = errors_by_speed(stored.series, ramps)
-    mean_error_n = _mean_error_n(stored.series, ramps)
+    mean_error_n = result["mean_error_n"]
     hold, recorded = scene_hold(plan, library), recorded_hold(stored.series)
     checked = stability(plan)
     shares = model.provenance.get("importance", [])
@@ -95,14 +98,6 @@ def _ramps(plan: Plan, library: SceneLibrary, series: Sequence[Series]) -> list[
         notes = replay.run(position, backward_velocity(position, plan.dt_s))[1]
         found.append(start_up_ramp(notes))
     return found
-
-
-def _mean_error_n(series: Sequence[Series], ramps: Sequence[int]) -> float:
-    errors = [
-        (item.predicted_n - item.measured_n)[ramp:]
-        for item, ramp in zip(series, ramps, strict=True)
-    ]
-    return float(np.concatenate(errors).mean())
 
 
 def _angle(swing: complex) -> str:

@@ -33,7 +33,7 @@ def known_among(
 
 
 def seen_line(seen: int | None, recordings: int) -> str:
-    """What a person is told before the figures; nothing where all recordings are new."""
+    """The line before the figures; nothing where all recordings are new."""
     if seen is None:
         return "the model does not say which recordings it was trained on"
     if not seen:

@@ -1,4 +1,4 @@
-/* The simulated bench: five silicones, the device that records them, the hands that press them.
+/* The simulated bench: soft objects, the device that records them, the hands that press them.
  *
  * It stands in for hardware on a PC, in demonstrations and in tests; nothing of it is emitted.
  * Double precision, no heap: the caller owns the memory of every state, of the size that the
@@ -24,14 +24,15 @@ enum {
     SIM_STEP = -3   /* two states that run together differ in time step or substeps */
 };
 
-/* Objects, 0 .. sim_object_count() - 1, softest first; hands likewise. Null beyond the last. */
+/* Objects, 0 .. sim_object_count() - 1: five silicones, softest first, then objects of other
+ * physics; hands likewise. Null beyond the last. */
 uint32_t sim_object_count(void);
 const char *sim_object_name(uint32_t object);
 uint32_t sim_hand_count(void);
 const char *sim_hand_name(uint32_t hand);
 
 /* One object, pressed at the middle of its top face.
- * variant: 0 quasi-linear (A), 1 relaxation depends on stress (B).
+ * variant: 0 quasi-linear (A); of silicones also 1, relaxation depends on stress (B).
  * stiffer: factor on every force, above 0 (1: the object as calibrated).
  * dt_s: time between samples, above 0.
  * substeps: steps of the integrator in one dt_s, 1 .. 4096; 16 is fine at 1 ms.

@@ -61,7 +61,7 @@ static void control(sim_bench *bench, double command_n, double measured_n)
 
 static void kick(sim_bench *bench, double step_s)
 {
-    double push_n = bench->motor_n - bench->object.material.force_n;
+    double push_n = bench->motor_n - bench->object.force_n;
     double braked_n = push_n - SIM_DEVICE_DAMPING_NSPM * bench->velocity_mps;
     bench->velocity_mps += step_s * braked_n / SIM_DEVICE_MASS_KG;
 }
@@ -69,11 +69,11 @@ static void kick(sim_bench *bench, double step_s)
 /* Half a kick, drift, half a kick: the integrator neither damps a stiff object nor feeds it. */
 static void move(sim_bench *bench)
 {
-    double step_s = bench->object.material.config.step_s;
+    double step_s = bench->object.step_s;
     for (uint32_t i = 0; i < bench->object.substeps; i++) {
         kick(bench, 0.5 * step_s);
         bench->position_m += step_s * bench->velocity_mps;
-        (void)sim_material_step(&bench->object.material, bench->position_m);
+        sim_object_substep(&bench->object, bench->position_m);
         kick(bench, 0.5 * step_s);
     }
 }
@@ -89,8 +89,7 @@ int sim_bench_record(sim_bench *bench, uint32_t n, const double *command_n, doub
     }
     for (uint32_t i = 0; i < n; i++) {
         position_m[i] = sim_device_encoder_m(&bench->noise, bench->position_m);
-        force_n[i] =
-            bench->object.material.force_n + force_noise_n * sim_noise_normal(&bench->noise);
+        force_n[i] = bench->object.force_n + force_noise_n * sim_noise_normal(&bench->noise);
         control(bench, command_n[i], force_n[i]);
         move(bench);
     }

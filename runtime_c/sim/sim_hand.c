@@ -187,19 +187,18 @@ int sim_tool_press(sim_tool *tool, sim_object *object, uint32_t n, const double 
         return SIM_RANGE;
     }
     double velocity_mps;
-    double step_s = object->dt_s / object->substeps;
+    double step_s = object->step_s;
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = 0; k < tool->substeps; k++) {
-            sim_material *material = &object->material;
-            kick(tool, 0.5 * step_s, intended_at(tool, k, intended_m[i]), material->force_n);
+            kick(tool, 0.5 * step_s, intended_at(tool, k, intended_m[i]), object->force_n);
             tool->position_m += step_s * tool->velocity_mps;
-            (void)sim_material_step(material, tool->position_m);
-            kick(tool, 0.5 * step_s, intended_at(tool, k + 1, intended_m[i]), material->force_n);
+            sim_object_substep(object, tool->position_m);
+            kick(tool, 0.5 * step_s, intended_at(tool, k + 1, intended_m[i]), object->force_n);
         }
         tool->intended_m = intended_m[i];
         object->tool_m = tool->position_m;
         read_sensors(tool, object->dt_s, &position_m[i], &velocity_mps);
-        force_n[i] = object->material.force_n;
+        force_n[i] = object->force_n;
     }
     return SIM_OK;
 }

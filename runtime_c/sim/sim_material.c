@@ -1,5 +1,6 @@
 #include "sim_material.h"
 
+#include "sim_contact.h"
 #include <math.h>
 #include <string.h>
 
@@ -72,13 +73,14 @@ static void update_gains(sim_material *material)
 /* Within one step the force of a branch is a line in its shape at the step's end:
  * slope_n * shape - offset_n, with every mode relaxing towards the step's mean shape. */
 typedef struct {
+    const sim_material *material;
     double slope_n[SIM_BRANCHES];
     double offset_n[SIM_BRANCHES];
 } step_line;
 
 static step_line line_of_step(const sim_material *material)
 {
-    step_line line;
+    step_line line = {.material = material};
     for (int branch = 0; branch < SIM_BRANCHES; branch++) {
         double slope_n = material->config.branch_n;
         double offset_n = 0.0;
@@ -102,45 +104,15 @@ static double stretch_at(const sim_material *material, double depth_m)
     return fmin(fmax(stretch_m, -yield_m), yield_m);
 }
 
-static double force_at(const sim_material *material, const step_line *line, double depth_m)
+static double force_at(const void *step, double depth_m)
 {
+    const step_line *line = step;
+    const sim_material *material = line->material;
     double force_n = material->config.friction_n * stretch_at(material, depth_m) / yield_m;
     for (int branch = 0; branch < SIM_BRANCHES; branch++) {
         force_n += line->slope_n[branch] * branch_shape(branch, depth_m) - line->offset_n[branch];
     }
     return force_n;
-}
-
-/* The tool leaves faster than the surface recovers: the surface follows on its own, at the depth
- * where no force is left. Clipping the force alone would let the tool drag, without work, a surface
- * that it does not touch. Force rises with depth: false position (Illinois) between two signs. */
-static double free_surface_m(const sim_material *material, const step_line *line, double tool_m)
-{
-    double low_m = tool_m;
-    double low_n = force_at(material, line, low_m);
-    double high_m = fmax(material->surface_m, tool_m);
-    double high_n = force_at(material, line, high_m);
-    if (high_n < 0.0) {
-        high_m = thickness_m;
-        high_n = force_at(material, line, high_m);
-    }
-    for (int i = 0; i < 60 && high_m - low_m > 1e-12; i++) {
-        double middle_m = high_m - high_n * (high_m - low_m) / (high_n - low_n);
-        double middle_n = force_at(material, line, middle_m);
-        if (fabs(middle_n) < 1e-10) {
-            return middle_m;
-        }
-        if (middle_n < 0.0) {
-            low_m = middle_m;
-            low_n = middle_n;
-            high_n *= 0.5;
-        } else {
-            high_m = middle_m;
-            high_n = middle_n;
-            low_n *= 0.5;
-        }
-    }
-    return high_m;
 }
 
 static void move_surface(sim_material *material, double depth_m)
@@ -165,13 +137,9 @@ double sim_material_step(sim_material *material, double tool_m)
         update_gains(material);
     }
     step_line line = line_of_step(material);
-    double depth_m = fmax(tool_m, 0.0);
-    double force_n = force_at(material, &line, depth_m);
-    if (force_n < 0.0) {
-        depth_m = free_surface_m(material, &line, depth_m);
-        force_n = 0.0;
-    }
-    move_surface(material, depth_m);
-    material->force_n = tool_m > 0.0 ? force_n : 0.0;
+    sim_contact contact =
+        sim_contact_solve(force_at, &line, tool_m, material->surface_m, thickness_m);
+    move_surface(material, contact.depth_m);
+    material->force_n = contact.force_n;
     return material->force_n;
 }

@@ -4,10 +4,23 @@
 #include <math.h>
 #include <stddef.h>
 
-static const char *const names[] = {
+static const char *const silicones[] = {
     "ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10",
 };
-enum { OBJECTS = sizeof names / sizeof names[0], VARIANTS = 2 };
+enum { SILICONES = sizeof silicones / sizeof silicones[0], VARIANTS = 2 };
+
+/* Of other physics than the silicones, and of one variant. */
+static const struct {
+    const char *name;
+    void (*init)(void *material, double stiffer, double step_s);
+    double (*step)(void *material, double tool_m);
+} foreign[] = {
+    {"bergstrom-boyce", sim_elastomer_init, sim_elastomer_step},
+    {"stiffening-tissue", sim_tissue_init, sim_tissue_step},
+    {"mullins", sim_damaged_init, sim_damaged_step},
+    {"poro-viscoelastic", sim_porous_init, sim_porous_step},
+};
+enum { OBJECTS = SILICONES + sizeof foreign / sizeof foreign[0] };
 
 static const double friction_n = 0.03; /* 0.3 % of the protocol's 10 N */
 
@@ -21,12 +34,34 @@ uint32_t sim_object_count(void)
 
 const char *sim_object_name(uint32_t object)
 {
-    return object < OBJECTS ? names[object] : NULL;
+    if (object < SILICONES) {
+        return silicones[object];
+    }
+    return object < OBJECTS ? foreign[object - SILICONES].name : NULL;
 }
 
 uint32_t sim_object_size(void)
 {
     return (uint32_t)sizeof(sim_object);
+}
+
+static double step_silicone(void *material, double tool_m)
+{
+    return sim_material_step(material, tool_m);
+}
+
+static void init_silicone(sim_object *state, uint32_t object, uint32_t variant, double stiffer)
+{
+    const sim_calibration *calibration = &sim_calibrations[object][variant];
+    const sim_material_config config = {
+        .branch_n = calibration->branch_n * stiffer,
+        .relaxation = calibration->relaxation,
+        .friction_n = friction_n * stiffer,
+        .eyring_n = variant == 1 ? eyring_n * stiffer : 0.0,
+        .step_s = state->step_s,
+    };
+    sim_material_init(&state->material.silicone, &config);
+    state->step = step_silicone;
 }
 
 int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double stiffer,
@@ -35,23 +70,28 @@ int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double
     if (state == NULL) {
         return SIM_NULL;
     }
-    if (object >= OBJECTS || variant >= VARIANTS || substeps < 1 || substeps > SIM_MAX_SUBSTEPS ||
-        !(stiffer > 0.0 && isfinite(stiffer)) || !(dt_s > 0.0 && isfinite(dt_s))) {
+    if (object >= OBJECTS || variant >= (object < SILICONES ? VARIANTS : 1) || substeps < 1 ||
+        substeps > SIM_MAX_SUBSTEPS || !(stiffer > 0.0 && isfinite(stiffer)) ||
+        !(dt_s > 0.0 && isfinite(dt_s))) {
         return SIM_RANGE;
     }
-    const sim_calibration *calibration = &sim_calibrations[object][variant];
-    const sim_material_config config = {
-        .branch_n = calibration->branch_n * stiffer,
-        .relaxation = calibration->relaxation,
-        .friction_n = friction_n * stiffer,
-        .eyring_n = variant == 1 ? eyring_n * stiffer : 0.0,
-        .step_s = dt_s / substeps,
-    };
-    sim_material_init(&state->material, &config);
     state->dt_s = dt_s;
     state->substeps = substeps;
+    state->step_s = dt_s / substeps;
     state->tool_m = 0.0;
+    state->force_n = 0.0;
+    if (object < SILICONES) {
+        init_silicone(state, object, variant, stiffer);
+    } else {
+        foreign[object - SILICONES].init(&state->material, stiffer, state->step_s);
+        state->step = foreign[object - SILICONES].step;
+    }
     return SIM_OK;
+}
+
+void sim_object_substep(sim_object *state, double tool_m)
+{
+    state->force_n = state->step(&state->material, tool_m);
 }
 
 int sim_all_finite(uint32_t n, const double *values)
@@ -64,16 +104,14 @@ int sim_all_finite(uint32_t n, const double *values)
     return 1;
 }
 
-static double move_to(sim_object *state, double position_m)
+static void move_to(sim_object *state, double position_m)
 {
     double from_m = state->tool_m;
-    double force_n = 0.0;
     for (uint32_t i = 1; i <= state->substeps; i++) {
         double share = (double)i / state->substeps;
-        force_n = sim_material_step(&state->material, from_m + share * (position_m - from_m));
+        sim_object_substep(state, from_m + share * (position_m - from_m));
     }
     state->tool_m = position_m;
-    return force_n;
 }
 
 int sim_object_move(sim_object *state, uint32_t n, const double *position_m, double *force_n)
@@ -85,7 +123,8 @@ int sim_object_move(sim_object *state, uint32_t n, const double *position_m, dou
         return SIM_RANGE;
     }
     for (uint32_t i = 0; i < n; i++) {
-        force_n[i] = move_to(state, position_m[i]);
+        move_to(state, position_m[i]);
+        force_n[i] = state->force_n;
     }
     return SIM_OK;
 }

@@ -1,7 +1,5 @@
 """Fractional derivatives by Grünwald-Letnikov sums (the paper's appendix A)."""
 
-from math import gamma
-
 import numpy as np
 
 from springpot.codegen.arrays import Samples
@@ -29,22 +27,6 @@ def gl_taps(order: float, length: int, dt_s: float) -> Samples:
     """
     weights: Samples = gl_weights(order, length) * dt_s**-order
     return weights
-
-
-def caputo_derivative(position_m: Samples, order: float, dt_s: float) -> Samples:
-    """D^order of all samples since the first, shape (n,), m/s^order; before it they rested there.
-
-    The L1 scheme: exact for a motion that is linear between samples, with all its memory; order
-    in (0, 1). By convolution through the FFT: n log n.
-    """
-    n = len(position_m)
-    k = np.arange(n + 1, dtype=np.float64) ** (1.0 - order)
-    kernel = np.diff(k) * dt_s**-order / gamma(2.0 - order)
-    rises = np.diff(position_m, prepend=position_m[:1])
-    size = 1 << (2 * n - 1).bit_length()
-    product = np.fft.rfft(rises, size) * np.fft.rfft(kernel, size)
-    derivative: Samples = np.fft.irfft(product, size)[:n]
-    return derivative
 
 
 def fir_derivatives(position_m: Samples, taps: Samples) -> Samples:

@@ -92,9 +92,21 @@ def assemble(
             "rows": rows,
             "rows_total": data.rows_total,
             "smooth_s": options.smooth_s,
-            "recordings": {rec.name: rec.content_hash for rec in data.recordings},
+            "recordings": _hashes(data),
             "scikit-learn": version("scikit-learn"),
             "springpot": version("springpot"),
             **metadata,
         },
     )
+
+
+def _hashes(data: TrainingSet) -> dict[str, str]:
+    """Content of each recording by its name; folders may hold the same names."""
+    found: dict[str, str] = {}
+    for recording in data.recordings:
+        name, count = recording.name, 1
+        while name in found:
+            count += 1
+            name = f"{recording.name} ({count})"
+        found[name] = recording.content_hash
+    return found

@@ -22,7 +22,7 @@ _WIDEST_SHARE = 0.2  # of the stiffness that was recorded, half an interval
 _WIDER = "record a wider range of speeds, and longer holds"
 _ENDS = (0.03, 0.97)
 _HOLD = 10.0  # times the longest stroke: a hold that long shows relaxation without a second speed
-NAMES = ("stiffness_npm", "coefficient", "order", "instant_npm")
+_NAMES = ("stiffness_npm", "coefficient", "order", "instant_npm")
 
 
 def law_metadata(
@@ -37,12 +37,13 @@ def law_metadata(
     others: fits that leave out one part each. profile: orders and the RMS error of each, N.
     sizes_n: RMS of force, of what the law misses, and of its rate dependence.
     """
-    names = [name for name in NAMES if getattr(solid, name) is not None]
+    names = [name for name in _NAMES if getattr(solid, name) is not None]
     widths = {name: _jackknife([getattr(other, name) for other in others]) for name in names}
     near = profile[0][profile[1] <= _NEARLY * profile[1].min()]
     low, high = float(near.min()), float(near.max())
     widths["order"] = max(widths["order"], (high - low) / 2)
-    unidentified = _unidentified(solid, widths, (low, high), sizes_n, recordings)
+    coverage = find_coverage(recordings)
+    unidentified = _unidentified(solid, widths, (low, high), sizes_n, coverage)
     return {
         "n_parameters": len(names) + (solid.bias_n != 0.0),
         "material": {
@@ -52,12 +53,12 @@ def law_metadata(
         "not_identified": unidentified,
         "residual_n": sizes_n[1],
         "residual_percent": 100.0 * sizes_n[1] / sizes_n[0] if sizes_n[0] else 0.0,
-        "measured": dynamic_points(recordings),
-        "covered_hz": list(find_coverage(recordings).band_hz),
+        "measured": _dynamic_points(recordings),
+        "covered_hz": list(coverage.band_hz),
     }
 
 
-def dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
+def _dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
     """Storage and loss, N/m, that cyclic recordings show by themselves, in order of frequency."""
     found = [cycles for cycles in map(find_cycles, recordings) if cycles is not None]
     return [
@@ -82,10 +83,9 @@ def _unidentified(
     widths: dict[str, float],
     near: tuple[float, float],
     sizes_n: tuple[float, float, float],
-    recordings: Sequence[Recording],
+    coverage: Coverage,
 ) -> dict[str, str]:
-    """Name of each number that these recordings do not show, and why."""
-    coverage = find_coverage(recordings)
+    """Name of each number that the recordings do not show, and why."""
     slowest_s, fastest_s = (1.0 / (2.0 * np.pi * hz) for hz in coverage.band_hz)
     why = _order_unidentified(solid, widths["order"], near, sizes_n, coverage)
     beyond = solid.time_s is not None and not fastest_s < solid.time_s < slowest_s

@@ -6,18 +6,17 @@ frequencies, a fractional Zener solid with a stiffness of an instant step beside
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.model import Hammerstein
-from springpot.trainer.features.values import highpass
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.fractional_solid import Branches, Solid, branches_for
+from springpot.trainer.models.fractional_solid import Branches, Solid
 from springpot.trainer.models.identifiability import law_metadata
+from springpot.trainer.models.law_moments import Moments, law_moments
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
@@ -25,32 +24,7 @@ _ORDERS = np.linspace(0.02, 0.98, 49)
 _ZENER_ORDERS = _ORDERS[_ORDERS < 0.71]
 _TIMES = 25
 _NEARBY, _ZOOMS, _FIRST_FACTOR = np.arange(-3.0, 4.0), 5, 1.6
-_MIN_UNITS, _BLOCKS = 4, 10
 _BETTER = 0.95  # of the error on what was left out: a fourth number has to be worth it
-
-
-@dataclass(frozen=True, eq=False)
-class Moments:
-    """Sums of products of the columns 1, depth, branches and force over some rows.
-
-    products: (units, recordings, columns, columns). units: recordings, or blocks of rows where
-    there are few; they are left out in turn. Each recording counts the same. free: whether each
-    recording has a mean force of its own.
-    """
-
-    branches: Branches
-    products: Samples
-    free: bool
-
-    def of(self, units: NDArray[np.bool_]) -> Samples:
-        """Mean products over some units, without the means where they are free: (columns - 1,)."""
-        total = np.zeros(self.products.shape[2:])
-        for sums in self.products[units].sum(axis=0):
-            if sums[0, 0] > 0.0:
-                mean = np.outer(sums[0], sums[0]) / sums[0, 0] if self.free else 0.0
-                total += (sums - mean) / sums[0, 0]
-        centred: Samples = total[1:, 1:]
-        return centred
 
 
 def fit_springpot(
@@ -59,7 +33,7 @@ def fit_springpot(
     """Least squares on the law's numbers; intervals by leaving out each recording in turn."""
     begin = time.perf_counter()
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
-    moments = _moments(data, rows)
+    moments = law_moments(data, rows)
     everything = np.ones(len(moments.products), dtype=bool)
     simple = _best(moments, everything, zener=False)
     zener = _best(moments, everything, zener=True)
@@ -99,27 +73,6 @@ def to_hammerstein(solid: Solid, branches: Branches, data: TrainingSet) -> Hamme
     )
 
 
-def _moments(data: TrainingSet, rows: NDArray[np.intp]) -> Moments:
-    branches = branches_for(data.dt_s, data.longest_s)
-    depth_m = data.along(rows, lambda depth, at: depth[at]) - data.trained.min_m
-    columns = [np.ones(len(rows)), depth_m]
-    for tau_s in branches.tau_s.tolist():
-        columns.append(data.along(rows, partial(_branch, tau_s=tau_s, dt_s=data.dt_s)))
-    table = np.stack([*columns, data.force_n(rows)], axis=1)
-    owner = data.owner(rows)
-    many = len(data.recordings)
-    unit = owner if many >= _MIN_UNITS else np.arange(len(rows)) * _BLOCKS // len(rows)
-    products = np.zeros((int(unit.max()) + 1, many, table.shape[1], table.shape[1]))
-    for u, r in sorted(set(zip(unit.tolist(), owner.tolist(), strict=True))):
-        part = table[(unit == u) & (owner == r)]
-        products[u, r] = part.T @ part
-    return Moments(branches, products, data.contact == "always")
-
-
-def _branch(depth_m: Samples, rows: NDArray[np.intp], tau_s: float, dt_s: float) -> Samples:
-    return highpass(depth_m, tau_s, dt_s)[rows]
-
-
 def _solved(
     moments: Moments, products: Samples, order: float, time_s: float | None
 ) -> tuple[Solid, float]:
@@ -131,7 +84,7 @@ def _solved(
         weights = np.zeros(2)
         part = matrix[np.ix_(chosen, chosen)]
         weights[chosen] = np.linalg.lstsq(part, vector[chosen], rcond=None)[0]
-        error = float(products[-1, -1] - 2 * weights @ vector + weights @ matrix @ weights)
+        error = _error(products, weights @ terms)
         if weights.min() >= 0.0 and error < square:
             best, square = weights, error
     return Solid(float(best[0]), float(best[1]), order, time_s), max(square, 0.0)

@@ -16,7 +16,6 @@ from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.rows import MAX_ROWS, choose_rows
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.signs import require_signs
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
 from springpot.trainer.recordings.spikes import hold_spikes
@@ -109,14 +108,13 @@ class TrainingSet:
 def training_set(
     recordings: Sequence[Recording], smooth_s: float, contact: Contact | None = None
 ) -> TrainingSet:
-    """Prepare recordings. Raises DataError where they do not fit together, or are no object.
+    """Prepare recordings. Raises DataError where they do not fit together.
 
     contact: of the whole that these are a part of; by default what these show.
     """
     dt_s = common_time_step(recordings)
     held, spikes = zip(*(hold_spikes(recording) for recording in recordings), strict=True)
     recordings, warnings = held, [line for line in spikes if line]
-    require_signs(recordings)
     if contact is None:
         contact = contact_of(recordings)
         if contact == "always" and recordings[0].zero == "none":

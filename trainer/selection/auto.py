@@ -1,5 +1,6 @@
 """Kind `auto`: the fit of lowest cross-validated error; the validation data is never seen."""
 
+import logging
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from springpot.trainer.selection.cross_validation import (
     whole_splits,
 )
 
+_LOG = logging.getLogger(__name__)
 _ERROR_TOLERANCE = 1.005  # of the lowest error: the cheaper of two within it is taken
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
 _ROWS = 6_000  # of each fit under cross-validation
@@ -54,7 +56,8 @@ def fit_auto(
     families += whole_splits(data)
     known = candidates(data, options)
     scores = []
-    for candidate in known:
+    for count, candidate in enumerate(known, 1):
+        _LOG.info("%d of %d: %s", count, len(known), candidate.name)
         means = [
             geometric_mean(fold_errors_n(candidate.kind, splits, candidate.options, _ROWS))
             for splits in families

@@ -11,8 +11,8 @@ from springpot.host.console.output import (
     json_option,
     paths_argument,
     print_result,
-    progress_console,
     say,
+    spinner,
 )
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -133,7 +133,7 @@ def train(
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
     report_quality(training)
-    with progress_console.status(f"fitting {kind} on {len(training)} recordings"):
+    with spinner(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for warning in fit.warnings:
         say(f"warning: {warning}")

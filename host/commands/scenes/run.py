@@ -57,7 +57,7 @@ def run(
         )
 
     def report(line: str) -> None:
-        if line != session.line:  # why it ended is told once: by the table, or as the error
+        if line != session.line:  # why it ended is printed once: in the table, or as the error
             _say_above(line)
 
     with emitted_folder(scene) as folder, stopping_on_sigterm():

@@ -7,6 +7,7 @@ from typing import Any
 import cffi
 import numpy as np
 import pytest
+from support.caputo import caputo_derivative
 from support.paths import C_TESTS
 from support.small import DT_S, model_file, press, scene, training
 
@@ -19,7 +20,6 @@ from springpot.host.native.compiler import shared_library
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.features.exponentials import recursive_bank
-from springpot.trainer.features.fractional import caputo_derivative
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, RECURSIVE_S

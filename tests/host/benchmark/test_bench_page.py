@@ -18,6 +18,7 @@ from springpot.host.benchmark.labels import label
 from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import bench_page, paper_rows, write_bench_report
 from springpot.host.benchmark.store import read_result
+from springpot.host.page import prose
 
 # Where each figure is, and what a mark says when the mouse is over it.
 PROBE = """<script>
@@ -152,7 +153,7 @@ def test_the_page_stands_alone_and_says_why() -> None:
         assert f"--pick {name}" in text
         assert found["budget"]["title"] in short[0]
         assert label(by_key[found["point"]]) in short[0]
-        assert html.escape(found["why"], quote=True).replace("&#x27;", "&#39;") in text
+        assert str(prose(found["why"])) in text
     for recording in result["recordings"]["training"]:
         assert recording["hash"][:16] in text
     for told in ("126.7 s", "788.3 Hz", "Not comparable", "Left out", "Noise floor"):

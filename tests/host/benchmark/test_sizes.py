@@ -66,7 +66,7 @@ def test_an_unmeasured_size_is_null_and_says_why(without: Path) -> None:
 def test_the_page_says_unknown_and_why(without: Path) -> None:
     text = bench_page(read_result(without), "bench")
     assert "flash unknown (cortex-m4f; no compiler for cortex-m4f" in text
-    assert '"unknown" where it could not be measured: no compiler for cortex-m4f' in text
+    assert "unknown where it could not be measured: no compiler for cortex-m4f" in text
     assert "apt-get install gcc-arm-none-eabi" in text
 
 

@@ -40,7 +40,7 @@ def test_clang_of_the_target(tmp_path: Path, board: str) -> None:
     build_firmware(tmp_path / "c", BOARDS[board], tmp_path / "f")
     build_batch(tmp_path / "c", BOARDS[board], tmp_path / "f")
     compiler = compiler_of(BOARDS[board])
-    report = subprocess.run([compiler.compiler, *compiler.flags, "-E", "-x", "c", "-M", "-"],
+    report = subprocess.run([*compiler.compiler, *compiler.flags, "-E", "-x", "c", "-M", "-"],
                             input="#include <math.h>\n", capture_output=True, text=True,
                             check=True).stdout  # fmt: skip
     include = next(Path(word).parent for word in report.split() if word.endswith("/math.h"))
@@ -60,6 +60,6 @@ def test_a_warning_would_fail(tmp_path: Path) -> None:
     tools = compiler_of(BOARDS["mps2-an386"])
     source = tmp_path / "c" / "sp_scene.c"
     source.write_text(source.read_text() + "\nint sp_narrow(double x) { return (int)(float)x; }\n")
-    command = [tools.compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), *tools.flags, "-c",
+    command = [*tools.compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), *tools.flags, "-c",
                str(source), "-o", str(tmp_path / "x.o")]  # fmt: skip
     assert subprocess.run(command, capture_output=True, check=False).returncode != 0

@@ -212,7 +212,7 @@ def test_asked_to_end_in_a_press(tmp_path, folder, number):
         host = Host(folder, device, tmp_path / "a.h5")
         wait_for_force(device, host.log)
         host.process.send_signal(number)
-        _, err = host.end()
+        out, err = host.end()
         stop = device.wait_for("stop")
     assert host.process.returncode == 0
     assert stop["force_n"] == 0
@@ -221,4 +221,4 @@ def test_asked_to_end_in_a_press(tmp_path, folder, number):
     assert "until reset" not in err
     read = faithful(folder, host.log)
     assert not np.any(read.channels["call"].astype(int) & SILENT)
-    assert "interrupted" in err
+    assert "interrupted" in out["stopped"]

@@ -9,6 +9,7 @@ from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.recording import protocols
 from springpot.host.simulation.bench import ObjectMotion, SimulatedBench, SimulatedHand
 from springpot.host.simulation.objects import (
+    FOREIGN_OBJECTS,
     HAND_NAMES,
     OBJECTS,
     VARIANTS,
@@ -17,7 +18,8 @@ from springpot.host.simulation.objects import (
 )
 
 calibration = runpy.run_path(str(BENCH / "calibrate_sim.py"))
-ALL = [SimulatedObject(name, variant) for name in OBJECTS for variant in VARIANTS]
+SILICONES = [SimulatedObject(name, variant) for name in OBJECTS for variant in VARIANTS]
+ALL = SILICONES + [SimulatedObject(name) for name in FOREIGN_OBJECTS]
 each_object = pytest.mark.parametrize("simulated", ALL, ids=lambda s: f"{s.name}-{s.variant}")
 
 
@@ -27,7 +29,7 @@ def energy_j(position_m, force_n):
     return np.concatenate([[0], np.cumsum(means_n * np.diff(position_m))])
 
 
-@each_object
+@pytest.mark.parametrize("simulated", SILICONES, ids=lambda s: f"{s.name}-{s.variant}")
 def test_depth_and_loss_are_the_calibrated_ones(simulated):
     depth_m, loss = calibration["figures"](f"sim://{simulated.name}?variant={simulated.variant}")
     expected_m, expected_loss = calibration["TARGETS"][simulated.name]
@@ -59,7 +61,7 @@ def test_a_small_fast_cycle_on_a_recovering_surface_gives_no_energy():
     taps_m = 0.004 * np.abs(np.sin(2 * np.pi * 9 * t_s))
     position_m = np.where(t_s < 1, 0.015 * np.sin(np.pi * t_s / 2), taps_m)
     position_m = np.append(position_m, 0.0)
-    for simulated in ALL:
+    for simulated in SILICONES:  # others keep energy in a dent, and may return it
         force_n = ObjectMotion(simulated, dt_s=1 / 16000, substeps=1).move(position_m)
         work_j = energy_j(position_m, force_n)
         after_j = work_j[t_s.searchsorted(1.06) :]
@@ -123,7 +125,7 @@ def test_sensors_have_the_stated_noise():
 
 
 def test_force_control_follows_its_command():
-    for simulated in ALL:
+    for simulated in (s for s in ALL if s.name != "stiffening-tissue"):  # has a test of its own
         for profile in protocols.training():
             _, force_n = SimulatedBench(simulated).press(profile.command_n)
             peak_n = profile.command_n.max()

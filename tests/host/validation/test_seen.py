@@ -15,6 +15,7 @@ from springpot.host.commands.models.bench import bench_rows
 from springpot.host.validation.seen import seen_by, seen_line
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import write_recording
 
@@ -60,7 +61,7 @@ def test_train_validate_and_report_say_it_first(job: Path) -> None:
     assert spring("report", job / "c").returncode == 0
     page = (job / "c/report.html").read_text()
     said = page.index("2 of these recordings are training data")
-    assert said < page.index('class="cards"')
+    assert said < page.index('class="summary"')
 
 
 def test_new_recordings_are_no_matter(job: Path) -> None:
@@ -93,3 +94,13 @@ def test_the_bench_says_it_first(tmp_path: Path) -> None:
     page = bench_page(result, "bench")
     assert "2 of them training data" in page
     assert "that no model has seen" not in page
+
+
+def test_two_training_recordings_of_one_name_are_both_seen() -> None:
+    """Folders of two days may hold the same names."""
+    twins = [replace(item, name="press") for item in training()[:2]]
+    model = fit_model("hammerstein", "x", [*twins, *training()[2:]], FitOptions()).model
+    assert seen_by(model, twins) == 2
+    assert len(check_recordings(twins).recordings) == 2
+    speeds = {figures["max_speed_mps"] for figures in check_recordings(twins).recordings}
+    assert len(speeds) == 2

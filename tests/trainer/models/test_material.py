@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.caputo import caputo_derivative
 from support.small import model_file, press, small_model
 
 from springpot.codegen.errors import DataError, UsageError
@@ -16,7 +17,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.host.commands.models.material import material
 from springpot.host.material.result import material_result
-from springpot.trainer.features.fractional import caputo_derivative, gl_weights
+from springpot.trainer.features.fractional import gl_weights
 from springpot.trainer.features.values import highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

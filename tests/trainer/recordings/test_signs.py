@@ -16,6 +16,7 @@ from springpot.host.commands.recordings.import_ import import_
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.signs import find_signs
 from springpot.trainer.recordings.recording_file import read_recordings
@@ -99,6 +100,22 @@ def test_every_fit_refuses_what_gives_energy() -> None:
         fit_model("hammerstein", "x", [mirrored], FitOptions())
 
 
+def test_a_hold_cut_out_of_a_recording_is_not_judged() -> None:
+    """Under force control position creeps in while force falls a little: cross-validation sees it
+    alone, and a whole recording shows its presses too."""
+    time_s = np.arange(2000) / 200.0
+    x, f = 3e-3 + 1e-5 * time_s, 3.0 - 1e-3 * time_s
+    alone = replace(recording_of("presses"), position_m=x, force_n=f)
+    assert training_set([alone], 0.0).rows_total == len(x)
+    presses = recording_of("presses")
+    whole = replace(
+        presses,
+        position_m=np.concatenate([presses.position_m, x]),
+        force_n=np.concatenate([presses.force_n, f]),
+    )
+    assert fit_model("hammerstein", "x", [whole], FitOptions()).rows == len(whole.force_n)
+
+
 def recording_of(kind: str) -> Any:
     from springpot.trainer.recordings.recording import Recording
 
@@ -106,7 +123,7 @@ def recording_of(kind: str) -> Any:
 
 
 def test_real_recordings_of_every_sign(shared_data: Path) -> None:
-    """Of those that were pressed, each of the four sign combinations is told from the others."""
+    """Of those that were pressed, each of the four sign combinations is recognised."""
     recordings = import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None)
     compressed: list[Any] = list(recordings.recordings)
     for file in sorted((shared_data / "ecoflex_compression").rglob("*_A1.csv")):

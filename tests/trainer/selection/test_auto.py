@@ -1,6 +1,7 @@
 """Kind `auto`: chosen by cross-validation on the training recordings, and why."""
 
 import dataclasses
+import logging
 
 import numpy as np
 import pytest
@@ -26,9 +27,12 @@ def rmse_n(model: Model, test: Recording) -> float:
     return float(np.sqrt(np.mean((predict_n(model, test) - test.force_n) ** 2)))
 
 
-def test_a_plain_spring_needs_no_forest():
+def test_a_plain_spring_needs_no_forest(caplog):
+    caplog.set_level(logging.INFO, "springpot.trainer")
     presses = [spring(f"{k}", press(k, 0.01)) for k in (2.0, 3.0, 4.0)]
     fit = fit_model("auto", "x", presses, OPTIONS)
+    tried = [score["name"] for score in fit.metadata["scores"]]
+    assert caplog.messages == [f"{k} of {len(tried)}: {n}" for k, n in enumerate(tried, 1)]
     scores = {score["name"]: score["mean_n"] for score in fit.metadata["scores"]}
     assert fit.metadata["chosen"].startswith("hammerstein")
     assert fit.model.regressor is None

@@ -57,23 +57,24 @@ class QualityReport:
 def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
     """Check each recording by itself, and all together: speeds, repeats, alignment."""
     findings: list[Finding] = []
-    cycles = {r.name: find_cycles(r) for r in recordings}
-    signs = {r.name: find_signs(r) for r in recordings}
-    for recording in recordings:
+    cycles = [find_cycles(recording) for recording in recordings]
+    signs = [find_signs(recording) for recording in recordings]
+    for recording, own_cycles, own_signs in zip(recordings, cycles, signs, strict=True):
         findings += channel_findings(recording)
-        findings += sign_findings(recording, signs[recording.name])
+        findings += sign_findings(recording, own_signs)
         findings += contact_findings(recording)
-        findings += _filter_findings(recording, cycles[recording.name])
+        findings += _filter_findings(recording, own_cycles)
     findings += speed_findings(recordings)
     repeats = find_repeats(recordings)
     findings += repeat_findings(repeats)
-    skew = estimate_skew([found for found in cycles.values() if found])
+    skew = estimate_skew([found for found in cycles if found])
     findings += _skew_findings(recordings, skew)
     details = [
-        {**_figures(r, cycles[r.name], skew), "signs": signs[r.name].metadata()} for r in recordings
+        {**_figures(recording, own_cycles, skew), "signs": own_signs.metadata()}
+        for recording, own_cycles, own_signs in zip(recordings, cycles, signs, strict=True)
     ]
     figures = _of_all(recordings, repeats, cycles, skew)
-    figures["signs"] = signs_of_all(list(signs.values())).words
+    figures["signs"] = signs_of_all(signs).words
     return QualityReport(findings, details, figures)
 
 
@@ -177,11 +178,11 @@ def _loss(recording: Recording, cycles: Cycles, skew: Skew | None) -> dict[str, 
 def _of_all(
     recordings: Sequence[Recording],
     repeats: Sequence[Repeats],
-    cycles: dict[str, Cycles | None],
+    cycles: Sequence[Cycles | None],
     skew: Skew | None,
 ) -> dict[str, Any]:
     floors = [group.noise_n for group in repeats]
-    floors += [c.noise_n for c in cycles.values() if c and c.noise_n is not None]
+    floors += [c.noise_n for c in cycles if c and c.noise_n is not None]
     return {
         "noise_floor_n": float(np.sqrt(np.mean(np.square(floors)))) if floors else None,
         "repeats": [

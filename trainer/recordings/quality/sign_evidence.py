@@ -1,0 +1,87 @@
+"""What a recording says of its signs: where force is large, where it is stiff, what loops cost."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Samples
+
+_END = 0.05  # of the travel: the force at an end is the median there
+_MIN_SAMPLES = 8  # of a slope
+_ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
+_CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
+_LEVELS = (0.3, 0.5, 0.7)  # of the travel: where loops may be cut
+
+
+def correlation(x: Samples, f: Samples) -> float:
+    """Of position and force, (n,) both; 0 where one is constant."""
+    if min(np.ptp(x), np.ptp(f)) == 0.0:
+        return 0.0
+    return float(np.corrcoef(x, f)[0, 1])
+
+
+def deeper_by_force(x: Samples, f: Samples) -> int:
+    """Which end of the travel has the larger force: 2 or 1 the upper one, 0 unknown, negative."""
+    width = _END * float(np.ptp(x))
+    low = abs(float(np.median(f[x <= x.min() + width])))
+    high = abs(float(np.median(f[x >= x.max() - width])))
+    least, most = float(f.min()), float(f.max())
+    if min(abs(least), abs(most)) > _ONE_SIDED * max(abs(least), abs(most)) and least * most < 0:
+        return 0
+    return _vote(high, low)
+
+
+def deeper_by_slope(x: Samples, f: Samples) -> int:
+    """Which third of the travel is stiffer, as in `deeper_by_force`."""
+    low_m, third_m = float(x.min()), float(np.ptp(x)) / 3
+    low = _slope(x, f, x <= low_m + third_m)
+    high = _slope(x, f, x >= low_m + 2 * third_m)
+    if low is None or high is None or max(abs(low), abs(high)) == 0.0:
+        return 0
+    return _vote(abs(high), abs(low))
+
+
+def _vote(high: float, low: float) -> int:
+    larger, smaller = max(high, low), min(high, low)
+    size = 2 if larger > _STRONG * smaller else 1 if larger > _CLEAR * smaller else 0
+    return size if high > low else -size
+
+
+def _slope(x: Samples, f: Samples, part: NDArray[np.bool_]) -> float | None:
+    off = x[part] - x[part].mean()
+    spread = float(off @ off)
+    if len(off) < _MIN_SAMPLES or spread == 0.0:
+        return None
+    return float(off @ f[part]) / spread
+
+
+def dissipation_j(x: Samples, f: Samples) -> tuple[float, int]:
+    """Energy that a tool put in over whole loops, and how many loops: 0 where none closes."""
+    best: tuple[float, int] = (0.0, 0)
+    for level in _LEVELS:
+        level_m = float(x.min()) + level * float(np.ptp(x))
+        rises = np.flatnonzero((x[:-1] < level_m) & (x[1:] >= level_m))
+        rises = (
+            rises[np.concatenate(([True], np.diff(rises) > _MIN_SAMPLES))] if len(rises) else rises
+        )
+        if len(rises) - 1 > best[1]:
+            best = _work(x, f, int(rises[0]), int(rises[-1]) + 1), len(rises) - 1
+    return best if best[1] else _one_press(x, f)
+
+
+def _one_press(x: Samples, f: Samples) -> tuple[float, int]:
+    """Energy of the way in and out again, or out and in, beyond a level above both ends."""
+    span, ends = float(np.ptp(x)), x[[0, -1]]
+    inwards = float(ends.max()) + _END * span < float(x.min()) + 0.5 * span
+    outwards = float(ends.min()) - _END * span > float(x.min()) + 0.5 * span
+    if not (inwards or outwards):
+        return 0.0, 0
+    level_m = ends.max() + _END * span if inwards else ends.min() - _END * span
+    beyond = np.flatnonzero(x > level_m if inwards else x < level_m)
+    return _work(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1), 1
+
+
+def _work(x: Samples, f: Samples, begin: int, end: int) -> float:
+    """Integral of f dx, f from its first value on: what is missing to a closed path is short."""
+    steps = np.diff(x[begin : end + 1])
+    means = 0.5 * (f[begin:end] + f[begin + 1 : end + 1])
+    return float(steps @ (means - f[begin]))
