@@ -23,6 +23,10 @@ class Hammerstein:
     saturate at the next one's start (the last one does not). With g = weights @ b(u):
     force = bias_n + g_elastic + sum of highpass_tau(g_branch) + sum of g_stop(u) - g_stop(play u).
     elastic_n: (J,). tau_s: (P,), branch_n: (P, J). radius_m: (K,), stop_n: (K, J). Weights >= 0.
+    n_by_depth: of the last branches, which relax at the rate rate_ratio^(1/2 - u)/tau: rate_ratio
+    is that at the surface over that at the trained depth. stretch: where it is c > 0, b is a
+    function of v = (u + expm1(c u)/expm1(c))/2 (codegen/stages/depth_laws.py), for an object that
+    stiffens steeply; radii are shares of v then.
     """
 
     basis: Basis
@@ -34,11 +38,22 @@ class Hammerstein:
     radius_m: NDArray[np.float64]
     stop_n: NDArray[np.float64]
     bias_n: float
+    n_by_depth: int = 0
+    rate_ratio: float = 1.0
+    stretch: float = 0.0
+
+    @property
+    def slowest_s(self) -> NDArray[np.float64]:
+        """Longest time constant of each branch at any depth, (P,), s."""
+        by_depth = np.arange(len(self.tau_s)) >= len(self.tau_s) - self.n_by_depth
+        slower = np.sqrt(max(self.rate_ratio, 1.0 / self.rate_ratio))
+        slowest_s: NDArray[np.float64] = self.tau_s * np.where(by_depth, slower, 1.0)
+        return slowest_s
 
     @property
     def memory_s(self) -> float:
         """Longest time constant, s."""
-        return float(self.tau_s.max(initial=0.0))
+        return float(self.slowest_s.max(initial=0.0))
 
     def stiffened(self, factor: float) -> "Hammerstein":
         """The passive model whose force at x is this one's at factor x."""

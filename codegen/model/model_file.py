@@ -8,7 +8,7 @@ can make such a file: the whole model is checked when it is read, and when it is
 import hashlib
 import io
 import json
-from dataclasses import fields, is_dataclass
+from dataclasses import Field, fields, is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
 from springpot.codegen.regular_file import read_bounded
 
-MODEL_SCHEMA = 3  # 1: forests without quantisation; 2: other names of fields
+MODEL_SCHEMA = 4  # 1: no quantisation of forests; 2: other names; 3: rates of one depth
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
 # The only types that a file can name; a kind of one's own adds its own with `register_part`.
@@ -171,7 +171,10 @@ def _to_parts(model: Model) -> tuple[Any, Arrays]:
 def _packed(value: Any, path: str, arrays: Arrays) -> Any:
     """JSON of a part; its arrays go into `arrays` under their path."""
     if is_dataclass(value):
-        names = [field.name for field in fields(value)]
+        # What stands at its default is left out: a model's hash stays when parts learn more.
+        names = [
+            item.name for item in fields(value) if getattr(value, item.name) is not item.default
+        ]
         inside = {name: _packed(getattr(value, name), f"{path}.{name}", arrays) for name in names}
         return {"part": type(value).__name__, **inside}
     if isinstance(value, np.ndarray):
@@ -180,6 +183,11 @@ def _packed(value: Any, path: str, arrays: Arrays) -> Any:
     if isinstance(value, tuple):
         return {"tuple": list(value)}
     return dict(value) if path == "model.provenance" else value
+
+
+def _at_default(part: Any, item: Field[Any]) -> bool:
+    """Whether a number is what a file without it means."""
+    return isinstance(item.default, int | float) and getattr(part, item.name) == item.default
 
 
 def _from_parts(value: Any, arrays: Arrays, where: str, used: set[str]) -> Any:

@@ -29,6 +29,8 @@ from springpot.codegen.model.tree_shape import require_trees
 _MAX_M, _MAX_MPS, _MAX_N = 100.0, 1e4, 1e4
 _MIN_DT_S, _MAX_DT_S = 1e-6, 1e2
 _MAX_SAMPLES = 1_000_000  # of a window: state of the C
+_MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
+_MAX_STRETCH = 30.0  # e^30 times stiffer: beyond what a float tells apart
 _MAX_TERMS = 1_000  # branches, stops, poles
 _KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,63}")  # part of commands that pages show
 
@@ -92,6 +94,12 @@ def _hammerstein(passive: Hammerstein, n_features: int) -> None:
     _require(max(branches, stops) <= _MAX_TERMS, f"tau_s, radius_m: more than {_MAX_TERMS}")
     _positive("tau_s", passive.tau_s)
     _positive("radius_m", passive.radius_m)
+    _require(0 <= passive.n_by_depth <= branches, f"n_by_depth: {passive.n_by_depth} branches")
+    known = 1 / _MAX_RATE_RATIO <= passive.rate_ratio <= _MAX_RATE_RATIO
+    _require(known, f"rate_ratio: {passive.rate_ratio:g} is not within 1/{_MAX_RATE_RATIO:g} .. "
+             f"{_MAX_RATE_RATIO:g}")  # fmt: skip
+    fits = 0.0 <= passive.stretch <= _MAX_STRETCH
+    _require(fits, f"stretch: {passive.stretch:g} is not within 0 .. {_MAX_STRETCH:g}")
     for name in ("elastic_n", "branch_n", "stop_n"):
         weights = getattr(passive, name)
         below = float(weights.min(initial=0.0))

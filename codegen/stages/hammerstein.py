@@ -1,6 +1,6 @@
 """The passive model: sp_hammerstein.h."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,13 @@ from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, struct_text
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.recursive import SLOW_TICKS, loss_and_gain
+from springpot.codegen.stages.depth_laws import (
+    curve_place,
+    depth_curve,
+    depth_place,
+    stretch_terms,
+)
+from springpot.codegen.stages.maxwell import Branches, branch_steps
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
@@ -20,7 +26,6 @@ from springpot.codegen.stages.stage import (
     Member,
     Stage,
     Starts,
-    padded,
     segments,
 )
 
@@ -43,9 +48,8 @@ class HammersteinStage(Stage):
     """Arrays of sp_hammerstein_tables, and the variable of the tick that it follows.
 
     Curves: shape (pieces, degree + 1, curves), highest power first. spring: one, branches: one
-    each, stops: (stops, pieces, degree + 1), radius: (stops,). loss, per_tau (1/s), per_gain
-    (inverse of what is folded into the branches): (branches,). slow_loss: of the last ones, which
-    are stepped in double; their entries of loss are not used.
+    each, stops: (stops, pieces, degree + 1), radius: (stops,). stretch: (pieces, 4), or None.
+    steps: who steps which branches; those of curve 0 fill whole vectors.
     follows: "clipped" (to the trained range) or "penetration" (not clipped). Its force is the C
     variable `{follows}_passive_n`.
     """
@@ -53,31 +57,36 @@ class HammersteinStage(Stage):
     config: HammersteinConfig
     spring: Reals
     branches: Reals
-    per_tau: Reals
-    per_gain: Reals
-    loss: Reals
+    steps: tuple[Branches, ...]
     stops: Reals
     radius: Reals
-    slow_loss: NDArray[np.float64]
+    stretch: Reals | None
     follows: str
 
     @property
+    def _by_depth(self) -> bool:
+        return self.stretch is not None or any(step.by_depth for step in self.steps)
+
+    @property
     def headers(self) -> tuple[str, ...]:
-        slow = ("sp_hammerstein_slow.h",) if len(self.slow_loss) else ()
-        return ("sp_number.h", "sp_curve.h", "sp_poles.h", "sp_stops.h", "sp_hammerstein.h", *slow)
+        depth = ("sp_depth.h",) if self._by_depth else ()
+        stepped = [header for step in self.steps for header in step.headers]
+        return ("sp_number.h", "sp_curve.h", "sp_stops.h", "sp_hammerstein.h", *depth, *stepped)
 
     @property
     def members(self) -> tuple[Member, ...]:
         """Input and state of each branch, the slow ones' own, play of each stop."""
-        vector_width, stops = self.config.n_branches, self.config.n_stops
-        name = self.follows
-        n_slow = len(self.slow_loss)
-        slow = (Member(f"double {name}_slow[{n_slow}]", (DOUBLE,) * n_slow),) if n_slow else ()
+        capacity, stops, name = self.config.n_branches, self.config.n_stops, self.follows
+        slow = [
+            Member(f"double {name}_{step.name}[{step.count}]", (DOUBLE,) * step.count)
+            for step in self.steps
+            if step.double
+        ]
         play = (Member(f"sp_real {name}_play[{stops}]", (REAL,) * stops),) if stops else ()
         return (
             *slow,
-            Member(f"sp_real {name}_before[{vector_width}]", (REAL,) * vector_width),
-            Member(f"sp_real {name}_held[{vector_width}]", (REAL,) * vector_width),
+            Member(f"sp_real {name}_before[{capacity}]", (REAL,) * capacity),
+            Member(f"sp_real {name}_held[{capacity}]", (REAL,) * capacity),
             *play,
         )
 
@@ -87,10 +96,10 @@ class HammersteinStage(Stage):
             "/* Curves: piece by piece, highest power first, a column a branch (sp_curve.h). */",
             array_text("spring", "sp_real", self.spring.ravel()),
             array_text("branches", "sp_real", self.branches.reshape(-1, self.config.n_branches)),
-            array_text("branch_loss", "sp_real", self.loss),
+            *(line for step in self.steps for line in step.tables()),
         ]
-        if len(self.slow_loss):
-            parts.append(array_text("slow_branch_loss", "double", self.slow_loss))
+        if self.stretch is not None:
+            parts.append(array_text("stretch", "sp_real", self.stretch.ravel()))
         if stops:
             parts += [
                 array_text("stops", "sp_real", self.stops.reshape(self.config.n_stops, -1)),
@@ -102,7 +111,6 @@ class HammersteinStage(Stage):
             "static const sp_hammerstein_tables passive_tables = {",
             "    .spring = spring,",
             "    .branches = branches,",
-            "    .loss = branch_loss,",
             *(["    .stops = stops,", "    .radius = stop_radius,"] if stops else []),
             "};",
         ]
@@ -111,130 +119,118 @@ class HammersteinStage(Stage):
     def _play(self) -> str:
         return f"state->{self.follows}_play" if self.config.n_stops else "NULL"
 
-    def _branches(self) -> list[str]:
-        """Lines that declare the room for the branches, and the slow ones."""
-        lines = [f"sp_real {self.follows}_branch[{self.config.n_branches}];"]
-        if len(self.slow_loss):
-            lines += [
-                f"const sp_hammerstein_slow {self.follows}_slow = {{",
-                f"    .n = {len(self.slow_loss)}, .loss = slow_branch_loss,",
-                f"    .held = state->{self.follows}_slow}};",
-            ]
+    def _place(self) -> list[str]:
+        """Lines that declare the share of the depth, stretched if it is, and where it lies."""
+        name = self.follows
+        share = f"{name}_u" if self.stretch is None else f"{name}_share"
+        lines = [f"const sp_real {share} = sp_hammerstein_share(&passive, {name});"]
+        if self._by_depth:
+            lines.append(f"const sp_curve_place {name}_depth = sp_depth_place({share});")
+        if self.stretch is not None:
+            lines.append(f"const sp_real {name}_u = sp_depth_stretched(stretch, {name}_depth);")
         return lines
 
-    @property
-    def measured(self) -> Measured:
-        slow = "_slow" if len(self.slow_loss) else ""
-        return Measured(
-            headers=("sp_measured.h", f"sp_hammerstein{slow}_dt.h"),
-            tables=(
-                array_text("branch_per_tau", "sp_real", self.per_tau),
-                array_text("branch_per_gain", "sp_real", self.per_gain),
-            ),
-            advance=(
-                *self._branches(),
-                f"const sp_real {self.follows}_passive_n = sp_hammerstein_step{slow}_dt(",
-                f"    &passive, &passive_tables, {self._slow}branch_per_tau, "
-                "branch_per_gain, dt_s,",
-                f"    {self.follows}, state->{self.follows}_before, state->{self.follows}_held,",
-                f"    {self._play}, {self.follows}_branch);",
-            ),
-        )
-
-    @property
-    def _slow(self) -> str:
-        return f"&{self.follows}_slow, " if len(self.slow_loss) else ""
-
-    def restart(self) -> list[str]:
-        slow = [
-            f"for (uint32_t i = 0; i < {len(self.slow_loss)}; i++) {{",
-            f"    state->{self.follows}_slow[i] = 0.0;",
-            "}",
-        ]
+    def _tick(self, stepped: Callable[[Branches], list[str]]) -> list[str]:
+        name, capacity = self.follows, self.config.n_branches
         return [
-            *(slow if len(self.slow_loss) else ()),
-            f"sp_hammerstein_rest(&passive, &passive_tables, {self.follows},",
-            f"                    state->{self.follows}_before, state->{self.follows}_held, "
+            *self._place(),
+            f"const sp_curve_place {name}_place = sp_curve_at({name}_u, passive.n_pieces);",
+            f"sp_real {name}_branch[{capacity}];",
+            f"sp_curve(branches, passive.degree, {capacity}, {name}_place, {name}_branch);",
+            *(line for step in self.steps for line in stepped(step)),
+            f"const sp_real {name}_passive_n = sp_hammerstein_force(",
+            f"    &passive, &passive_tables, {name}_u, {name}_place, state->{name}_held, "
             f"{self._play});",
         ]
 
-    def advance(self) -> list[str]:
-        slow = "_slow" if self._slow else ""
-        return [
-            *self._branches(),
-            f"const sp_real {self.follows}_passive_n = sp_hammerstein_step{slow}(",
-            f"    &passive, &passive_tables, {self._slow}{self.follows}, "
-            f"state->{self.follows}_before,",
-            f"    state->{self.follows}_held, {self._play}, {self.follows}_branch);",
+    @property
+    def measured(self) -> Measured:
+        return Measured(
+            headers=("sp_measured.h", *(h for step in self.steps for h in step.measured_headers)),
+            tables=tuple(table for step in self.steps for table in step.measured_tables()),
+            advance=tuple(self._tick(lambda step: step.measured_step(self.follows))),
+        )
+
+    def restart(self) -> list[str]:
+        name = self.follows
+        slow = [
+            line
+            for step in self.steps
+            if step.double
+            for line in (
+                f"for (uint32_t i = 0; i < {step.count}; i++) {{",
+                f"    state->{name}_{step.name}[i] = 0.0;",
+                "}",
+            )
         ]
+        if self.stretch is None:
+            place = [f"const sp_real {name}_u = sp_hammerstein_share(&passive, {name});"]
+        else:
+            place = self._place()
+        return [
+            *slow,
+            *place,
+            f"sp_hammerstein_rest(&passive, &passive_tables, {name}_u,",
+            f"                    state->{name}_before, state->{name}_held, {self._play});",
+        ]
+
+    def advance(self) -> list[str]:
+        return self._tick(lambda step: step.step(self.follows))
 
     def instructions(self, costs: Costs) -> float:
         config = self.config
-        branch = costs.branch + config.degree * costs.power
-        slow = len(self.slow_loss) * costs.slow_pole
-        return float(
-            costs.passive + config.n_branches * branch + slow + config.n_stops * costs.stop
-        )
+        curves = config.n_branches * config.degree * costs.power
+        stepped = sum(step.instructions(costs) for step in self.steps)
+        depth = costs.depth if self._by_depth else 0.0
+        return float(costs.passive + depth + curves + stepped + config.n_stops * costs.stop)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Force of every tick, (n,), N."""
         config = self.config
         real = depth.dtype.type
         u = (depth - config.origin_m) * config.per_span
-        place = self._place(u)
-        g = _curves(self.branches, *place)
-        still_n = _curves(self.spring[:, :, None], *place)[:, 0] + config.bias_n
-        smallest = real(SMALLEST)
+        at = depth_place(u)
+        if self.stretch is not None:
+            u = depth_curve(self.stretch[:, :, None], *at)[:, 0]
+        place = curve_place(u, config.n_pieces)
+        g = depth_curve(self.branches, *place)
+        still_n = depth_curve(self.spring[:, :, None], *place)[:, 0] + config.bias_n
         held = np.empty_like(g)
         play = np.empty((len(depth), config.n_stops), dtype=depth.dtype)
         for begin, end, rests in segments(len(depth), starts):
             # A restart leaves the branches relaxed at u; the C's state begins as zeros.
-            n_fast = config.n_branches - len(self.slow_loss)
-            h = np.zeros(n_fast, dtype=depth.dtype)
-            slow_h = np.zeros(len(self.slow_loss))
             first = g[begin] if rests else np.zeros(config.n_branches, dtype=depth.dtype)
-            p = np.full(config.n_stops, u[begin] if rests else real(0), dtype=depth.dtype)
             rises = np.diff(g[begin:end], prepend=first[None, :], axis=0)
-            low = u[begin:end, None] - self.radius
-            high = u[begin:end, None] + self.radius
-            for i in range(end - begin):
-                h = h + (rises[i, :n_fast] - self.loss[:n_fast] * h)
-                h[np.abs(h) < smallest] = real(0)
-                slow_h = slow_h + (rises[i, n_fast:].astype(np.float64) - self.slow_loss * slow_h)
-                slow_h[np.abs(slow_h) < SMALLEST] = 0.0
-                held[begin + i, :n_fast] = h
-                held[begin + i, n_fast:] = slow_h.astype(depth.dtype)
-                if config.n_stops:
-                    # The C's comparisons: np.clip would treat a NaN otherwise.
+            for step in self.steps:
+                its = slice(step.first, step.first + step.count)
+                own = rises[:, its].astype(np.float64) if step.double else rises[:, its]
+                there = (at[0][begin:end], at[1][begin:end])
+                h = np.zeros(step.count, dtype=own.dtype)
+                smallest, nothing = own.dtype.type(SMALLEST), own.dtype.type(0)
+                advance = step.reference(own, there)
+                for i in range(end - begin):
+                    h = advance(i, h)
+                    h[np.abs(h) < smallest] = nothing
+                    held[begin + i, its] = h
+            if config.n_stops:
+                # The C's comparisons: np.clip would treat a NaN otherwise.
+                p = np.full(config.n_stops, u[begin] if rests else real(0), dtype=depth.dtype)
+                low = u[begin:end, None] - self.radius
+                high = u[begin:end, None] + self.radius
+                for i in range(end - begin):
                     p = np.where(p > low[i], p, low[i])
                     p = np.where(p < high[i], p, high[i])
                     play[begin + i] = p
         for k in range(config.n_stops):
             # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
-            at_play = self._place(play[:, k])
-            still_n = still_n - _curves(self.stops[k][:, :, None], *at_play)[:, 0]
+            at_play = curve_place(play[:, k], config.n_pieces)
+            still_n = still_n - depth_curve(self.stops[k][:, :, None], *at_play)[:, 0]
         # Four partial sums, as the C's vectors add them: another order rounds otherwise.
         s = np.zeros((VECTOR_WIDTH, len(depth)), dtype=depth.dtype)
         for i in range(config.n_branches):
             s[i % VECTOR_WIDTH] += held[:, i]
         force_n: Reals = still_n + ((s[0] + s[2]) + (s[1] + s[3]))
         return force_n
-
-    def _place(self, u: Reals) -> tuple[NDArray[np.intp], Reals]:
-        """sp_curve_at: the piece that u is in and the way from its start, both (n,)."""
-        real, n = u.dtype.type, self.config.n_pieces
-        v = np.where(u > 0, u, real(0))
-        found = np.where(v * real(n) < real(n - 1), v * real(n), real(n - 1))
-        piece = found.astype(np.intp)
-        return piece, v - piece.astype(u.dtype) / real(n)
-
-
-def _curves(terms: Reals, piece: NDArray[np.intp], way: Reals) -> Reals:
-    """sp_curve: values (n, curves)."""
-    values: Reals = terms[piece, 0]
-    for power in range(1, terms.shape[1]):
-        values = values * way[:, None] + terms[piece, power]
-    return values
 
 
 def basis(kind: Basis, u: Reals) -> Iterator[Reals]:
@@ -257,23 +253,16 @@ def hammerstein_stage(
 ) -> HammersteinStage:
     """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
 
-    Branches are padded to whole vectors of `vector_width`, with curves of 0; slow ones come last.
+    Branches are padded to whole vectors of `vector_width`, with curves of 0.
     """
-    n_branches, n_stops = len(model.tau_s), len(model.radius_m)
-    capacity = padded(max(n_branches, 1), vector_width)
-    pole_loss, gain = loss_and_gain(model.tau_s, dt_s)
-    stop_n = model.stop_n.reshape(n_stops, BASIS_SIZE[model.basis])
-    slow = (model.tau_s > SLOW_TICKS * dt_s) & (dtype is np.float32)
-    n_slow = int(np.sum(slow))
-    at = np.concatenate([np.arange(n_branches - n_slow), np.arange(capacity - n_slow, capacity)])
-    order = np.argsort(slow, kind="stable")
-    branches = np.zeros((capacity, BASIS_SIZE[model.basis]))
-    branches[at] = (gain[:, None] * model.branch_n)[order]
-    loss: Reals = np.ones(capacity, dtype=dtype)
-    per_tau, per_gain = loss.copy(), loss.copy()
-    loss[at] = pole_loss[order]
-    per_tau[at], per_gain[at] = 1.0 / model.tau_s[order], 1.0 / gain[order]
-    curves = curve_terms(model.basis, branches)
+    n_stops, n_basis = len(model.radius_m), BASIS_SIZE[model.basis]
+    stop_n = model.stop_n.reshape(n_stops, n_basis)
+    steps, weights = branch_steps(model, dt_s, dtype, vector_width)
+    curves = curve_terms(model.basis, weights)
+    spring = curve_terms(model.basis, (model.elastic_n + stop_n.sum(axis=0))[None])
+    stretch: Reals | None = None
+    if model.stretch > 0.0:
+        stretch = stretch_terms(model.stretch).astype(dtype)
     return HammersteinStage(
         config=HammersteinConfig(
             origin_m=dtype(model.origin_m),
@@ -281,19 +270,15 @@ def hammerstein_stage(
             bias_n=dtype(model.bias_n),
             n_pieces=len(curves),
             degree=curves.shape[1] - 1,
-            n_branches=capacity,
+            n_branches=len(weights),
             n_stops=n_stops,
         ),
-        spring=curve_terms(model.basis, (model.elastic_n + stop_n.sum(axis=0))[None])[
-            :, :, 0
-        ].astype(dtype),
+        spring=spring[:, :, 0].astype(dtype),
         branches=curves.astype(dtype),
-        per_tau=per_tau,
-        per_gain=per_gain,
-        loss=loss,
+        steps=steps,
         stops=np.moveaxis(curve_terms(model.basis, stop_n), 2, 0).astype(dtype),
-        slow_loss=pole_loss[slow],
         radius=(model.radius_m / model.span_m).astype(dtype),
+        stretch=stretch,
         follows=follows,
     )
 

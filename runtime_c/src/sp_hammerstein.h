@@ -5,14 +5,14 @@
  *
  * Every weight is non-negative and every pole real, so that the force is passive: over any closed
  * press it takes at least the energy that it gives back. A stop is P(u) - P(play): the first half
- * is part of the spring's curve. */
+ * is part of the spring's curve. A tick moves the branches (sp_poles.h, sp_depth.h) between reading
+ * their curves at u and summing up here. */
 #ifndef SP_HAMMERSTEIN_H
 #define SP_HAMMERSTEIN_H
 
 #include <stdint.h>
 
 #include "sp_curve.h"
-#include "sp_poles.h"
 #include "sp_stops.h"
 
 enum { SP_HAMMERSTEIN_SUMS = 4 /* where there are vectors, branches are padded to whole ones */ };
@@ -31,18 +31,22 @@ typedef struct {
 typedef struct {
     const sp_real *spring;   /* one curve */
     const sp_real *branches; /* n_branches curves */
-    const sp_real *loss;     /* [n_branches] */
     const sp_real *stops;    /* n_stops times one curve */
     const sp_real *radius;   /* [n_stops], of u */
 } sp_hammerstein_tables;
 
-/* x has been here for ever: every branch has relaxed. before, held: [n_branches]; play: [n_stops].
+/* u of a depth of x, m. */
+static inline sp_real sp_hammerstein_share(const sp_hammerstein_config *config, sp_real x)
+{
+    return (x - config->origin_m) * config->per_span;
+}
+
+/* u has been here for ever: every branch has relaxed. before, held: [n_branches]; play: [n_stops].
  */
 static inline void sp_hammerstein_rest(const sp_hammerstein_config *config,
-                                       const sp_hammerstein_tables *tables, sp_real x,
+                                       const sp_hammerstein_tables *tables, sp_real u,
                                        sp_real *before, sp_real *held, sp_real *play)
 {
-    const sp_real u = (x - config->origin_m) * config->per_span;
     sp_curve(tables->branches, config->degree, config->n_branches, sp_curve_at(u, config->n_pieces),
              before);
     for (uint32_t i = 0; i < config->n_branches; i++) {
@@ -89,15 +93,11 @@ static inline sp_real sp_hammerstein_held(const sp_real *held, uint32_t n_branch
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
-/* One tick at depth x, m; g: room for [n_branches]. Returns N. */
-static inline sp_real sp_hammerstein_step(const sp_hammerstein_config *config,
-                                          const sp_hammerstein_tables *tables, sp_real x,
-                                          sp_real *before, sp_real *held, sp_real *play, sp_real *g)
+/* What the branches hold now (`held`), the spring, the stops and the bias at u: N. */
+static inline sp_real sp_hammerstein_force(const sp_hammerstein_config *config,
+                                           const sp_hammerstein_tables *tables, sp_real u,
+                                           sp_curve_place place, const sp_real *held, sp_real *play)
 {
-    const sp_real u = (x - config->origin_m) * config->per_span;
-    const sp_curve_place place = sp_curve_at(u, config->n_pieces);
-    sp_curve(tables->branches, config->degree, config->n_branches, place, g);
-    sp_poles_apart(tables->loss, config->n_branches, g, before, held);
     const sp_real still_n = sp_hammerstein_still(config, tables, u, place, play);
     return still_n + sp_hammerstein_held(held, config->n_branches);
 }

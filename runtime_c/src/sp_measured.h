@@ -74,4 +74,15 @@ static inline void sp_measured_slow(const sp_real *per_tau, const sp_real *per_g
     }
 }
 
+/* The same, each pole with an input of its own. */
+static inline void sp_measured_slow_apart(const sp_real *per_tau, const sp_real *per_gain,
+                                          uint32_t n_poles, sp_real dt_s, const sp_real *g,
+                                          sp_real *before, double *h, sp_real *out)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        sp_measured_slow(per_tau + i, per_gain + i, 1, dt_s, g[i] - before[i], h + i, out + i);
+        before[i] = g[i];
+    }
+}
+
 #endif

@@ -17,4 +17,14 @@ static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real r
     }
 }
 
+/* Each has an input of its own: g now, `before` at the last tick. */
+static inline void sp_slow_poles_apart(const double *loss, uint32_t n_poles, const sp_real *g,
+                                       sp_real *before, double *h, sp_real *out)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        sp_slow_poles(loss + i, 1, g[i] - before[i], h + i, out + i);
+        before[i] = g[i];
+    }
+}
+
 #endif

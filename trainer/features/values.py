@@ -1,6 +1,7 @@
 """Values of a model's features along a recording, in float64, only at the rows that are used."""
 
 from functools import singledispatch
+from itertools import pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -15,10 +16,13 @@ from springpot.codegen.model.features import (
     PositionVelocity,
     RecursiveBank,
 )
+from springpot.codegen.stages.depth_laws import depth_curve, depth_place
 from springpot.codegen.stages.position_velocity import foaw_of
 from springpot.codegen.stages.recursive import loss_and_gain
 from springpot.trainer.features.fast_fir import equivalent_taps
 
+_KEPT = 1e-15  # of a state after a tick: of less nothing is left
+_LOG_PIECE = 200.0  # e^-200 is a float64 yet
 _CHUNK = 8192  # rows whose windows are gathered at once
 
 
@@ -57,6 +61,35 @@ def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
     rises = np.diff(values, prepend=values[:1])
     filtered: Samples = lfilter([gain[0]], [1.0, loss[0] - 1.0], rises)
     return filtered
+
+
+def highpass_by_depth(values: Samples, u: Samples, loss: Samples) -> Samples:
+    """State h of a pole whose loss in a tick depends on the depth, (n,): sp_depth.h.
+
+    u: shares of the trained depth, (n,). loss: (pieces, 2), as `clocked_loss`.
+    """
+    lost = depth_curve(loss[:, :, None], *depth_place(u))[:, 0]
+    rises = np.diff(values, prepend=values[:1])
+    return _decaying(1.0 - lost, (1.0 - 0.5 * lost) * rises)
+
+
+def _decaying(kept: Samples, added: Samples) -> Samples:
+    """h[i] = kept[i] h[i-1] + added[i] from 0, (n,); kept above 0.
+
+    By sums of what is added over the product of what is kept, in pieces in which that product
+    stays a number.
+    """
+    logs = np.log(np.maximum(kept, _KEPT))
+    passed = np.cumsum(logs)
+    cuts = [0, *(1 + np.flatnonzero(np.diff(np.floor(passed / -_LOG_PIECE)))).tolist(), len(kept)]
+    h = np.empty(len(kept))
+    last = 0.0
+    for begin, end in pairwise(cuts):
+        before = passed[begin] - logs[begin]
+        product = np.exp(passed[begin:end] - before)
+        h[begin:end] = product * (last + np.cumsum(added[begin:end] / product))
+        last = h[end - 1] if end > begin else last
+    return h
 
 
 def _windowed(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import reduce
 from operator import add
 
@@ -16,6 +17,8 @@ from springpot.trainer.models.folds import Folds, fold_families, geometric_mean,
 from springpot.trainer.models.forests import depth_scale, fit_forest
 from springpot.trainer.models.nonnegative import Normal, normal_equations, sparse_solve
 from springpot.trainer.models.passive_terms import (
+    FEWEST_BY_DEPTH,
+    Shape,
     Terms,
     columns,
     hammerstein_force,
@@ -28,11 +31,13 @@ from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
 SPARSE_LOSS = 0.003
-# Bases, and the prices tried on their curves' bends: of squared changes of slope, in a row's
-# squared error. The first is taken unless another has a tenth less cross-validated error: what
-# few recordings tell is not enough to choose by hundredths.
-BENDS: dict[Basis, tuple[float, ...]] = {"powers": (0.0,), "ramps": (1e-6, 1e-5, 1e-4, 1e-3)}
+# Prices tried on the bends of ramps: the smoothest curves unless others have a tenth less
+# cross-validated error. What few recordings tell is not enough to choose by hundredths.
+PRICES: dict[Basis, tuple[float, ...]] = {"powers": (0.0,), "ramps": (1e-3, 1e-4, 1e-5, 1e-6)}
 BETTER = 0.9
+# What curves and rates are tried, each for a tenth less error than the ones before.
+PLAIN = (Shape("powers"), Shape("ramps"), Shape("ramps", stretch=12.0))
+RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep inside
 HYBRID_TREES = 50
 HYBRID_LEAF = 20
 N_LAGS = 8
@@ -45,7 +50,7 @@ def term_columns(terms: Terms, data: TrainingSet, rows: np.ndarray) -> Samples:
 
 
 def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
-    """Fit both bases, with each price on bends; choose by cross-validated error.
+    """Fit each shape of the curves, with each price on bends; choose by cross-validated error.
 
     A bias only where the tool never leaves the object: at a surface the force is 0 by itself.
 
@@ -67,19 +72,40 @@ def _fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, i
     force_n = data.force_n(rows)
     families = fold_families(data, rows, options.seed)
     piece = pieces(families)
-    best: tuple[float, Terms, Normal] | None = None
-    for kind, prices in BENDS.items():
-        terms = standard_terms(data, kind, data.contact == "always", options.poles)
+
+    def tried(shape: Shape) -> _Tried:
+        terms = standard_terms(data, shape, data.contact == "always", options.poles)
         parts = _equations(term_columns(terms, data, rows), force_n, piece)
-        bends = terms.bends()
-        for price in prices:
-            error = _cross_validated(parts, families, piece, price * bends)
-            if best is None or error < BETTER * best[0]:
-                best = (error, terms, _sum(parts).penalised(price * bends))
-    assert best is not None
-    error, terms, normal = best
-    weights = sparse_solve(normal, terms.blocks, SPARSE_LOSS)
-    return to_model(terms, weights), len(rows), error
+        return reduce(_better, (
+            _Tried(_cross_validated(parts, families, piece, price * terms.bends()), terms, price,
+                   parts)
+            for price in PRICES[shape.basis]
+        ))  # fmt: skip
+
+    plain = [tried(shape) for shape in PLAIN]
+    best = reduce(_better, plain)
+    ramps = [some for some in plain if some.terms.shape.basis == "ramps"]
+    if ramps and options.poles >= FEWEST_BY_DEPTH:
+        stretch = reduce(_better, ramps).terms.shape.stretch
+        for ratio in RATE_RATIOS:
+            best = _better(best, tried(Shape("ramps", stretch, ratio)))
+    normal = _sum(best.parts).penalised(best.price * best.terms.bends())
+    weights = sparse_solve(normal, best.terms.blocks, SPARSE_LOSS)
+    return to_model(best.terms, weights), len(rows), best.error_n
+
+
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """Terms with a price on their bends: cross-validated error, normal equations of the pieces."""
+
+    error_n: float
+    terms: Terms
+    price: float
+    parts: list[Normal]
+
+
+def _better(best: _Tried, other: _Tried) -> _Tried:
+    return other if other.error_n < BETTER * best.error_n else best
 
 
 def fit_hammerstein(
@@ -89,7 +115,13 @@ def fit_hammerstein(
     fitted, fit_s = _timed_passive(data, options)
     passive, rows, error = fitted
     n_parameters = parameter_count(passive)
-    metadata = {"n_parameters": n_parameters, "cv_rmse_n": error, "basis": passive.basis}
+    metadata = {
+        "n_parameters": n_parameters,
+        "cv_rmse_n": error,
+        "basis": passive.basis,
+        "stretch": passive.stretch,
+        "rate_ratio": passive.rate_ratio,
+    }
     model = assemble(
         "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
     )

@@ -8,33 +8,46 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
+from springpot.codegen.stages.depth_laws import clocked_loss, stretched
 from springpot.codegen.stages.hammerstein import basis
-from springpot.trainer.features.values import highpass
+from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.training_set import TrainingSet
 
 PASSIVE_POLES = 12
+FEWEST_BY_DEPTH = 4  # poles, of which half can have a rate that depends on the depth
+_FIRST = 0.02
 RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
 _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Curves of the depth, and how half of the branches' rate depends on it: see `Hammerstein`."""
+
+    basis: Basis
+    stretch: float = 0.0
+    rate_ratio: float = 1.0
 
 
 @dataclass(frozen=True)
 class Terms:
     """The terms that a fit chooses from.
 
-    Columns: the spring's basis; each pole's branches; each radius's stops; then, where the bias is
-    fitted, +1 and -1.
+    Columns: the spring's basis; each pole's branches, those whose rate depends on the depth last;
+    each radius's stops; then, where the bias is fitted, +1 and -1.
     """
 
-    basis: Basis
+    shape: Shape
     origin_m: float
     span_m: float
     tau_s: tuple[float, ...]
+    n_by_depth: int
     radius_m: tuple[float, ...]
     bias: bool
 
     @property
     def n_basis(self) -> int:
-        return BASIS_SIZE[self.basis]
+        return BASIS_SIZE[self.shape.basis]
 
     @property
     def curves(self) -> int:
@@ -51,29 +64,43 @@ class Terms:
         return np.minimum(np.arange(self.count) // self.n_basis, self.curves)
 
     def bends(self) -> Samples:
-        """Quadratic form of the weights, (terms, terms): squared changes of slope of each curve.
+        """Quadratic form of the weights, (terms, terms): how each curve of ramps bends.
 
-        Without a price on bends a rise between two trained depths goes into whichever ramp the
-        solver likes, and what no row has seen is anything. Powers cannot bend at one depth.
+        Squared second differences of its slopes, and a fiftieth of the first ones: a rise between
+        two trained depths goes on as it does beside them, and what no row has seen too. Without a
+        price on them it goes into whichever ramp the solver likes.
         """
         form = np.zeros((self.count, self.count))
-        if self.basis == "ramps":
-            change = np.diff(np.eye(self.n_basis), axis=0)
+        if self.shape.basis == "ramps":
+            slopes = np.eye(self.n_basis)
+            first, second = (np.diff(slopes, n, axis=0) for n in (1, 2))
             end = self.n_basis * self.curves
-            form[:end, :end] = np.kron(np.eye(self.curves), change.T @ change)
+            block = second.T @ second + _FIRST * first.T @ first
+            form[:end, :end] = np.kron(np.eye(self.curves), block)
         return form
 
 
-def standard_terms(data: TrainingSet, kind: Basis, bias: bool, poles: int = PASSIVE_POLES) -> Terms:
-    """Four radii, and `poles` time constants from two samples to the longest recording."""
+def standard_terms(
+    data: TrainingSet, shape: Shape, bias: bool, poles: int = PASSIVE_POLES
+) -> Terms:
+    """Four radii, and `poles` time constants from two samples to the longest recording.
+
+    Where the rate depends on the depth, half of them of each sort.
+    """
     trained = data.trained
     span_m = trained.max_m - trained.min_m
-    tau_s = np.geomspace(2.0 * data.dt_s, max(data.longest_s, 4.0 * data.dt_s), poles)
+    n_by_depth = 0 if shape.rate_ratio == 1.0 else poles // 2
+    longest_s = max(data.longest_s, 4.0 * data.dt_s)
+    tau_s = [
+        np.geomspace(2.0 * data.dt_s, longest_s, count)
+        for count in (poles - n_by_depth, n_by_depth)
+    ]
     return Terms(
-        basis=kind,
+        shape=shape,
         origin_m=trained.min_m,
         span_m=span_m,
-        tau_s=tuple(tau_s.tolist()),
+        tau_s=tuple(np.concatenate(tau_s).tolist()),
+        n_by_depth=n_by_depth,
         radius_m=tuple(share * span_m for share in RADIUS_SHARES),
         bias=bias,
     )
@@ -85,14 +112,20 @@ def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Indices) -> Sampl
     One function of the basis at a time: a day's recording has 1e8 samples.
     """
     u = (depth_m - terms.origin_m) / terms.span_m
+    v = stretched(u, terms.shape.stretch) if terms.shape.stretch > 0.0 else u
     n, poles = terms.n_basis, len(terms.tau_s)
+    constant = poles - terms.n_by_depth
+    loss = clocked_loss(np.array(terms.tau_s[constant:]), terms.shape.rate_ratio, dt_s)
     values = np.ones((len(rows), terms.count))
-    for j, along in enumerate(basis(terms.basis, u)):
+    for j, along in enumerate(basis(terms.shape.basis, v)):
         values[:, j] = along[rows]
-        for k, tau_s in enumerate(terms.tau_s, 1):
+        for k, tau_s in enumerate(terms.tau_s[:constant], 1):
             values[:, n * k + j] = highpass(along, tau_s, dt_s)[rows]
+        for k in range(terms.n_by_depth):
+            held = highpass_by_depth(along, u, loss[:, :, k])
+            values[:, n * (1 + constant + k) + j] = held[rows]
     for k, radius_m in enumerate(terms.radius_m, 1 + poles):
-        played = basis(terms.basis, play(u, radius_m / terms.span_m)[rows])
+        played = basis(terms.shape.basis, play(v, radius_m / terms.span_m)[rows])
         for j, behind in enumerate(played):
             values[:, n * k + j] = values[:, j] - behind
     if terms.bias:
@@ -124,8 +157,9 @@ def to_model(terms: Terms, weights: Samples) -> Hammerstein:
     branch = weights[n : n * (1 + poles)].reshape(poles, n)
     stop = weights[n * (1 + poles) : n * (1 + poles + radii)].reshape(radii, n)
     kept, stops = branch.any(axis=1), stop.any(axis=1)
+    n_by_depth = int(np.count_nonzero(branch[poles - terms.n_by_depth :].any(axis=1)))
     return Hammerstein(
-        basis=terms.basis,
+        basis=terms.shape.basis,
         origin_m=terms.origin_m,
         span_m=terms.span_m,
         elastic_n=weights[:n],
@@ -134,6 +168,9 @@ def to_model(terms: Terms, weights: Samples) -> Hammerstein:
         radius_m=np.array(terms.radius_m)[stops],
         stop_n=stop[stops],
         bias_n=float(weights[-2] - weights[-1]) if terms.bias else 0.0,
+        n_by_depth=n_by_depth,
+        rate_ratio=terms.shape.rate_ratio if n_by_depth else 1.0,
+        stretch=terms.shape.stretch,
     )
 
 
@@ -145,11 +182,12 @@ def parameter_count(model: Hammerstein) -> int:
 
 def _terms_and_weights(model: Hammerstein) -> tuple[Terms, NDArray[np.float64]]:
     terms = Terms(
-        basis=model.basis,
+        shape=Shape(model.basis, model.stretch, model.rate_ratio),
         origin_m=model.origin_m,
         span_m=model.span_m,
         tau_s=tuple(model.tau_s.tolist()),
         radius_m=tuple(model.radius_m.tolist()),
+        n_by_depth=model.n_by_depth,
         bias=model.bias_n != 0.0,
     )
     bias: Iterable[float] = (model.bias_n, 0.0) if terms.bias else ()

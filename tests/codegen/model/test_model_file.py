@@ -42,8 +42,8 @@ def test_a_truncated_file_is_refused(tmp_path: Path, length: int) -> None:
 
 def test_a_later_schema_is_refused(tmp_path: Path) -> None:
     path = model_file(tmp_path)
-    path.write_bytes(path.read_bytes().replace(b"springpot-model 3", b"springpot-model 7", 1))
-    with pytest.raises(DataError, match="schema 7, this springpot reads up to 3: upgrade"):
+    path.write_bytes(path.read_bytes().replace(b"springpot-model 4", b"springpot-model 7", 1))
+    with pytest.raises(DataError, match="schema 7, this springpot reads up to 4: upgrade"):
         read_model(path)
 
 
@@ -59,4 +59,4 @@ def test_same_seed_and_recordings_give_the_same_hash(tmp_path: Path) -> None:
     other = fit_model("rf-fd", "a", training(), FitOptions(seed=4, trees=3, leaf=30)).model
     assert model_hash(first) == model_hash(again) != model_hash(other)
     assert write_model(tmp_path / "a.spm", first) == model_hash(first)
-    assert (tmp_path / "a.spm").read_bytes()[:17] == b"springpot-model 3"
+    assert (tmp_path / "a.spm").read_bytes()[:17] == b"springpot-model 4"

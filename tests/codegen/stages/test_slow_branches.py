@@ -83,4 +83,4 @@ def test_only_slow_branches_bring_doubles() -> None:
         )
         for limit in (0.99e5, 1.01e5)
     }
-    assert names[1.01e5] - names[0.99e5] == {"sp_hammerstein_slow.h", "sp_hammerstein_slow_dt.h"}
+    assert names[1.01e5] - names[0.99e5] == {"sp_slow_poles.h"}
