@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 from rich.console import Console
-from rich.status import Status
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 from rich.table import Table
 from rich.text import Text
 
@@ -23,27 +23,37 @@ def say(line: str) -> None:
     click.echo(line, err=True)
 
 
-class _StatusLine(logging.Handler):
-    """What long work logs, behind the spinner's text."""
+class _ProgressLine(logging.Handler):
+    """What long work logs, beside the bar: its records may carry `done` of `total` steps."""
 
-    def __init__(self, status: Status, text: str) -> None:
+    def __init__(self, progress: Progress, text: str) -> None:
         super().__init__()
-        self._status, self._text = status, text
+        self._progress, self._text = progress, text
+        self._task = progress.add_task(text, total=None)
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._status.update(f"{self._text}, {record.getMessage()}")
+        steps = {
+            "completed": getattr(record, "done", None),
+            "total": getattr(record, "total", None),
+        }
+        self._progress.update(
+            self._task,
+            description=f"{self._text}, {record.getMessage()}",
+            **{name: value for name, value in steps.items() if value is not None},
+        )
 
 
 @contextmanager
-def spinner(text: str) -> Iterator[Status]:
-    """A spinner on standard error that says how far the trainer is."""
+def spinner(text: str) -> Iterator[Progress]:
+    """A bar on standard error that says how far the trainer is; it swings until that is known."""
     logger = logging.getLogger("springpot.trainer")
-    with progress_console.status(text) as status:
-        handler, level = _StatusLine(status, text), logger.level
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(bar_width=20))
+    with Progress(*columns, console=progress_console, transient=True) as progress:
+        handler, level = _ProgressLine(progress, text), logger.level
         logger.addHandler(handler)
         logger.setLevel(logging.INFO)
         try:
-            yield status
+            yield progress
         finally:
             logger.removeHandler(handler)
             logger.setLevel(level)

@@ -12,7 +12,8 @@ from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.host.plot_style import ERROR, MEASURED, PREDICTED, STYLE, stride, svg_text
 from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.judgement import QUIET_MPS, STILL_CASES
-from springpot.host.stability.small_signal import ACTIVE, Map
+from springpot.host.stability.small_signal import Map
+from springpot.trainer.selection.small_signal import ACTIVE
 
 _POINTS = 1500
 _DARK = 0.6  # of the colour scale: text in darker cells is white

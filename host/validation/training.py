@@ -80,6 +80,8 @@ def training_rows(
             f"{score['mean_n']:.4g} N held out (recordings {score['recordings_n']:.4g}, "
             f"conditions {score['conditions_n']:.4g}){mark}"
         )
+    if "why" in result:
+        rows["  why"] = result["why"]
     for what, (value, width) in result.get("material", {}).items():
         why = result["not_identified"].get(what, "")
         rows[f"  {what}"] = (

@@ -1,35 +1,49 @@
-"""Kind `auto`: the fit of lowest cross-validated error; the validation data is never seen."""
+"""Kind `auto`: the passive model, unless trees on top of it lower the held-out error for certain.
+
+The validation data is never seen.
+"""
 
 import logging
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.features import Features
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.folds import N_FOLDS, geometric_mean
+from springpot.trainer.models.hammerstein import (
+    HYBRID_LEAF,
+    HYBRID_TREES,
+    derivative_features,
+    lag_features,
+)
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.cross_validation import (
-    fold_errors_n,
-    recording_splits,
-    whole_splits,
-)
+from springpot.trainer.selection.held_out import HeldOut, TreeFit, held_out
+from springpot.trainer.selection.small_signal import active_cells
 
 _LOG = logging.getLogger(__name__)
-_ERROR_TOLERANCE = 1.005  # of the lowest error: the cheaper of two within it is taken
+GAIN, GAIN_OF_ONE = 0.05, 0.10  # of the error, that trees have to take off; with one recording
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
-_ROWS = 6_000  # of each fit under cross-validation
+_HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
+PASSIVE = "hammerstein"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AutoCandidate:
-    """One fit that a user could ask for; cost: rank of its time in C, the lower the cheaper."""
+    """One fit that a user could ask for; cost: rank of its time in C, the lower the cheaper.
+
+    tree: None for the passive model alone.
+    """
 
     name: str
     cost: int
     kind: str
     options: FitOptions
+    tree: TreeFit | None
 
 
 @dataclass(frozen=True)
@@ -37,7 +51,9 @@ class Score:
     """Geometric mean of a candidate's held-out RMSEs, N.
 
     recordings_n: repeats apart; conditions_n: each depth, and each speed, held out whole, where
-    there are three of it, else the same; mean_n: of every such way to fold alike.
+    there are three of it, else the same; mean_n: of every such way to fold alike. folds: held out;
+    fewer where the first ones left no hope. ratio: to the passive model's, over those folds;
+    ratio_without_best: with the candidate's best fold left out.
     """
 
     name: str
@@ -45,52 +61,170 @@ class Score:
     recordings_n: float
     conditions_n: float
     mean_n: float
+    folds: int
+    ratio: float
+    ratio_without_best: float
 
 
 def fit_auto(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Fit the best candidate on all training recordings; the table of scores is in its metadata."""
+    """Fit the best candidate on all training recordings.
+
+    Its metadata has the table of scores, and in words why it was chosen. Trees that are active in
+    small motions, whatever their error, are passed over.
+    """
     begin = time.perf_counter()
-    families = [recording_splits(data.recordings, 0.0, options.seed, N_FOLDS)]
-    families += whole_splits(data)
     known = candidates(data, options)
-    scores = []
-    for count, candidate in enumerate(known, 1):
-        _LOG.info("%d of %d: %s", count, len(known), candidate.name)
-        means = [
-            geometric_mean(fold_errors_n(candidate.kind, splits, candidate.options, _ROWS))
-            for splits in families
-        ]
-        whole_n = geometric_mean(means[1:] or means)
-        scores.append(
-            Score(candidate.name, candidate.cost, means[0], whole_n, geometric_mean(means))
-        )
-    best = choose_score(scores, max(abs(data.trained.max_n), abs(data.trained.min_n)))
-    search_s = time.perf_counter() - begin
-    chosen = next(candidate for candidate in known if candidate.name == best.name)
-    fit = fit_kind(chosen.kind, name, data, chosen.options)
-    metadata = {**fit.metadata, "chosen": best.name, "scores": [vars(score) for score in scores]}
+    rows = held_out(data, options)
+    scores = _scores(known, rows)
+    gain = GAIN if len(data.recordings) > 1 else GAIN_OF_ONE
+    peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
+    active: dict[str, int] = {}
+    for chosen in ranked(scores, gain, peak_n):
+        candidate = next(some for some in known if some.name == chosen.name)
+        search_s = time.perf_counter() - begin
+        fit = fit_kind(candidate.kind, name, data, candidate.options)
+        cells = 0 if candidate.tree is None else active_cells(fit.model)
+        if cells == 0:
+            break
+        active[chosen.name] = cells
+    metadata = {
+        **fit.metadata,
+        "chosen": chosen.name,
+        "scores": [vars(score) for score in scores],
+        "why": why(chosen, scores, gain, peak_n, active),
+    }
     return replace(fit, search_s=search_s, metadata=metadata)
 
 
-def choose_score(scores: list[Score], peak_n: float) -> Score:
-    """The cheapest of those within half a per cent of the lowest error, or within what is felt."""
-    minimum = min(score.mean_n for score in scores)
-    most = max(_ERROR_TOLERANCE * minimum, minimum + FORCE_TOLERANCE * peak_n)
-    near = [score for score in scores if score.mean_n <= most]
-    return min(near, key=lambda score: (score.cost, score.mean_n))
+def ranked(scores: Sequence[Score], gain: float, peak_n: float) -> list[Score]:
+    """Those that may be chosen, the best first; the passive model is the last of them.
+
+    Trees may where they take `gain` off the passive error, more than is felt, and do so without
+    their best fold too. Of two whose difference is not felt the cheaper comes first.
+    """
+    passive = next(score for score in scores if score.name == PASSIVE)
+    felt_n = FORCE_TOLERANCE * peak_n
+    worth = [
+        score
+        for score in scores
+        if score is not passive
+        and max(score.ratio, score.ratio_without_best) <= 1.0 - gain
+        and score.mean_n < passive.mean_n - felt_n
+    ]
+    minimum_n = min((score.mean_n for score in worth), default=0.0)
+    worth.sort(key=lambda score: (score.mean_n > minimum_n + felt_n, score.cost, score.mean_n))
+    return [*worth, passive]
+
+
+def why(
+    chosen: Score, scores: Sequence[Score], gain: float, peak_n: float, active: dict[str, int]
+) -> str:
+    """In words: what the winner has over the next one."""
+    others = [score for score in scores if score is not chosen]
+    nearest = min(others, key=lambda score: score.ratio)
+    passed = "".join(
+        f"; {name} gives energy in {cells} of its small motions" for name, cells in active.items()
+    )
+    if chosen.name != PASSIVE:
+        passive = next(score for score in scores if score.name == PASSIVE)
+        return (
+            f"{_percent(chosen.ratio)} than the passive model alone "
+            f"({_share(chosen, peak_n)} of peak for {_share(passive, peak_n)}), in {chosen.folds} "
+            f"folds; the next, {nearest.name}, has {_percent(nearest.ratio / chosen.ratio)}{passed}"
+        )
+    but = ""
+    if nearest.ratio <= 1.0 - gain and nearest.name not in active:
+        felt = nearest.mean_n < chosen.mean_n - FORCE_TOLERANCE * peak_n
+        but = ", most of it in one fold" if felt else (
+            f", {_share(nearest, peak_n)} of peak for {_share(chosen, peak_n)}: nobody feels that"
+        )  # fmt: skip
+    return (
+        f"passive by itself; trees are taken for {100 * gain:.0f} % less error, and the next, "
+        f"{nearest.name}, has {_percent(nearest.ratio)}{but}{passed}"
+    )
 
 
 def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
-    """The passive model, hybrids on both kinds of features, and the paper's models."""
+    """The passive model, trees on what it leaves over, and the paper's forest with a long memory.
+
+    The paper's other models never came near on real recordings or on objects of other physics.
+    """
     long = replace(options, engine="recursive", window_s=data.longest_s)
+    remembering = derivative_features(data)
+
+    def on_top(features: Features) -> TreeFit:
+        return TreeFit(features, HYBRID_TREES, HYBRID_LEAF, adds=True)
+
+    alone = TreeFit(remembering, options.trees, options.leaf, adds=False)
     return [
-        AutoCandidate("hammerstein", 1, "hammerstein", options),
-        AutoCandidate("hybrid lags", 4, "hybrid", options),
-        AutoCandidate("hybrid derivatives", 4, "hybrid", long),
-        AutoCandidate("rf-fd", 5, "rf-fd", options),
-        AutoCandidate("rf-fd long", 6, "rf-fd", long),
-        AutoCandidate("boosted", 3, "boosted", options),
-        AutoCandidate("rbf-fd", 2, "rbf-fd", options),
+        AutoCandidate(PASSIVE, 1, "hammerstein", options, None),
+        AutoCandidate("hybrid lags", 4, "hybrid", options, on_top(lag_features(data))),
+        AutoCandidate("hybrid derivatives", 4, "hybrid", long, on_top(remembering)),
+        AutoCandidate("rf-fd long", 6, "rf-fd", long, alone),
     ]
+
+
+def _scores(known: Sequence[AutoCandidate], rows: HeldOut) -> list[Score]:
+    """Every candidate's, with progress in the log: steps done, and all steps."""
+    total, families = len(known) * len(rows.folds), np.array([family for family, _ in rows.folds])
+    passive_n = np.array(rows.passive_errors_n())
+    scores = []
+    for number, candidate in enumerate(known):
+        text = f"{number + 1} of {len(known)}: {candidate.name}"
+        errors_n: list[float] = []
+        _log(text, number * len(rows.folds), total)
+        for error_n in passive_n if candidate.tree is None else rows.tree_errors_n(candidate.tree):
+            errors_n.append(float(error_n))
+            tried = len(errors_n)
+            _log(text, number * len(rows.folds) + tried, total)
+            first_done = tried == len(passive_n) or families[tried] > 0
+            so_far = _mean(np.log(errors_n) - np.log(passive_n[:tried]), families[:tried])
+            if first_done and families[tried - 1] == 0 and so_far > np.log(_HOPELESS):
+                break
+        scores.append(_score(candidate, np.array(errors_n), passive_n, families))
+    return scores
+
+
+def _score(
+    candidate: AutoCandidate, errors_n: Samples, passive_n: Samples, families: Indices
+) -> Score:
+    count = len(errors_n)
+    logs, ratios = np.log(errors_n), np.log(errors_n / passive_n[:count])
+    its = families[:count]
+    whole = its > 0  # depths and speeds held out whole, where there are such folds
+    without = np.arange(count) != np.argmin(ratios)
+    return Score(
+        name=candidate.name,
+        cost=candidate.cost,
+        recordings_n=_geometric(logs[~whole], its[~whole]),
+        conditions_n=_geometric(logs[whole], its[whole]) if whole.any() else _geometric(logs, its),
+        mean_n=_geometric(logs, its),
+        folds=count,
+        ratio=_geometric(ratios, its),
+        ratio_without_best=_geometric(ratios[without], its[without]) if count > 1 else 1.0,
+    )
+
+
+def _geometric(logs: Samples, families: Indices) -> float:
+    return float(np.exp(_mean(logs, families)))
+
+
+def _mean(logs: Samples, families: Indices) -> float:
+    """Mean in each family, then of all: no family counts for the number of its folds."""
+    return float(np.mean([logs[families == one].mean() for one in np.unique(families)]))
+
+
+def _log(text: str, done: int, total: int) -> None:
+    _LOG.info(text, extra={"done": done, "total": total})
+
+
+def _percent(ratio: float) -> str:
+    """An error's ratio to another's, in words."""
+    change = 100 * abs(ratio - 1.0)
+    return f"{change:.0f} % {'less' if ratio < 1.0 else 'more'} error"
+
+
+def _share(score: Score, peak_n: float) -> str:
+    return f"{100 * score.mean_n / peak_n:.2g} %"

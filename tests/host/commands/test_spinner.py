@@ -1,14 +1,17 @@
-"""Long work says how far it is, on the line that turns."""
+"""Long work says how far it is, beside a bar that has an end."""
 
 import logging
 
 from springpot.host.console.output import spinner
 
 
-def test_the_spinner_says_which_candidate_is_fitted() -> None:
+def test_the_bar_says_which_candidate_is_fitted_and_how_much_is_left() -> None:
     auto = logging.getLogger("springpot.trainer.selection.auto")
-    with spinner("fitting auto on 4 recordings") as status:
-        auto.info("%d of %d: %s", 3, 7, "rf-fd")
-        assert str(status.status) == "fitting auto on 4 recordings, 3 of 7: rf-fd"
-    auto.info("%d of %d: %s", 4, 7, "boosted")
-    assert str(status.status).endswith("3 of 7: rf-fd")
+    with spinner("fitting auto on 4 recordings") as progress:
+        (task,) = progress.tasks
+        assert task.total is None
+        auto.info("3 of 4: rf-fd", extra={"done": 9, "total": 12})
+        assert task.description == "fitting auto on 4 recordings, 3 of 4: rf-fd"
+        assert (task.completed, task.total) == (9, 12)
+    auto.info("4 of 4: boosted", extra={"done": 12, "total": 12})
+    assert task.completed == 9

@@ -5,7 +5,7 @@ import logging
 
 import numpy as np
 import pytest
-from support.small import DT_S, press, training
+from support.small import DEPTH_M, DT_S, press, recording, training
 
 from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_model
@@ -14,7 +14,9 @@ from springpot.trainer.models.folds import fold_families
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.auto import Score, choose_score
+from springpot.trainer.selection import auto
+from springpot.trainer.selection.auto import Score, ranked, why
+from springpot.trainer.selection.small_signal import active_cells
 
 OPTIONS = FitOptions(seed=3, trees=10, smooth_s=0.0)
 
@@ -32,14 +34,38 @@ def test_a_plain_spring_needs_no_forest(caplog):
     presses = [spring(f"{k}", press(k, 0.01)) for k in (2.0, 3.0, 4.0)]
     fit = fit_model("auto", "x", presses, OPTIONS)
     tried = [score["name"] for score in fit.metadata["scores"]]
-    assert caplog.messages == [f"{k} of {len(tried)}: {n}" for k, n in enumerate(tried, 1)]
-    scores = {score["name"]: score["mean_n"] for score in fit.metadata["scores"]}
-    assert fit.metadata["chosen"].startswith("hammerstein")
+    assert tried == ["hammerstein", "hybrid lags", "hybrid derivatives", "rf-fd long"]
+    said = dict.fromkeys(caplog.messages)
+    assert list(said) == [f"{k} of {len(tried)}: {n}" for k, n in enumerate(tried, 1)]
+    steps = [(record.done, record.total) for record in caplog.records]
+    assert steps == sorted(steps) and steps[-1][0] <= steps[-1][1]
+    assert fit.metadata["chosen"] == "hammerstein"
     assert fit.model.regressor is None
-    assert {"rf-fd", "rf-fd long", "rbf-fd", "boosted"} <= set(scores)
-    assert len(scores) == len(fit.metadata["scores"])
     other, forest = spring("other", press(2.4, 0.008)), fit_model("rf-fd", "x", presses, OPTIONS)
     assert rmse_n(fit.model, other) < 0.1 * rmse_n(forest.model, other)
+
+
+def test_what_it_chooses_is_as_good_as_any_kind_and_has_no_active_cell():
+    fit = fit_model("auto", "x", training(), FitOptions(smooth_s=0.0))
+    other = recording("other", press(1.7, 0.9 * DEPTH_M, 3))
+    errors = {
+        kind: rmse_n(fit_model(kind, "x", training(), FitOptions(smooth_s=0.0)).model, other)
+        for kind in ("hammerstein", "hybrid", "rf-fd", "boosted", "rbf-fd")
+    }
+    felt_n = 1e-3 * other.force_n.max()
+    assert rmse_n(fit.model, other) <= max(
+        1.1 * min(errors.values()), min(errors.values()) + felt_n
+    )
+    assert "nobody feels that" in fit.metadata["why"]
+    assert active_cells(fit.model) == 0
+
+
+def test_active_trees_are_passed_over(monkeypatch):
+    monkeypatch.setattr(auto, "active_cells", lambda model: 3)
+    monkeypatch.setattr(auto, "ranked", lambda scores, gain, peak_n: [scores[1], scores[0]])
+    fit = fit_model("auto", "x", training(), OPTIONS)
+    assert fit.metadata["chosen"] == "hammerstein"
+    assert "hybrid lags gives energy in 3 of its small motions" in fit.metadata["why"]
 
 
 def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():
@@ -60,9 +86,25 @@ def test_repeats_of_one_press_are_one_condition():
     assert fit_model("auto", "x", same, OPTIONS).metadata["chosen"]
 
 
-@pytest.mark.parametrize(("dear_n", "chosen"), [(0.996, "cheap"), (0.99, "dear")])
-def test_the_cheaper_of_two_within_half_a_per_cent(dear_n, chosen):
-    """Or within 0.05 % of the maximum force."""
-    scores = [Score("cheap", 1, 1.0, 1.0, 1.0), Score("dear", 5, dear_n, dear_n, dear_n)]
-    assert choose_score(scores, peak_n=1.0).name == chosen
-    assert choose_score(scores, peak_n=30.0).name == "cheap"
+def score(name: str, cost: int, ratio: float, without: float | None = None) -> Score:
+    return Score(name, cost, ratio, ratio, ratio, 5, ratio, ratio if without is None else without)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "without", "chosen"),
+    [(0.94, 0.945, "trees"), (0.96, 0.96, "hammerstein"), (0.5, 0.99, "hammerstein")],
+)
+def test_trees_only_for_a_gain_that_does_not_rest_on_one_fold(ratio, without, chosen):
+    scores = [score("hammerstein", 1, 1.0), score("trees", 5, ratio, without)]
+    best = ranked(scores, gain=0.05, peak_n=1.0)[0]
+    assert best.name == chosen
+    words = why(best, scores, 0.05, 1.0, {})
+    assert ("one fold" in words) == (ratio == 0.5)
+    assert f"{round(100 * (1 - ratio))} % less error" in words
+
+
+def test_of_two_that_feel_alike_the_cheaper():
+    scores = [score("hammerstein", 1, 1.0), score("cheap", 3, 0.5), score("dear", 5, 0.499)]
+    assert ranked(scores, 0.05, peak_n=1.0)[0].name == "dear"
+    assert ranked(scores, 0.05, peak_n=10.0)[0].name == "cheap"
+    assert ranked(scores, 0.05, peak_n=2000.0)[0].name == "hammerstein"

@@ -1,0 +1,135 @@
+"""The passive part of a model, chosen by cross-validated error: curves of the depth, and rates."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+
+import numpy as np
+
+from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.model import Basis, Hammerstein
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.folds import Folds, fold_families, geometric_mean, pieces
+from springpot.trainer.models.nonnegative import Normal, normal_equations, sparse_solve
+from springpot.trainer.models.passive_terms import (
+    FEWEST_BY_DEPTH,
+    Shape,
+    Terms,
+    columns,
+    standard_terms,
+    to_model,
+)
+from springpot.trainer.models.training_set import TrainingSet
+
+# Prices tried on the bends of ramps: the smoothest curves unless others have a tenth less
+# cross-validated error. What few recordings tell is not enough to choose by hundredths.
+PRICES: dict[Basis, tuple[float, ...]] = {"powers": (0.0,), "ramps": (1e-3, 1e-4, 1e-5, 1e-6)}
+BETTER = 0.9
+# What curves and rates are tried, each for a tenth less error than the ones before.
+PLAIN = (Shape("powers"), Shape("ramps"), Shape("ramps", stretch=12.0))
+RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep inside
+_SPARSE_LOSS = 0.003
+
+
+@dataclass(frozen=True, eq=False)
+class PassiveChoice:
+    """Terms and a price on their bends.
+
+    error_n: RMSE over held-out folds, N. parts: normal equations of the pieces of the rows that
+    all folds are made of; piece, families: of the rows.
+    """
+
+    error_n: float
+    terms: Terms
+    price: float
+    parts: list[Normal]
+    piece: Indices
+    families: Sequence[Folds]
+
+    def model(self) -> Hammerstein:
+        """Fitted to all rows, with as few branches and stops as serve."""
+        normal = _penalised(self.parts, self.price, self.terms)
+        return to_model(self.terms, sparse_solve(normal, self.terms.blocks, _SPARSE_LOSS))
+
+    def weights_without(self, family: int, fold: int) -> Samples:
+        """Fitted without a fold of a family, (terms,)."""
+        _, first = np.unique(self.piece, return_index=True)
+        number = self.families[family].number[first]
+        kept = [part for part, its in zip(self.parts, number, strict=True) if its != fold]
+        return _penalised(kept, self.price, self.terms).solve()
+
+
+def term_columns(terms: Terms, data: TrainingSet, rows: Indices) -> Samples:
+    """Values of all terms at rows of all recordings, (rows, terms)."""
+    return data.along(rows, lambda depth, at: columns(terms, depth, data.dt_s, at))
+
+
+def passive_choice(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoice, float]:
+    """The terms of lowest cross-validated error, by steps, and the seconds that it took.
+
+    Done once for the options that decide it. A bias only where the tool never leaves the object:
+    at a surface the force is 0 by itself.
+    """
+    key = ("passive", options.fraction, options.seed, options.poles)
+    return data.once(key, lambda: _chosen(data, options))
+
+
+def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
+    rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
+    force_n = data.force_n(rows)
+    families = fold_families(data, rows, options.seed)
+    piece = pieces(families)
+
+    def tried(shape: Shape) -> PassiveChoice:
+        terms = standard_terms(data, shape, data.contact == "always", options.poles)
+        values = term_columns(terms, data, rows)
+        parts = [
+            normal_equations(values[piece == k], force_n[piece == k])
+            for k in range(int(piece.max()) + 1)
+        ]
+        errors = (
+            (_cross_validated(parts, families, piece, price, terms), price)
+            for price in PRICES[shape.basis]
+        )
+        choices = (
+            PassiveChoice(error_n, terms, price, parts, piece, families)
+            for error_n, price in errors
+        )
+        return reduce(_better, choices)
+
+    plain = [tried(shape) for shape in PLAIN]
+    best = reduce(_better, plain)
+    ramps = [choice for choice in plain if choice.terms.shape.basis == "ramps"]
+    if ramps and options.poles >= FEWEST_BY_DEPTH:
+        stretch = reduce(_better, ramps).terms.shape.stretch
+        for ratio in RATE_RATIOS:
+            best = _better(best, tried(Shape("ramps", stretch, ratio)))
+    return best
+
+
+def _better(best: PassiveChoice, other: PassiveChoice) -> PassiveChoice:
+    return other if other.error_n < BETTER * best.error_n else best
+
+
+def _cross_validated(
+    parts: list[Normal], families: Sequence[Folds], piece: Indices, price: float, terms: Terms
+) -> float:
+    """RMSE over the held-out folds, N: geometric mean in each family, then of all."""
+    _, first = np.unique(piece, return_index=True)
+    means = []
+    for folds in families:
+        number = folds.number[first]
+        errors = []
+        for fold in folds.tested:
+            training = [part for part, its in zip(parts, number, strict=True) if its != fold]
+            held = [part for part, its in zip(parts, number, strict=True) if its == fold]
+            if training and held:
+                errors.append(reduce(add, held).rmse(_penalised(training, price, terms).solve()))
+        if errors:
+            means.append(geometric_mean(errors))
+    return geometric_mean(means) if means else 0.0
+
+
+def _penalised(parts: list[Normal], price: float, terms: Terms) -> Normal:
+    return reduce(add, parts).penalised(price * terms.bends())
