@@ -52,7 +52,7 @@ def test_what_it_chooses_is_as_good_as_any_kind_and_has_no_active_cell():
         kind: rmse_n(fit_model(kind, "x", training(), FitOptions(smooth_s=0.0)).model, other)
         for kind in ("hammerstein", "hybrid", "rf-fd", "boosted", "rbf-fd")
     }
-    felt_n = 1e-3 * other.force_n.max()
+    felt_n = 1.5e-3 * other.force_n.max()
     assert rmse_n(fit.model, other) <= max(
         1.1 * min(errors.values()), min(errors.values()) + felt_n
     )
