@@ -48,6 +48,12 @@ VARIANTS = {
     "boosted": ("boosted", {}),
     "springpot": ("springpot", {}),
 }
+# What no fit of these recordings chooses.
+OF_DEPTH = {
+    "rates by depth": {"n_by_depth": 4, "rate_ratio": 16.0},
+    "stretched": {"stretch": 12.0},
+    "both": {"n_by_depth": 8, "rate_ratio": 1 / 16, "stretch": 6.0},
+}
 SHAPES = {
     "off": {},
     "tool": {"mode": "tool", "smoothing_s": 1e-3},
@@ -56,15 +62,35 @@ SHAPES = {
 
 # A coupling costs the same with every model.
 CASES = [
-    *((variant, "off") for variant in VARIANTS),
+    *((variant, "off") for variant in (*VARIANTS, *OF_DEPTH)),
     *((variant, shape) for variant in ("rf-fd fast", "hammerstein") for shape in ("tool", "proxy")),
 ]
 
 
 @cache
 def fitted(variant: str) -> Model:
+    if variant in OF_DEPTH:
+        return ramps_of(branches=8, stops=2, **OF_DEPTH[variant])
     kind, options = VARIANTS[variant]
     return fit_model(kind, "x", training(), FitOptions(seed=1, **options)).model
+
+
+def ramps_of(branches: int, stops: int, **of_depth: float) -> Model:
+    """A passive model of so many branches and stops on ramps."""
+    rng = np.random.default_rng(1)
+    whole = fitted("hammerstein")
+    assert whole.hammerstein is not None
+    passive = dataclasses.replace(
+        whole.hammerstein,
+        basis="ramps",
+        elastic_n=rng.random(8),
+        tau_s=np.geomspace(2e-3, 5.0, branches),
+        branch_n=rng.random((branches, 8)),
+        radius_m=np.array([0.02, 0.2, 0.5])[:stops] * whole.hammerstein.span_m,
+        stop_n=rng.random((stops, 8)),
+        **of_depth,
+    )
+    return dataclasses.replace(whole, hammerstein=passive)
 
 
 def scene_of(target: str, shape: str) -> Scene:
@@ -121,19 +147,7 @@ def test_the_boards_have_one_c(variant: str, number: str) -> None:
 
 def test_ten_branches_and_three_stops_take_600_instructions_and_4200_bytes(tmp_path: Path) -> None:
     need("mps2-an386")
-    rng = np.random.default_rng(1)
-    whole = fitted("hammerstein")
-    assert whole.hammerstein is not None
-    passive = dataclasses.replace(
-        whole.hammerstein,
-        basis="ramps",
-        elastic_n=rng.random(8),
-        tau_s=np.geomspace(2e-3, 5.0, 10),
-        branch_n=rng.random((10, 8)),
-        radius_m=np.array([0.02, 0.2, 0.5]) * whole.hammerstein.span_m,
-        stop_n=rng.random((3, 8)),
-    )
-    model = model_file(tmp_path, dataclasses.replace(whole, hammerstein=passive))
+    model = model_file(tmp_path, ramps_of(branches=10, stops=3))
     emission = emit(target_scene("cortex-m4f"), model, tmp_path / "c", accept_unsafe=True)
     position = long_motion().astype(np.float32)
     calls = steps(position, backward_velocity(position, 1e-3))
