@@ -29,6 +29,7 @@ _LOG = logging.getLogger(__name__)
 GAIN, GAIN_OF_ONE = 0.05, 0.10  # of the error, that trees have to take off; with one recording
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
 _HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
+_EARLY, _FAR = 2, 2.0  # folds after which as many times the passive error is given up
 PASSIVE = "hammerstein"
 
 
@@ -179,12 +180,18 @@ def _scores(known: Sequence[AutoCandidate], rows: HeldOut) -> list[Score]:
             errors_n.append(float(error_n))
             tried = len(errors_n)
             _log(text, number * len(rows.folds) + tried, total)
-            first_done = tried == len(passive_n) or families[tried] > 0
-            so_far = _mean(np.log(errors_n) - np.log(passive_n[:tried]), families[:tried])
-            if first_done and families[tried - 1] == 0 and so_far > np.log(_HOPELESS):
+            if _hopeless(np.array(errors_n) / passive_n[:tried], families):
                 break
         scores.append(_score(candidate, np.array(errors_n), passive_n, families))
     return scores
+
+
+def _hopeless(ratios: Samples, families: Indices) -> bool:
+    """Whether the folds so far leave no hope of an error below the passive one."""
+    tried = len(ratios)
+    mean = float(np.exp(np.log(ratios).mean()))
+    first_done = tried < len(families) and families[tried - 1] == 0 < families[tried]
+    return (first_done and mean > _HOPELESS) or (tried == _EARLY and mean > _FAR)
 
 
 def _score(
