@@ -115,9 +115,12 @@ def train(
     """Fit a model on RECORDINGS (files or folders)."""
     from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
     from springpot.host.console.quality import report_quality
+    from springpot.host.validation.error_ratios import error_ratios
     from springpot.host.validation.seen import seen_by
     from springpot.host.validation.training import training_result, training_rows, validated
+    from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
     from springpot.trainer.recordings.recording_file import read_recordings
+    from springpot.trainer.recordings.smoothing import smoothed
 
     if out.suffix != MODEL_SUFFIX:
         raise UsageError(
@@ -142,11 +145,14 @@ def train(
     result = training_result(fit, options) | result
     found = None
     if testing:
-        found = validated(fit.model, testing, smooth_s if smooth_validation else 0.0)
+        compared_s = smooth_s if smooth_validation else 0.0
+        found = validated(fit.model, testing, compared_s)
+        floor = find_noise_floor([smoothed(rec, compared_s) for rec in (*training, *testing)])
         result |= {
             "seen": seen_by(fit.model, testing),
             "rmse_n": found.rmse_n,
             "rmse_percent_of_peak": found.rmse_percent_of_peak,
             "mean_recording_rmse_n": found.mean_recording_rmse_n,
+            **error_ratios(found, floor),
         }
     print_result(result, as_json, training_rows(fit, out, result, found, len(testing)))
