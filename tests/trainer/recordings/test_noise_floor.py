@@ -91,3 +91,24 @@ def test_no_noise_is_said_not_divided_by() -> None:
     assert find_noise_floor([]).rms_n is None
     still = Recording("still", np.zeros(100), np.full(100, 3.0), DT_S)
     assert find_noise_floor([still, replace(still, name="again")]).rms_n is None
+
+
+def test_a_sum_of_tones_is_no_repeated_cycle() -> None:
+    """One tone explains most of it, and no cycle is like another."""
+    sums_m = press(2.0, cycles=8) + 0.7 * press(2.9, cycles=13)[:4000]
+    noisy = recording("sum", sums_m)
+    noisy = replace(noisy, force_n=noisy.force_n + normal(0.01, 0, len(sums_m)))
+    found = find_noise_floor([noisy])
+    assert found.source == "sensor"
+    assert found.rms_n == pytest.approx(0.01, rel=0.2)
+
+
+def test_an_object_that_settles_within_its_cycles_is_no_noise() -> None:
+    """A model with a memory predicts how the cycles' mean and height settle."""
+    cycles = recording("cycles", press(2.0, cycles=20))
+    left = np.exp(-np.arange(len(cycles.force_n)) * DT_S / 2.0)
+    settling_n = cycles.force_n * (1.0 + 0.1 * left) + normal(0.01, 0, len(left))
+    found = find_noise_floor([replace(cycles, force_n=settling_n)])
+    assert found.source == "cycles"
+    assert found.rms_n is not None
+    assert 0.009 < found.rms_n < 0.03

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.quality.cycles import noise_floor_n
+from springpot.trainer.recordings.quality.cycles import SAME_PRESS, noise_floor_n
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
-_SAME = 0.02  # rms difference over the range, of position or of force
 _DRIFT = 0.02  # of the peak force
 _POINTS = 2000
 _MAX_PAIRED = 200
@@ -74,7 +73,7 @@ def _same_press(one: Recording, other: Recording) -> bool:
 def _alike(one: Samples, other: Samples) -> bool:
     a, b = _thin(one), _thin(other)
     span = max(float(np.ptp(a)), float(np.ptp(b)))
-    return float(np.sqrt(np.mean((a - b) ** 2))) < _SAME * span
+    return float(np.sqrt(np.mean((a - b) ** 2))) < SAME_PRESS * span
 
 
 def _repeats(group: list[Recording]) -> Repeats:
