@@ -1,11 +1,12 @@
 """The presses to record next: in words, as JSON values, and as a protocol that `record` takes."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from springpot.codegen.atomic_write import write_file
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Contact
 from springpot.trainer.models.training_set import contact_of
 from springpot.trainer.recordings.recording import Recording
@@ -13,6 +14,7 @@ from springpot.trainer.recordings.spikes import hold_spikes
 from springpot.trainer.selection.next_presses import NextPress
 
 _SUFFIX = ".toml"
+_NONE = "not known: no force of these recordings lasts longer than a glitch"
 
 
 def require_surface(path: Path, recordings: Sequence[Recording]) -> None:
@@ -39,7 +41,9 @@ def profile_metadata(press: NextPress) -> dict[str, Any]:
 
 def write_protocol(path: Path, presses: Sequence[NextPress]) -> None:
     """Write a protocol of these presses. Raises UsageError where the file cannot be written."""
-    lines = [f"# springpot record --device URL --protocol {path.name} --out FOLDER"]
+    if not presses:
+        raise DataError(f"--next {path}: {_NONE}: record longer presses")
+    lines = ["# springpot record --device URL --protocol THIS_FILE.toml --out FOLDER"]
     for press in presses:
         lines += ["", "[[profile]]"]
         lines += [f"{key} = {value:g}" for key, value in profile_metadata(press).items()]
@@ -63,6 +67,8 @@ def next_metadata(presses: Sequence[NextPress]) -> list[dict[str, Any]]:
 
 def next_words(presses: Sequence[NextPress], contact: Contact, path: Path | None) -> str:
     """A line a press, and what to do with them."""
+    if not presses:
+        return _NONE
     lines = [
         f"models that explain these recordings alike differ by {presses[0].before_n:.2g} N over "
         "what a hand may do:"
@@ -73,7 +79,9 @@ def next_words(presses: Sequence[NextPress], contact: Contact, path: Path | None
     elif path is None:
         lines.append("--next FILE.toml writes them as a protocol for springpot record")
     else:
-        lines.append(f"springpot record --protocol {path} --device URL --out FOLDER")
+        lines.append(
+            f"springpot record --protocol {shlex.quote(str(path))} --device URL --out FOLDER"
+        )
     return "\n".join(lines)
 
 

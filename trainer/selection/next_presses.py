@@ -76,13 +76,17 @@ def next_presses(
 ) -> list[NextPress]:
     """The presses that would help most together, the best first; band_hz: of `find_coverage`.
 
-    Each is chosen knowing that those before it will be recorded: they differ from each other.
+    Each is chosen knowing that those before it will be recorded: they differ from each other. None
+    where no force lasts longer than a glitch.
     """
     recordings = [hold_spikes(recording)[0] for recording in recordings]
     contact = contact_of(recordings)
     first_n = min(float(recording.force_n.min()) for recording in recordings)
     last_n = max(_greatest_n(recording) for recording in recordings)
-    peak_n = _rounded_down(last_n - (first_n if contact == "always" else 0.0))
+    range_n = last_n - (first_n if contact == "always" else 0.0)
+    if range_n <= 0.0:
+        return []
+    peak_n = _rounded_down(range_n)
     candidates = possible_presses(peak_n, band_hz)
     tau_s = np.geomspace(_SHORTEST_S, max(press.duration_s for press in candidates), _TAUS)
     known = np.linalg.inv(_prior()).astype(np.float64)
@@ -131,7 +135,7 @@ def possible_presses(peak_n: float, band_hz: tuple[float, float]) -> list[NextPr
 def _greatest_n(recording: Recording) -> float:
     """The force that more samples reach than a glitch has: a protocol will press as hard."""
     own = np.sort(recording.force_n)[::-1]
-    return float(own[min(LONGEST, len(own) - 1)])
+    return float(own[min(LONGEST, len(own) // 20)])
 
 
 def _recorded_shares(

@@ -9,8 +9,9 @@ import pytest
 from support.in_process import spring
 from support.small import DT_S, press, recording, training
 
+from springpot.codegen.errors import DataError
 from springpot.host.metrics import accuracy
-from springpot.host.recording.next_protocol import write_protocol
+from springpot.host.recording.next_protocol import next_words, write_protocol
 from springpot.host.recording.protocols import Profile, load_protocol, validation
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import SimulatedObject
@@ -164,3 +165,18 @@ def test_they_help_more_than_a_repeat_on_objects_of_other_physics(tmp_path: Path
     means = {name: float(np.exp(np.mean(values))) for name, values in logs.items()}
     assert all(mean < 0.7 for mean in means.values()), means
     assert float(np.exp(np.mean(list(logs.values())))) < 0.5, means
+
+
+def test_a_force_that_lasts_no_longer_than_a_glitch_is_no_press(tmp_path: Path) -> None:
+    position_m = np.linspace(0.0, 0.001, 400)
+    tap = Recording("tap", position_m, np.where(np.arange(400) < 397, 0.0, 2.0), DT_S)
+    assert chosen([tap]) == []
+    assert next_words([], "surface", None).startswith("not known")
+    with pytest.raises(DataError, match="record longer presses"):
+        write_protocol(tmp_path / "next.toml", [])
+
+
+@pytest.mark.parametrize("samples", [2, 3, 10, 50])
+def test_few_samples_are_enough(samples: int) -> None:
+    depth_m = np.linspace(0.0, 0.01, samples)
+    assert len(chosen([Recording("few", depth_m, 300 * depth_m, 0.05)])) == 3

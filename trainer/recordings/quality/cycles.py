@@ -179,8 +179,8 @@ def _repeat(
     means = force.mean(axis=1)
     # What still settles can be predicted: means are apart, and only neighbours are compared.
     steady_m, steady_n = position - position.mean(axis=1, keepdims=True), force - means[:, None]
-    pairs = [noise_floor_n(steady_m[k : k + 2], steady_n[k : k + 2]) for k in range(count - 1)]
-    noise_n = float(np.sqrt(np.mean(np.square(pairs)))) / smoothed
+    steps_n = np.diff(at_equal_positions(steady_m, steady_n), axis=0)
+    noise_n = float(np.sqrt(np.mean(np.square(steps_n)) / 2)) / smoothed
     return noise_n, float(means[-1] - means[0])
 
 
@@ -191,22 +191,19 @@ def _repeats(cycles: NDArray[np.float64]) -> bool:
     return float(np.sqrt(np.mean(off**2))) < SAME_PRESS * float(np.ptp(shapes))
 
 
-def noise_floor_n(position_m: NDArray[np.float64], force_n: NDArray[np.float64]) -> float:
-    """RMS of what each repeat differs by from the mean of the earlier ones, N, at equal positions.
+def at_equal_positions(
+    position_m: NDArray[np.float64], force_n: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Forces of repeats, (repeats, samples), N, moved to the repeats' mean position.
 
-    position_m, force_n: shape (repeats, samples). A press that is driven by force repeats its
-    force, and differs in position where the object does: each force is first moved to the mean
-    position along the press's own stiffness there. (A line through the differences would not do:
-    it takes a softer object for one that was pressed deeper.) Noise alone gives its own RMS
-    whatever the number of repeats, for a mean of k forces adds a k-th of its square.
+    A press that is driven by force repeats its force, and differs in position where the object
+    does: each force moves along the press's own stiffness there. (A line through the differences
+    would not do: it takes a softer object for one that was pressed deeper.)
     """
-    mean_m, mean_n = position_m.mean(axis=0), force_n.mean(axis=0)
-    at_mean_n = force_n
-    if np.ptp(mean_m):  # `full`: few distinct positions are no reason to warn
-        curve, _ = np.polynomial.Polynomial.fit(mean_m, mean_n, _CURVE, full=True)
-        at_mean_n = force_n - curve.deriv()(mean_m) * (position_m - mean_m)
-    squares = [
-        k / (k + 1) * float(np.mean((at_mean_n[k] - at_mean_n[:k].mean(axis=0)) ** 2))
-        for k in range(1, len(at_mean_n))
-    ]
-    return float(np.sqrt(np.mean(squares)))
+    mean_m = position_m.mean(axis=0)
+    if not np.ptp(mean_m):
+        return force_n
+    # `full`: few distinct positions are no reason to warn
+    curve, _ = np.polynomial.Polynomial.fit(mean_m, force_n.mean(axis=0), _CURVE, full=True)
+    moved: NDArray[np.float64] = force_n - curve.deriv()(mean_m) * (position_m - mean_m)
+    return moved

@@ -4,9 +4,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.quality.cycles import SAME_PRESS, noise_floor_n
+from springpot.trainer.recordings.quality.cycles import SAME_PRESS, at_equal_positions
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
@@ -81,8 +82,20 @@ def _repeats(group: list[Recording]) -> Repeats:
     positions = np.stack([recording.position_m for recording in group])
     return Repeats(
         names=tuple(recording.name for recording in group),
-        noise_n=noise_floor_n(positions, forces),
+        noise_n=_noise_n(at_equal_positions(positions, forces)),
         drift_n=float(forces[-1].mean() - forces[0].mean()),
         peak_n=float(np.abs(forces).max()),
         samples=forces[1:].size,
     )
+
+
+def _noise_n(forces_n: NDArray[np.float64]) -> float:
+    """RMS of what each of (repeats, samples) differs by from the mean of the earlier ones.
+
+    Noise alone gives its own RMS whatever the number of repeats: a mean of k forces adds a k-th.
+    """
+    squares = [
+        k / (k + 1) * float(np.mean((forces_n[k] - forces_n[:k].mean(axis=0)) ** 2))
+        for k in range(1, len(forces_n))
+    ]
+    return float(np.sqrt(np.mean(squares)))
