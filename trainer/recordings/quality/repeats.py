@@ -37,13 +37,12 @@ def find_repeats(recordings: Sequence[Recording]) -> list[Repeats]:
 
     A copy is no repeat.
     """
-    own = {recording.content_hash: recording for recording in recordings[:_MAX_PAIRED]}
     groups: list[list[Recording]] = []
-    for recording in own.values():
+    for recording in recordings[:_MAX_PAIRED]:
         group = next((g for g in groups if _same_press(g[0], recording)), None)
         if group is None:
             groups.append([recording])
-        else:
+        elif not any(_is_copy(recording, other) for other in group):
             group.append(recording)
     return [_repeats(group) for group in groups if len(group) > 1]
 
@@ -62,6 +61,11 @@ def repeat_findings(repeats: Sequence[Repeats]) -> Iterator[Finding]:
 
 def _thin(samples: Samples) -> Samples:
     return samples[:: max(1, len(samples) // _POINTS)]
+
+
+def _is_copy(one: Recording, other: Recording) -> bool:
+    same = np.array_equal(one.force_n, other.force_n)
+    return same and np.array_equal(one.position_m, other.position_m)
 
 
 def _same_press(one: Recording, other: Recording) -> bool:
