@@ -27,7 +27,8 @@ class Accuracy:
     the error. mean_recording_rmse_n: RMSE of each recording, averaged (the paper's
     figure 9), and interval_n its 95 % bootstrap interval over recordings (None for one recording).
     ape_below_jnd: share of samples above 2 N whose absolute percentage error is below the just
-    noticeable difference (None where no sample is).
+    noticeable difference (None where no sample is). error_per_jnd: RMS of the errors, each over the
+    just noticeable difference of its measured force, that below 2 N included.
     """
 
     samples: int
@@ -40,6 +41,7 @@ class Accuracy:
     max_abs_error_n: float
     p99_abs_error_n: float
     ape_below_jnd: float | None
+    error_per_jnd: float
 
 
 def start_up_ramp(notes: NDArray[np.int32]) -> int:
@@ -80,6 +82,7 @@ def accuracy(
         max_abs_error_n=float(np.abs(error).max()),
         p99_abs_error_n=float(np.percentile(np.abs(error), 99)),
         ape_below_jnd=_below_jnd(measured, error),
+        error_per_jnd=rms(error / just_noticeable_n(measured)),
     )
 
 
@@ -90,8 +93,14 @@ def rms(values: Samples) -> float:
 
 def just_noticeable_percent(force_n: Samples) -> Samples:
     """Just noticeable difference, percent of the force: 10 % from 2 N on, 0.2 N below."""
-    size: Samples = np.maximum(np.abs(force_n), 1e-12)
-    return 100.0 * WEBER_FRACTION * np.maximum(1.0, SCORED_ABOVE_N / size)
+    percent: Samples = 100.0 * just_noticeable_n(force_n) / np.maximum(np.abs(force_n), 1e-12)
+    return percent
+
+
+def just_noticeable_n(force_n: Samples) -> Samples:
+    """The same in N."""
+    noticeable: Samples = WEBER_FRACTION * np.maximum(np.abs(force_n), SCORED_ABOVE_N)
+    return noticeable
 
 
 def _below_jnd(measured_n: Samples, error_n: Samples) -> float | None:

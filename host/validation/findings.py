@@ -10,6 +10,7 @@ from springpot.host.page import plain
 from springpot.host.stability.check import Stability
 from springpot.host.stability.judgement import Grade, judged_cases
 from springpot.host.validation.error_parts import SpeedError
+from springpot.host.validation.error_ratios import floor_words
 from springpot.host.validation.relaxation import Hold, relaxed_share, settled_after_s
 
 _MOSTLY = 0.9  # of samples nearer than a hand can tell: good; below half: bad
@@ -44,6 +45,7 @@ def accuracy_findings(
             f"; {100 * share:.1f} % of samples above {SCORED_ABOVE_N:g} N are nearer than a hand "
             "can tell"
         )
+    words += f"; {_ratio_words(result)}"
     worst = max(speeds, key=lambda item: item.rmse_n)
     words += f"; greatest at {_speeds(worst)} (RMSE {plain(worst.rmse_n)} N)"
     todo = "compare kinds with springpot bench, or record more of what the tool will do"
@@ -112,6 +114,15 @@ def code_findings(result: dict[str, Any], manifest: dict[str, Any]) -> Iterator[
     left_out = manifest["left_out"]
     named = ", ".join(item["what"] for item in left_out) or "nothing"
     yield SceneFinding("Left out of the C", Grade.GOOD, named)
+
+
+def _ratio_words(ratios: dict[str, Any]) -> str:
+    """Both ratios within a sentence."""
+    per_floor, per_jnd = ratios["error_per_floor"], ratios["error_per_jnd"]
+    floor = f"noise floor {floor_words(ratios)}"
+    if per_floor is not None:
+        floor = f"{plain(per_floor, 2)} times the noise floor"
+    return f"{floor}, {plain(per_jnd, 2)} times the just noticeable difference"
 
 
 def _speeds(found: SpeedError) -> str:

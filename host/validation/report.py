@@ -20,6 +20,7 @@ from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section
 from springpot.host.validation import figures
 from springpot.host.validation.error_parts import errors_by_speed
+from springpot.host.validation.error_ratios import JND_WORDS, floor_words
 from springpot.host.validation.findings import (
     accuracy_findings,
     code_findings,
@@ -42,7 +43,7 @@ def write_report(folder: Path) -> Path:
     stored = read_validation(folder)
     result = stored.metadata["result"]
     emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
-    if emitted.hash != result["hash"] or "mean_error_n" not in result:
+    if emitted.hash != result["hash"] or "error_per_jnd" not in result:
         raise DataError(
             f"{folder}: changed since it was validated, or validated by an older springpot: "
             "`springpot validate` again"
@@ -73,6 +74,8 @@ def write_report(folder: Path) -> Path:
             *code_findings(result, manifest),
         ],
         "mean_error_n": mean_error_n,
+        "over_floor": floor_words(result),
+        "jnd_words": JND_WORDS,
         "speeds": speeds,
         "prediction": figures.prediction_figure(typical),
         "loops": loops,

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.host.metrics import Accuracy, accuracy
+from springpot.host.validation.error_ratios import ratio_rows
 from springpot.host.validation.seen import seen_line
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.recording import Recording
@@ -96,6 +97,7 @@ def training_rows(
             f"RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, on "
             f"{tested} validation recordings"
         )
+        rows |= ratio_rows(result)
     return rows
 
 

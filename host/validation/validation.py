@@ -29,9 +29,11 @@ from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.validation.error_ratios import error_ratios
 from springpot.host.validation.seen import seen_by
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.recording import Recording
 
 NOTE_NAMES = {HELD: "held", RESYNC: "resync", OUTSIDE: "outside", CLAMPED: "clamped",
@@ -44,8 +46,9 @@ class Validation:
     """Result over all recordings; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit. edited: files of the folder that are not as emitted, and were accepted. seen: how many
-    recordings the model was trained on, None where it does not say.
+    bit. floor: of the recordings, logs of sessions apart. edited: files of the folder that are not
+    as emitted, and were accepted. seen: how many recordings the model was trained on, None where it
+    does not say.
     """
 
     accuracy: Accuracy
@@ -54,6 +57,7 @@ class Validation:
     ticks: TickTimes
     predicted_n: tuple[NDArray[np.float64], ...]
     manifest: dict[str, Any]
+    floor: NoiseFloor
     edited: tuple[str, ...] = ()
     seen: int | None = None
 
@@ -71,6 +75,7 @@ class Validation:
             "max_abs_error_n": found.max_abs_error_n,
             "p99_abs_error_n": found.p99_abs_error_n,
             "ape_below_jnd": found.ape_below_jnd,
+            **error_ratios(found, self.floor),
             "mismatches": self.mismatches,
             "notes": self.notes,
             "tick_ns": self.ticks.as_dict(),
@@ -123,6 +128,7 @@ def _validated(
     replay = Replay(library)
     predicted: list[NDArray[np.float64]] = []
     ramps: list[int] = []
+    objects: list[Recording] = []
     mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
     for recording in recordings:
@@ -133,7 +139,9 @@ def _validated(
         reference = run_reference(plan, position, velocity, predicted_m)
         mismatches += int(np.sum(_differs(force, reference.force_n) | (notes != reference.notes)))
         again = repeat_session(replay, recording, library.manifest["hash"])
-        if again is not None:
+        if again is None:
+            objects.append(recording)
+        else:
             force = again[0]
             mismatches += again[1]
         if board is not None:
@@ -153,6 +161,7 @@ def _validated(
         ticks=replay.tick_times(position, velocity, plan.dt_s, paced_s),
         predicted_n=tuple(predicted),
         manifest=library.manifest,
+        floor=find_noise_floor(objects),
     )
 
 

@@ -93,6 +93,13 @@ if TYPE_CHECKING:
 @click.option(
     "--monotone", is_flag=True, help="boosted: the force never falls as a derivative rises."
 )
+@click.option(
+    "--next",
+    "next_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE.toml",
+    help="Write the three presses that would tell most as a protocol for `springpot record`.",
+)
 @json_option
 def train(
     recordings: tuple[str, ...],
@@ -110,14 +117,25 @@ def train(
     round_features: bool,
     within: float | None,
     monotone: bool,
+    next_file: Path | None,
     as_json: bool,
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
     from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
     from springpot.host.console.quality import report_quality
+    from springpot.host.recording.next_protocol import (
+        next_metadata,
+        next_words,
+        require_surface,
+        write_protocol,
+    )
+    from springpot.host.validation.error_ratios import error_ratios
     from springpot.host.validation.seen import seen_by
     from springpot.host.validation.training import training_result, training_rows, validated
+    from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
     from springpot.trainer.recordings.recording_file import read_recordings
+    from springpot.trainer.recordings.smoothing import smoothed
+    from springpot.trainer.selection.next_presses import next_presses
 
     if out.suffix != MODEL_SUFFIX:
         raise UsageError(
@@ -132,7 +150,9 @@ def train(
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
-    report_quality(training)
+    if next_file is not None:
+        require_surface(next_file, training)
+    quality = report_quality(training)
     with spinner(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for warning in fit.warnings:
@@ -142,11 +162,20 @@ def train(
     result = training_result(fit, options) | result
     found = None
     if testing:
-        found = validated(fit.model, testing, smooth_s if smooth_validation else 0.0)
+        compared_s = smooth_s if smooth_validation else 0.0
+        found = validated(fit.model, testing, compared_s)
+        floor = find_noise_floor([smoothed(rec, compared_s) for rec in (*training, *testing)])
         result |= {
             "seen": seen_by(fit.model, testing),
             "rmse_n": found.rmse_n,
             "rmse_percent_of_peak": found.rmse_percent_of_peak,
             "mean_recording_rmse_n": found.mean_recording_rmse_n,
+            **error_ratios(found, floor),
         }
-    print_result(result, as_json, training_rows(fit, out, result, found, len(testing)))
+    presses = next_presses(training, quality.figures["coverage"]["band_hz"])
+    result["next_presses"] = next_metadata(presses)
+    if next_file is not None:
+        write_protocol(next_file, presses)
+    rows = training_rows(fit, out, result, found, len(testing))
+    rows["record next"] = next_words(presses, fit.model.contact, next_file)
+    print_result(result, as_json, rows)

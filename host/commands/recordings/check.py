@@ -39,9 +39,9 @@ def _print(report: QualityReport) -> None:
     Console(width=140).print(table)
     click.echo(report.figures["signs"])
     _print_coverage(report.figures["coverage"])
-    floor_n = report.figures["noise_floor_n"]
-    if floor_n is not None:
-        click.echo(f"noise floor, from repeats: {floor_n:.3g} N (no model's error can be below)")
+    known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
+    known = next((f"{floor_n:.3g} N" for floor_n in known_n if floor_n is not None), "not known")
+    click.echo(f"noise floor: {known}, {report.figures['noise_floor']}")
     skew_s, doubt_s = report.figures["skew_s"], report.figures["skew_uncertainty_s"]
     if skew_s is None:
         click.echo(

@@ -67,8 +67,8 @@ def session_rows(validation: Validation, felt: Sequence[str], of: int) -> dict[s
         "that of the C, not with a measured object"
     )
     if len(felt) == of:
-        error = ("RMSE", "RMSE, mean of recordings", "mean error", "maximum error",
-                 "below the JND above 2 N")  # fmt: skip
+        error = ("RMSE", "error / noise floor", "error / JND", "RMSE, mean of recordings",
+                 "mean error", "maximum error", "below the JND above 2 N")  # fmt: skip
         rows = {name: text for name, text in rows.items() if name not in error}
         rows["C against reference"] = (
             f"{validation.mismatches} of {validation.accuracy.samples} ticks differ, and so does "
@@ -82,6 +82,7 @@ def session_rows(validation: Validation, felt: Sequence[str], of: int) -> dict[s
 
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
+    from springpot.host.validation.error_ratios import error_ratios, ratio_rows
     from springpot.host.validation.seen import seen_line
 
     found, ticks = validation.accuracy, validation.ticks
@@ -95,6 +96,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         "samples": str(found.samples)
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
         "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
+        **ratio_rows(error_ratios(found, validation.floor)),
         "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
         "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
         "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",

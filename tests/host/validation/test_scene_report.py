@@ -1,6 +1,7 @@
 """The page on an emitted scene: what it says first, and how it looks on a phone and on paper."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from support.browser import A4_PIXELS, CHROMIUM, as_printed, layout_faults
 from support.small import DT_S, model_file, press, recording, scene, small_model
 
 from springpot.codegen.plan.plan import make_plan
+from springpot.host.commands.scenes.validate import validation_rows
 from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy
 from springpot.host.native.scene_library import SceneLibrary
@@ -143,6 +145,26 @@ def test_the_page_says_first_what_to_act_on(pages: dict[str, str]) -> None:
         assert told in short
     assert short.count('class="grade') >= 6
     assert page.index("lost-1") < page.index("Reproduce") < page.index('class="provenance"')
+
+
+def test_an_error_stands_beside_the_noise_floor_and_what_a_hand_can_tell(
+    emitted: Path, pages: dict[str, str]
+) -> None:
+    noisy = [
+        replace(item, force_n=item.force_n + np.random.default_rng(k).normal(0, 0.02, 1000))
+        for k, item in enumerate([recording("a", press(1.0)), recording("b", press(1.0))])
+    ]
+    found = validate(emitted, noisy, paced_s=0.1)
+    result = found.as_dict()
+    assert result["noise_floor_n"] == pytest.approx(0.02, rel=0.1)
+    assert result["noise_floor_from"] == "repeats"
+    assert result["error_per_floor"] == pytest.approx(result["rmse_n"] / result["noise_floor_n"])
+    rows = validation_rows(found)
+    assert rows["error / noise floor"].endswith(" N, from 2 repeats of one press)")
+    assert rows["error / JND"].startswith(f"{result['error_per_jnd']:.3g}, rms")
+    page = " ".join(pages["report"].split())
+    assert "noise floor not known: no press is repeated, and the force shows no noise" in page
+    assert "times the just noticeable difference" in page
 
 
 def test_every_grade_is_told_in_words(pages: dict[str, str]) -> None:

@@ -12,6 +12,8 @@ _MIN_SHARE = 0.5  # of the position's variance that one tone must explain
 _HARMONICS = 5
 _CUT_TOLERANCE = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
 _CLOSED = 0.05  # of the travel
+SAME_PRESS = 0.02  # of the range of position or of force: rms difference of repeats
+_CURVE = 7  # degree: tissue stiffens tenfold within a tenth of its depth
 _MAX_SAMPLES = 200_000
 
 
@@ -23,8 +25,9 @@ class Cycles:
     lead_rad: how far force leads position, as the energy lost a cycle says (asin of W / pi F X):
     a nonlinear spring loses none, whatever the shape of its force.
     energy_j: W, lost a cycle. skew_rad_per_s: what a second of delay of the force takes off the
-    lead. noise_n: rms difference between cycles that their motion does not explain; drift_n: mean
-    force of the last cycle less that of the first; both None for fewer than three cycles.
+    lead. noise_n: of each cycle against the one before, rms, at equal positions, means apart;
+    drift_n: mean force of the last cycle less that of the first; both None for fewer than three
+    cycles, and where neither position nor force repeats: a sum of tones is no cycle.
     """
 
     frequency_hz: float
@@ -157,7 +160,7 @@ def _loop(f: Samples, x: Samples) -> float:
 def _repeat(
     position_m: Samples, force_n: Samples, period: float
 ) -> tuple[float | None, float | None]:
-    """Noise floor and drift of cycles that should be the same, N; None for fewer than three."""
+    """Noise floor and drift, N, of cycles that are the same; None for fewer than three."""
     count = int(len(force_n) / period + _CUT_TOLERANCE)
     if count < 3:
         return None, None
@@ -168,24 +171,39 @@ def _repeat(
         np.interp(at.ravel(), time, samples).reshape(count, points)
         for samples in (force_n, position_m)
     )
+    if not (_repeats(position) or _repeats(force)):
+        return None, None
     share = at % 1.0
     # Interpolating between two samples averages them: so much of white noise is left over.
     smoothed = float(np.sqrt(np.mean(share**2 + (1.0 - share) ** 2)))
     means = force.mean(axis=1)
-    noise_n = noise_floor_n(position, force - means[:, None]) / smoothed
+    # What still settles can be predicted: means are apart, and only neighbours are compared.
+    steady_m, steady_n = position - position.mean(axis=1, keepdims=True), force - means[:, None]
+    steps_n = np.diff(at_equal_positions(steady_m, steady_n), axis=0)
+    noise_n = float(np.sqrt(np.mean(np.square(steps_n)) / 2)) / smoothed
     return noise_n, float(means[-1] - means[0])
 
 
-def noise_floor_n(position_m: NDArray[np.float64], force_n: NDArray[np.float64]) -> float:
-    """RMS of what repeats differ by in force, N, beyond what they differ by in motion.
+def _repeats(cycles: NDArray[np.float64]) -> bool:
+    """Whether samples (cycles, points) are the same in every cycle, apart from their means."""
+    shapes = cycles - cycles.mean(axis=1, keepdims=True)
+    off = shapes - shapes.mean(axis=0)
+    return float(np.sqrt(np.mean(off**2))) < SAME_PRESS * float(np.ptp(shapes))
 
-    position_m, force_n: shape (repeats, samples). The part of the difference that goes linearly
-    with differences of position and of its rate could be predicted; the rest no model can.
+
+def at_equal_positions(
+    position_m: NDArray[np.float64], force_n: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Forces of repeats, (repeats, samples), N, moved to the repeats' mean position.
+
+    A press that is driven by force repeats its force, and differs in position where the object
+    does: each force moves along the press's own stiffness there. (A line through the differences
+    would not do: it takes a softer object for one that was pressed deeper.)
     """
-    count = len(force_n)
-    off_n = (force_n - force_n.mean(axis=0)).ravel()
-    off_m = position_m - position_m.mean(axis=0)
-    motion = np.stack((off_m.ravel(), np.gradient(off_m, axis=1).ravel()), axis=1)
-    left_n = off_n - motion @ np.linalg.lstsq(motion, off_n, rcond=None)[0]
-    # Deviations from the mean of few repeats are too small by this.
-    return float(np.sqrt(np.mean(left_n**2) * count / (count - 1)))
+    mean_m = position_m.mean(axis=0)
+    if not np.ptp(mean_m):
+        return force_n
+    # `full`: few distinct positions are no reason to warn
+    curve, _ = np.polynomial.Polynomial.fit(mean_m, force_n.mean(axis=0), _CURVE, full=True)
+    moved: NDArray[np.float64] = force_n - curve.deriv()(mean_m) * (position_m - mean_m)
+    return moved

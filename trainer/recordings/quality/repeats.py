@@ -4,13 +4,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.quality.cycles import noise_floor_n
+from springpot.trainer.recordings.quality.cycles import SAME_PRESS, at_equal_positions
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
-_SAME_POSITION = 0.02  # rms difference over the travel
 _DRIFT = 0.02  # of the peak force
 _POINTS = 2000
 _MAX_PAIRED = 200
@@ -18,26 +18,31 @@ _MAX_PAIRED = 200
 
 @dataclass(frozen=True)
 class Repeats:
-    """Recordings that follow one path.
+    """Recordings of one press.
 
-    noise_n: rms difference that their motion does not explain: no model can beat it.
+    noise_n: of each against the mean of the earlier ones, rms, at equal positions.
     drift_n: mean force of the last less that of the first. peak_n: maximum force.
+    samples: of all but the first.
     """
 
     names: tuple[str, ...]
     noise_n: float
     drift_n: float
     peak_n: float
+    samples: int
 
 
 def find_repeats(recordings: Sequence[Recording]) -> list[Repeats]:
-    """Group recordings of equal length, rate and path, and compare the forces in each group."""
+    """Group recordings of one press, of equal length and rate, and compare the forces in each.
+
+    A copy is no repeat.
+    """
     groups: list[list[Recording]] = []
     for recording in recordings[:_MAX_PAIRED]:
-        group = next((g for g in groups if _same_path(g[0], recording)), None)
+        group = next((g for g in groups if _same_press(g[0], recording)), None)
         if group is None:
             groups.append([recording])
-        else:
+        elif not any(_is_copy(recording, other) for other in group):
             group.append(recording)
     return [_repeats(group) for group in groups if len(group) > 1]
 
@@ -58,12 +63,22 @@ def _thin(samples: Samples) -> Samples:
     return samples[:: max(1, len(samples) // _POINTS)]
 
 
-def _same_path(one: Recording, other: Recording) -> bool:
+def _is_copy(one: Recording, other: Recording) -> bool:
+    same = np.array_equal(one.force_n, other.force_n)
+    return same and np.array_equal(one.position_m, other.position_m)
+
+
+def _same_press(one: Recording, other: Recording) -> bool:
+    """Whether one path was driven twice, or one force."""
     if len(one.position_m) != len(other.position_m) or abs(one.dt_s / other.dt_s - 1) > 1e-3:
         return False
-    a, b = _thin(one.position_m), _thin(other.position_m)
-    travel_m = max(float(np.ptp(a)), float(np.ptp(b)))
-    return float(np.sqrt(np.mean((a - b) ** 2))) < _SAME_POSITION * travel_m
+    return _alike(one.position_m, other.position_m) or _alike(one.force_n, other.force_n)
+
+
+def _alike(one: Samples, other: Samples) -> bool:
+    a, b = _thin(one), _thin(other)
+    span = max(float(np.ptp(a)), float(np.ptp(b)))
+    return float(np.sqrt(np.mean((a - b) ** 2))) < SAME_PRESS * span
 
 
 def _repeats(group: list[Recording]) -> Repeats:
@@ -71,7 +86,20 @@ def _repeats(group: list[Recording]) -> Repeats:
     positions = np.stack([recording.position_m for recording in group])
     return Repeats(
         names=tuple(recording.name for recording in group),
-        noise_n=noise_floor_n(positions, forces),
+        noise_n=_noise_n(at_equal_positions(positions, forces)),
         drift_n=float(forces[-1].mean() - forces[0].mean()),
         peak_n=float(np.abs(forces).max()),
+        samples=forces[1:].size,
     )
+
+
+def _noise_n(forces_n: NDArray[np.float64]) -> float:
+    """RMS of what each of (repeats, samples) differs by from the mean of the earlier ones.
+
+    Noise alone gives its own RMS whatever the number of repeats: a mean of k forces adds a k-th.
+    """
+    squares = [
+        k / (k + 1) * float(np.mean((forces_n[k] - forces_n[:k].mean(axis=0)) ** 2))
+        for k in range(1, len(forces_n))
+    ]
+    return float(np.sqrt(np.mean(squares)))

@@ -17,6 +17,7 @@ from springpot.trainer.recordings.quality.motion import (
     distinct_speeds,
     speed_findings,
 )
+from springpot.trainer.recordings.quality.noise_floor import noise_floor
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
 from springpot.trainer.recordings.quality.signs import find_signs, sign_findings, signs_of_all
 from springpot.trainer.recordings.recording import Recording
@@ -181,10 +182,11 @@ def _of_all(
     cycles: Sequence[Cycles | None],
     skew: Skew | None,
 ) -> dict[str, Any]:
-    floors = [group.noise_n for group in repeats]
-    floors += [c.noise_n for c in cycles if c and c.noise_n is not None]
+    floor = noise_floor(repeats, cycles, recordings)
     return {
-        "noise_floor_n": float(np.sqrt(np.mean(np.square(floors)))) if floors else None,
+        "noise_floor_n": None if floor.source == "sensor" else floor.rms_n,
+        "sensor_noise_n": floor.rms_n if floor.source == "sensor" else None,
+        "noise_floor": floor.words,
         "repeats": [
             {"names": list(g.names), "noise_floor_n": g.noise_n, "drift_n": g.drift_n}
             for g in repeats

@@ -1,0 +1,114 @@
+"""The noise floor: from repeats, from cycles, from the sensor; never below what the object does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small import DT_S, press, recording
+
+from springpot.trainer.recordings.quality.noise_floor import find_noise_floor, sensor_noise_n
+from springpot.trainer.recordings.recording import Recording
+
+FIRST = recording("press", press(0.5))
+
+
+def normal(sd: float, seed: int, samples: int = len(FIRST.force_n)) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0, sd, samples)
+
+
+def repeats(count: int, sd_n: float) -> list[Recording]:
+    return [
+        replace(FIRST, name=f"r{k}", force_n=FIRST.force_n + normal(sd_n, k)) for k in range(count)
+    ]
+
+
+@pytest.mark.parametrize("count", [2, 3, 8])
+def test_noise_alone_gives_its_own_rms(count: int) -> None:
+    found = find_noise_floor(repeats(count, 0.05))
+    assert found.rms_n == pytest.approx(0.05, rel=0.05)
+    assert (found.source, found.words) == ("repeats", f"from {count} repeats of one press")
+
+
+def test_a_softer_object_under_the_same_force_is_no_explanation_of_itself() -> None:
+    """The second press goes 6 % deeper: at equal depth its force differs by that much stiffness."""
+    depth_m = np.maximum(press(0.5), 0.0)
+    force_n = 500.0 * depth_m
+    presses = [
+        Recording(f"p{k}", depth_m * (1 + 0.06 * k), force_n + normal(0.002, k), DT_S)
+        for k in range(2)
+    ]
+    found = find_noise_floor(presses)
+    # Half the difference stands for each of two, and their mean depth is 3 % deeper.
+    expected_n = 0.06 / 1.03 * float(np.sqrt(np.mean(force_n**2))) / np.sqrt(2)
+    assert found.source == "repeats"
+    assert found.rms_n == pytest.approx(expected_n, rel=0.03)
+
+
+def test_another_depth_is_moved_along_the_stiffness_of_the_press() -> None:
+    steep = [
+        Recording(f"s{k}", x, 1e9 * x**4 + normal(0.01, k), DT_S)
+        for k, x in enumerate((press(0.5), 1.01 * press(0.5)))
+    ]
+    assert find_noise_floor(steep).rms_n == pytest.approx(0.01, rel=0.1)
+
+
+def test_copies_are_no_repeats() -> None:
+    one = repeats(1, 0.02)[0]
+    found = find_noise_floor([one, replace(one, name="copy")])
+    assert found.source == "sensor"
+    assert found.rms_n == pytest.approx(0.02, rel=0.1)
+    assert "lower than repeats would show" in found.words
+
+
+def test_cycles_stand_in_for_repeats() -> None:
+    cycles = recording("cycles", press(2.0, cycles=8))
+    noisy = replace(cycles, force_n=cycles.force_n + normal(0.05, 0, len(cycles.force_n)))
+    found = find_noise_floor([noisy])
+    assert (found.source, found.words) == (
+        "cycles",
+        "from the repeated cycles within one recording",
+    )
+    assert found.rms_n == pytest.approx(0.05, rel=0.1)
+
+
+@pytest.mark.parametrize("held", [1, 10])
+def test_the_sensor_is_seen_through_the_press(held: int) -> None:
+    """Also where it is slower than the recording, and holds its value."""
+    force_n = FIRST.force_n + normal(0.03, 0)
+    slow_n = np.repeat(force_n[::held], held)[: len(force_n)]
+    assert 0.02 < sensor_noise_n(slow_n) < 0.06
+
+
+def test_steps_are_noise_too() -> None:
+    rounded_n = np.round(FIRST.force_n / 0.1) * 0.1
+    assert sensor_noise_n(rounded_n) >= 0.1 / np.sqrt(12)
+
+
+def test_no_noise_is_said_not_divided_by() -> None:
+    found = find_noise_floor([FIRST])
+    assert (found.rms_n, found.source) == (None, None)
+    assert found.words == "no press is repeated, and the force shows no noise"
+    assert find_noise_floor([]).rms_n is None
+    still = Recording("still", np.zeros(100), np.full(100, 3.0), DT_S)
+    assert find_noise_floor([still, replace(still, name="again")]).rms_n is None
+
+
+def test_a_sum_of_tones_is_no_repeated_cycle() -> None:
+    """One tone explains most of it, and no cycle is like another."""
+    sums_m = press(2.0, cycles=8) + 0.7 * press(2.9, cycles=13)[:4000]
+    noisy = recording("sum", sums_m)
+    noisy = replace(noisy, force_n=noisy.force_n + normal(0.01, 0, len(sums_m)))
+    found = find_noise_floor([noisy])
+    assert found.source == "sensor"
+    assert found.rms_n == pytest.approx(0.01, rel=0.2)
+
+
+def test_an_object_that_settles_within_its_cycles_is_no_noise() -> None:
+    """A model with a memory predicts how the cycles' mean and height settle."""
+    cycles = recording("cycles", press(2.0, cycles=20))
+    left = np.exp(-np.arange(len(cycles.force_n)) * DT_S / 2.0)
+    settling_n = cycles.force_n * (1.0 + 0.1 * left) + normal(0.01, 0, len(left))
+    found = find_noise_floor([replace(cycles, force_n=settling_n)])
+    assert found.source == "cycles"
+    assert found.rms_n is not None
+    assert 0.009 < found.rms_n < 0.03
