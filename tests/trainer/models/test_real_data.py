@@ -34,6 +34,18 @@ def test_the_papers_forest_on_a_frequency_it_never_saw(
     assert percent_of_peak("rf-fd", mach1, held_out) < limit
 
 
-@pytest.mark.parametrize(("held_out", "limit"), [("0.2", 0.8), ("0.5", 1.0), ("1", 1.2)])
-def test_the_passive_model_halves_its_error(mach1: dict, held_out: str, limit: float) -> None:
+PASSIVE_PERCENT = [("0.1", 0.7), ("0.2", 0.4), ("0.5", 0.45), ("1", 0.6), ("2", 1.1)]
+
+
+@pytest.mark.parametrize(("held_out", "limit"), PASSIVE_PERCENT)
+def test_the_passive_model_on_a_frequency_it_never_saw(
+    mach1: dict, held_out: str, limit: float
+) -> None:
+    # With one rate of relaxation for all depths: 1.4, 0.7, 0.9, 1.1, 2.3.
     assert percent_of_peak("hammerstein", mach1, held_out) < limit
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("held_out", "limit"), PASSIVE_PERCENT)
+def test_auto_is_as_good(mach1: dict, held_out: str, limit: float) -> None:
+    assert percent_of_peak("auto", mach1, held_out) < limit + 0.05
