@@ -16,7 +16,7 @@ from springpot.codegen.stages.depth_laws import (
     depth_place,
     stretch_terms,
 )
-from springpot.codegen.stages.maxwell import Branches, branch_steps
+from springpot.codegen.stages.maxwell import MaxwellBranches, branch_steps
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
@@ -57,7 +57,7 @@ class HammersteinStage(Stage):
     config: HammersteinConfig
     spring: Reals
     branches: Reals
-    steps: tuple[Branches, ...]
+    steps: tuple[MaxwellBranches, ...]
     stops: Reals
     radius: Reals
     stretch: Reals | None
@@ -130,7 +130,7 @@ class HammersteinStage(Stage):
             lines.append(f"const sp_real {name}_u = sp_depth_stretched(stretch, {name}_depth);")
         return lines
 
-    def _tick(self, stepped: Callable[[Branches], list[str]]) -> list[str]:
+    def _tick(self, stepped: Callable[[MaxwellBranches], list[str]]) -> list[str]:
         name, capacity = self.follows, self.config.n_branches
         return [
             *self._place(),
@@ -253,7 +253,7 @@ def hammerstein_stage(
 ) -> HammersteinStage:
     """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
 
-    Branches are padded to whole vectors of `vector_width`, with curves of 0.
+    MaxwellBranches are padded to whole vectors of `vector_width`, with curves of 0.
     """
     n_stops, n_basis = len(model.radius_m), BASIS_SIZE[model.basis]
     stop_n = model.stop_n.reshape(n_stops, n_basis)

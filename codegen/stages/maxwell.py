@@ -22,7 +22,7 @@ Place = tuple[NDArray[np.intp], Reals]  # piece and way of each tick's depth, bo
 
 
 @dataclass(frozen=True, eq=False)
-class Branches:
+class MaxwellBranches:
     """Neighbouring branches of constant rate.
 
     first: column of the first one. double: whether their states are. loss: (count,). per_tau (1/s),
@@ -39,7 +39,7 @@ class Branches:
 
     @property
     def count(self) -> int:
-        """Branches, those of curve 0 that fill a vector too."""
+        """MaxwellBranches, those of curve 0 that fill a vector too."""
         return int(self.loss.shape[-1])
 
     @property
@@ -96,7 +96,7 @@ class Branches:
 
 
 @dataclass(frozen=True, eq=False)
-class DepthBranches(Branches):
+class MaxwellByDepth(MaxwellBranches):
     """Neighbouring branches whose rate depends on the depth.
 
     loss: (pieces, 2, count). rates: (pieces + 1, count), 1/s. Nothing is folded into their curves.
@@ -145,7 +145,7 @@ class DepthBranches(Branches):
 
 def branch_steps(
     model: Hammerstein, dt_s: float, dtype: type, vector_width: int
-) -> tuple[tuple[Branches, ...], Reals]:
+) -> tuple[tuple[MaxwellBranches, ...], Reals]:
     """The branches by who steps them, and their weights in that order, (capacity, J).
 
     Those in float first, of constant rate first among them and filled up to whole vectors of
@@ -154,7 +154,7 @@ def branch_steps(
     by_depth = np.arange(len(model.tau_s)) >= len(model.tau_s) - model.n_by_depth
     double = (model.slowest_s > SLOW_TICKS * dt_s) & (dtype is np.float32)
     filled = padded(max(len(double), 1), vector_width) - len(double)
-    steps: list[Branches] = []
+    steps: list[MaxwellBranches] = []
     weights = [np.zeros((0, model.branch_n.shape[1]))]
     first = 0
     for in_double, depends in ((False, False), (False, True), (True, False), (True, True)):
@@ -176,10 +176,10 @@ def branch_steps(
 
 def _constant(
     first: int, double: bool, tau_s: Reals, fill: int, dt_s: float, dtype: type
-) -> Branches:
+) -> MaxwellBranches:
     loss, gain = loss_and_gain(tau_s, dt_s)
     padding = (0, fill)
-    return Branches(
+    return MaxwellBranches(
         first=first,
         double=double,
         loss=np.pad(loss, padding, constant_values=1.0).astype(np.float64 if double else dtype),
@@ -190,9 +190,9 @@ def _constant(
 
 def _by_depth(
     first: int, double: bool, tau_s: Reals, ratio: float, dt_s: float, dtype: type
-) -> DepthBranches:
+) -> MaxwellByDepth:
     nothing: Reals = np.zeros(0, dtype=dtype)
-    return DepthBranches(
+    return MaxwellByDepth(
         first=first,
         double=double,
         loss=clocked_loss(tau_s, ratio, dt_s).astype(dtype),

@@ -94,7 +94,7 @@ def fit_auto(
         **fit.metadata,
         "chosen": chosen.name,
         "scores": [vars(score) for score in scores],
-        "why": why(chosen, scores, gain, peak_n, active),
+        "why": reason(chosen, scores, gain, peak_n, active),
     }
     return replace(fit, search_s=search_s, metadata=metadata)
 
@@ -119,7 +119,7 @@ def ranked(scores: Sequence[Score], gain: float, peak_n: float) -> list[Score]:
     return [*worth, passive]
 
 
-def why(
+def reason(
     chosen: Score, scores: Sequence[Score], gain: float, peak_n: float, active: dict[str, int]
 ) -> str:
     """In words: what the winner has over the next one."""

@@ -4,8 +4,6 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.model import Model
-from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.recording import Recording
 
 DEPTH_SHARES = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the trained depth
 AMPLITUDES = (0.01, 0.05)
@@ -55,6 +53,9 @@ def map_frequencies_hz(dt_s: float) -> Samples:
 
 def active_cells(model: Model) -> int:
     """Depths and frequencies within the trained depth at which a model's force gives energy."""
+    from springpot.trainer.models.predict import predict_n  # what judges C loads no scipy
+    from springpot.trainer.recordings.recording import Recording
+
     trained, found = model.trained, 0
     base_m = 0.0 if model.contact == "surface" else trained.min_m
     span_m = trained.max_m - base_m

@@ -117,7 +117,7 @@ def test_refusals_are_one_line_with_the_right_status(job: Path, tmp_path: Path) 
 
 def test_a_later_model_is_refused_by_emit(job: Path, tmp_path: Path) -> None:
     path = model_file(tmp_path)
-    path.write_bytes(path.read_bytes().replace(b"springpot-model 3", b"springpot-model 7", 1))
+    path.write_bytes(path.read_bytes().replace(b"springpot-model 4", b"springpot-model 7", 1))
     told = refusal(
         3, "emit", "--scene", job / "scene.toml", "--model", path, "--out", tmp_path / "c"
     )

@@ -15,7 +15,7 @@ from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection import auto
-from springpot.trainer.selection.auto import Score, ranked, why
+from springpot.trainer.selection.auto import Score, ranked, reason
 from springpot.trainer.selection.small_signal import active_cells
 
 OPTIONS = FitOptions(seed=3, trees=10, smooth_s=0.0)
@@ -98,7 +98,7 @@ def test_trees_only_for_a_gain_that_does_not_rest_on_one_fold(ratio, without, ch
     scores = [score("hammerstein", 1, 1.0), score("trees", 5, ratio, without)]
     best = ranked(scores, gain=0.05, peak_n=1.0)[0]
     assert best.name == chosen
-    words = why(best, scores, 0.05, 1.0, {})
+    words = reason(best, scores, 0.05, 1.0, {})
     assert ("one fold" in words) == (ratio == 0.5)
     assert f"{round(100 * (1 - ratio))} % less error" in words
 
