@@ -11,6 +11,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling, Scene
 from springpot.host.emission.emission import emit
+from springpot.host.paper.past_positions import CONTROL, HandledModel, handled
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
 from springpot.host.recording.session import open_press_device
 from springpot.host.validation.validation import Validation, validate
@@ -36,7 +37,7 @@ class Work:
     trees: int = 100
     presses: int = 1
     signals: int = 10
-    paced_s: float = 0.5
+    paced_s: float = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +48,10 @@ class ObjectRecordings:
     training: tuple[Recording, ...]
     validation: tuple[Recording, ...]
     commands_n: tuple[Samples, ...] = ()
+
+    @property
+    def depth_m(self) -> float:
+        return float(max(recording.position_m.max() for recording in self.training))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +70,11 @@ class Modelled:
 
 @dataclass(frozen=True, eq=False)
 class ObjectResult:
-    """All models of one object, by kind."""
+    """All models of one object, by kind; and the forests on derivatives and on past positions."""
 
     data: ObjectRecordings
     models: Mapping[str, Modelled]
-
-    @property
-    def depth_m(self) -> float:
-        return float(max(recording.position_m.max() for recording in self.data.training))
+    handled: Mapping[str, HandledModel]
 
     def rmse_n(self, kind: str) -> float:
         """RMSE averaged over the validation recordings (figure 9)."""
@@ -104,22 +106,23 @@ class Checking:
 
     data: ObjectRecordings
     fits: Mapping[str, "Fit"]
-    folders: Sequence[Path]
-    validations: Sequence[Future[Validation]]
+    folders: Mapping[str, Path]
+    validations: Mapping[str, Future[Validation]]
+    handled: Mapping[str, Future[HandledModel]]
 
     def result(self) -> ObjectResult:
-        """Wait for the validations."""
+        """Wait for all that was begun."""
         models = {
-            kind: Modelled(fit, folder, validation.result())
-            for (kind, fit), folder, validation in zip(
-                self.fits.items(), self.folders, self.validations, strict=True
-            )
+            kind: Modelled(self.fits[kind], self.folders[kind], validation.result())
+            for kind, validation in self.validations.items()
         }
-        return ObjectResult(self.data, models)
+        return ObjectResult(
+            self.data, models, {kind: found.result() for kind, found in self.handled.items()}
+        )
 
 
 def validators() -> ProcessPoolExecutor:
-    """Processes that validate: the reference is Python."""
+    """Processes that validate, and put models into hands: the reference is Python."""
     return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
 
 
@@ -130,11 +133,25 @@ def begin_object(
 
     Raises DataError where the recordings do not fit together.
     """
-    fits = _fits(data, work)
+    fits, scene = _fits(data, work), plain_scene(data.name)
     with ThreadPoolExecutor(_BESIDE) as compilers:
-        folders = list(compilers.map(lambda kind: _emit(kind, fits[kind], data.name, folder), fits))
-    checks = [pool.submit(validate, each, data.validation, work.paced_s) for each in folders]
-    return Checking(data, fits, folders, checks)
+        folders = dict(
+            compilers.map(
+                lambda kind: (kind, _emit(kind, fits[kind], data.name, folder)), work.kinds
+            )
+        )
+    return Checking(
+        data,
+        fits,
+        folders,
+        validations={
+            kind: pool.submit(validate, folders[kind], data.validation, work.paced_s)
+            for kind in work.kinds
+        },
+        handled={
+            kind: pool.submit(handled, fits[kind].model, scene) for kind in (CONTROL, "rf-fd")
+        },
+    )
 
 
 def in_a_line(result: ObjectResult) -> str:
@@ -172,7 +189,13 @@ def model_metadata(model: Modelled) -> dict[str, Any]:
 
 def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
     """Objects from the softest, the one pressed deepest, to the hardest."""
-    return sorted(results, key=lambda result: -result.depth_m)
+    return sorted(results, key=lambda result: -result.data.depth_m)
+
+
+def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
+    """Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
+    named = [result for result in results if result.data.name == "ecoflex-00-50"]
+    return named[0] if named else by_softness(results)[len(results) // 2]
 
 
 def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
@@ -187,7 +210,7 @@ def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
         kind: fit_kind(
             kind, data.name, prepared, options, data.validation if kind == "rbf-fd" else ()
         )
-        for kind in work.kinds
+        for kind in (*work.kinds, CONTROL)
     }
 
 
