@@ -102,7 +102,7 @@ def _results(data: Iterable[ObjectRecordings], folder: Path, work: Work) -> list
         begun = []
         for item in data:
             begun.append(begin_object(item, folder / item.name, work, pool))
-            say(f"{item.name}: fitted and built")
+            say(f"{item.name}: fitted")
         results = [checking.result() for checking in begun]
     for result in results:
         say(in_a_line(result))

@@ -1,16 +1,18 @@
 """The paper's protocol on one object after the other: record, fit, emit, build, validate."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
+from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Scene
-from springpot.host.emission.emission import emit
+from springpot.host.emission.emission import write_emission
 from springpot.host.paper.past_positions import CONTROL, HandledModel, handled
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
 from springpot.host.recording.session import open_press_device
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 PAPER_KINDS = ("rf-fd", "rbf-fd", "rbf-pv")
 REPRODUCED_KINDS = (*PAPER_KINDS, "hammerstein", "hybrid")
 _TRAINING_SEED, _VALIDATION_SEED = 1, 2
-_BESIDE = 2  # compilers, and validations, at a time
+_BESIDE = 2  # validations at a time
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ def simulated(name: str, variant: str, work: Work) -> ObjectRecordings:
 
 @dataclass(frozen=True, eq=False)
 class Checking:
-    """An object whose models are fitted and built, while processes still validate them."""
+    """An object whose models are fitted, while processes still build and validate them."""
 
     data: ObjectRecordings
     fits: Mapping[str, "Fit"]
@@ -129,17 +131,12 @@ def validators() -> ProcessPoolExecutor:
 def begin_object(
     data: ObjectRecordings, folder: Path, work: Work, pool: ProcessPoolExecutor
 ) -> Checking:
-    """Fit every kind, emit and build its C into `folder`, and let `pool` validate that.
+    """Fit every kind, write its C into `folder`, and let `pool` build and validate that.
 
     Raises DataError where the recordings do not fit together.
     """
     fits, scene = _fits(data, work), plain_scene(data.name)
-    with ThreadPoolExecutor(_BESIDE) as compilers:
-        folders = dict(
-            compilers.map(
-                lambda kind: (kind, _emit(kind, fits[kind], data.name, folder)), work.kinds
-            )
-        )
+    folders = {kind: _written(kind, fits[kind].model, scene, folder) for kind in work.kinds}
     return Checking(
         data,
         fits,
@@ -214,9 +211,10 @@ def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
     }
 
 
-def _emit(kind: str, fit: "Fit", name: str, folder: Path) -> Path:
+def _written(kind: str, model: Model, scene: Scene, folder: Path) -> Path:
+    """The model's C, which its validation builds: for replay, not for a hand or a board."""
     folder.mkdir(parents=True, exist_ok=True)
     model_file = folder / f"{kind}.spm"
-    write_model(model_file, fit.model)
-    # For replay: the paper's figures are of the model, whatever a hand would make of it.
-    return emit(plain_scene(name), model_file, folder / kind, accept_unsafe=True).folder
+    write_model(model_file, model)
+    write_emission(make_plan(model, scene, accept_unsafe=True), scene, model_file, folder / kind)
+    return folder / kind

@@ -20,7 +20,7 @@ from springpot.host.paper.reproduce import PAPER_KINDS, ObjectResult, Work
 from springpot.host.plot_style import MUTED
 
 PAPER_SHARE = 0.2
-_SHARES = (0.05, 0.1, PAPER_SHARE, 0.4, 1.0)
+_SHARES = (0.05, 0.1, PAPER_SHARE, 1.0)
 _EVERY = 10  # samples of a validation recording: its RMSE needs no more
 
 
