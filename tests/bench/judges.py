@@ -31,6 +31,7 @@ from springpot.host.metrics import rms
 from springpot.host.native.machine import machine_metadata
 from springpot.host.native.trial_build import built
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
+from springpot.host.recording.structures import STRUCTURES
 from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS, parse_url
 from springpot.trainer.kinds import AUTO, fit_kind
@@ -47,7 +48,7 @@ PROCESSES = 2
 MACH1 = "mach1"
 # What the sensors, and the time between presses, do in each structure of recording.
 SETTINGS = {
-    "paper": "",
+    "paper": "rest=2",
     "left-out-depth": "",
     "third-repeat": "rest=2",
     "slow-ramps": "rate=50",
@@ -58,6 +59,8 @@ SETTINGS = {
 KIN_STRUCTURES = ("paper", "left-out-depth", "one-speed")  # of the five that are much alike
 _PAPER_SIGNALS = 4  # of the ten
 _SETTLE_S = 3.0
+_CELL_CPU_S = 40.0  # of a cell, by the last run
+assert set(SETTINGS) == {"paper", *STRUCTURES}
 _MEASURING = tuple(
     f"springpot.host.{name}"
     for name in ("benchmark.measure", "recording.structures", "simulation.bench")
@@ -77,8 +80,11 @@ class Cell:
 
     def key(self) -> str:
         """Of all that decides its figures."""
-        content = self.file.read_bytes().hex() if self.file else [SETTINGS, SEED, _PAPER_SIGNALS]
+        content = self.file.read_bytes().hex() if self.file else self.settings()
         return key_of([code_hash(_MEASURING), self.name, self.structure, content])
+
+    def settings(self) -> list[object]:
+        return [SETTINGS[self.structure], SEED, _PAPER_SIGNALS]
 
     def recordings(self) -> tuple[Recordings, Recordings, float]:
         """Training part, test part, and the noise floor of the latter, N."""
@@ -139,12 +145,12 @@ def judged(cell: Cell, out: Path) -> dict[str, Any]:
     models = found.setdefault("models", {})
     for name, (kind, asked) in {**listed, AUTO: (AUTO, options)}.items():
         if name not in models:
-            begin = time.perf_counter()
+            begin_s = time.process_time()
             try:
                 models[name] = measured(kind, data, asked, test)
             except Exception as error:  # a failure is a result
                 models[name] = {"failed": f"{type(error).__name__}: {error}"}
-            models[name]["seconds"] = time.perf_counter() - begin
+            models[name]["cpu_s"] = time.process_time() - begin_s
             write(cell, out, found)
     found["complete"] = True
     write(cell, out, found)
@@ -206,7 +212,9 @@ def main() -> None:
     # One thread each: more wait for each other.
     os.environ |= {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "1"}
     missing = [cell for cell in wanted if not known(cell, asked.out).get("complete")]
-    print(f"{len(wanted)} cells, {len(missing)} of them to compute", flush=True)
+    cpu_min = _CELL_CPU_S * len(missing) / PROCESSES / 60
+    print(f"{len(wanted)} cells, {len(missing)} of them to compute: about {cpu_min:.0f} min on "
+          f"{PROCESSES} idle cores", flush=True)  # fmt: skip
     begin = time.perf_counter()
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
         running = {pool.submit(judged, cell, asked.out): cell for cell in missing}

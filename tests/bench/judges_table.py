@@ -31,10 +31,10 @@ EXPLAINED = (
     "that the object itself makes when it is moved along the measured positions (noise and steps "
     "of the sensors, drift); of Mach-1, the scatter of its cycles. auto / best: the error of what "
     "`auto` chose without the test part, of that of the best candidate. "
-    "[recordings.md](recordings.md) says what the recordings are; `third-repeat` with 2 s "
-    "between presses of one object, `slow-ramps` sampled at 50 Hz, `one-long` at 100 Hz with a "
-    "load cell that drifts by 0.1 N a minute, `preload` with a first position that reads 0; "
-    "`paper`: the paper's 27 presses, and 4 of its sums as a test.\n"
+    "[recordings.md](recordings.md) says what the recordings are. `paper`: the paper's 27 presses, "
+    "and 4 of its sums as a test; it and `third-repeat` press one object every 2 s, the others a "
+    "fresh one each time; `slow-ramps` sampled at 50 Hz, `one-long` at 100 Hz with a "
+    "load cell that drifts by 0.1 N a minute, `preload` with a first position that reads 0.\n"
 )
 
 
