@@ -150,7 +150,8 @@ class _Taken:
             skipped = max(0, self._lead - len(self.position_m))
             self.position_m = np.concatenate((self.position_m, position_m))
             self.force_n = np.concatenate((self.force_n, force_n))
-            self._on_samples(position_m[skipped:], force_n[skipped:])
+            if skipped < len(rows):
+                self._on_samples(position_m[skipped:], force_n[skipped:])
 
 
 def press_step_functions(
