@@ -27,13 +27,13 @@ KINSHIP = (
 )
 EXPLAINED = (
     "Each cell: RMSE in % of the peak force of the test part, replayed through the emitted C, and "
-    "the time of a tick in µs. The best candidate is bold. floor: of a simulated object, the error "
-    "that the object itself makes when it is moved along the measured positions (noise and steps "
-    "of the sensors, drift); of Mach-1, the scatter of its cycles. auto / best: the error of what "
-    "`auto` chose without the test part, of that of the best candidate. "
-    "[recordings.md](recordings.md) says what the recordings are. `paper`: the paper's 27 presses, "
-    "and 4 of its sums as a test; it and `third-repeat` press one object every 2 s, the others a "
-    "fresh one each time; `slow-ramps` sampled at 50 Hz, `one-long` at 100 Hz with a "
+    "below it the time of a tick. The best candidate is bold. floor: of a simulated object, the "
+    "error that the object itself makes when it is moved along the measured positions (noise and "
+    "steps of the sensors, drift); of Mach-1, the scatter of its cycles. auto / best: the error "
+    "of what `auto` chose without the test part, of that of the best candidate. "
+    "[recordings.md](recordings.md) says what the recordings are. `paper`: the paper's 27 "
+    "presses, and 4 of its sums as a test; it and `third-repeat` press one object every 2 s, the "
+    "others a fresh one each time; `slow-ramps` sampled at 50 Hz, `one-long` at 100 Hz with a "
     "load cell that drifts by 0.1 N a minute, `preload` with a first position that reads 0.\n"
 )
 
@@ -116,13 +116,13 @@ def cells_table(cells: Sequence[Metadata], names: Sequence[str]) -> str:
 
 
 def model_cell(model: Metadata | None, best: bool) -> str:
-    """Error, and tick in µs."""
+    """Error, and below it the tick."""
     if model is None:
         return "-"
     if "failed" in model:
         return "failed"
-    error = plain(model["percent"], 2)
-    return f"{f'**{error}**' if best else error} / {plain(1e-3 * model['tick_ns'], 2)}"
+    error = plain(model["percent"])
+    return f"{f'**{error}**' if best else error}<br>{model['tick_ns']:.0f}&nbsp;ns"
 
 
 def judges_summary(judges: Metadata) -> str:
@@ -140,7 +140,7 @@ def judges_summary(judges: Metadata) -> str:
             ]
             floor = geometric([cell["floor_percent"] for cell in of_it])
             worst = max(auto_ratio(cell) for cell in of_it)
-            shown = [plain(mean, 2) if np.isfinite(mean) else "failed" for mean in means]
+            shown = [plain(mean) if np.isfinite(mean) else "failed" for mean in means]
             rows.append([name, str(len(of_it)), plain(floor, 2), *shown, f"{worst:.2f}"])
     table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
     return (
