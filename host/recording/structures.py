@@ -27,10 +27,10 @@ _REST_S = 20.0  # after a slow ramp, at no force
 
 
 def left_out_depth(_seed: int) -> list[Profile]:
-    """Trained at 2 and 10 N at five speeds, tested at 6 N between them."""
+    """Trained at 2, 4, 8 and 10 N at five speeds, tested at 6 N between them."""
     return [
         _press(TEST if amplitude_n == 6.0 else TRAINING, amplitude_n, frequency_hz)
-        for amplitude_n in (2.0, 6.0, 10.0)
+        for amplitude_n in (2.0, 4.0, 6.0, 8.0, 10.0)
         for frequency_hz in _SPEEDS_HZ
     ]
 
