@@ -69,11 +69,15 @@ _MEASURING = tuple(
 
 @dataclass(frozen=True)
 class Cell:
-    """An object in a structure of recording; of Mach-1, the recording that is left out."""
+    """An object in a structure of recording; of Mach-1, the recording that is left out.
+
+    seed: of the sensors' noise, and of random commands.
+    """
 
     name: str
     structure: str
     file: Path | None = None
+    seed: int = SEED
 
     def stored(self, out: Path) -> Path:
         return out / "cells" / f"{self.name}.{self.structure}.json"
@@ -84,28 +88,28 @@ class Cell:
         return key_of([code_hash(_MEASURING), self.name, self.structure, content])
 
     def settings(self) -> list[object]:
-        return [SETTINGS[self.structure], SEED, _PAPER_SIGNALS]
+        return [SETTINGS[self.structure], self.seed, _PAPER_SIGNALS]
 
     def recordings(self) -> tuple[Recordings, Recordings, float]:
         """Training part, test part, and the noise floor of the latter, N."""
         if self.file is None:
-            return recorded(self.name, self.structure)
+            return recorded(self.name, self.structure, self.seed)
         found = import_file(self.file, None, "min", None).recordings
         test = tuple(each for each in found if each.name.endswith(f"-{self.structure}"))
         floor_n = check_recordings(list(test)).as_dict()["noise_floor_n"]
         return tuple(each for each in found if each not in test), test, floor_n
 
 
-def recorded(name: str, structure: str) -> tuple[Recordings, Recordings, float]:
+def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, Recordings, float]:
     """Press a simulated object. The floor: what the object itself errs, moved as was measured."""
-    simulated = parse_url(f"sim://{name}?{SETTINGS[structure]}", SEED)
+    simulated = parse_url(f"sim://{name}?{SETTINGS[structure]}", seed)
     bench = SimulatedBench(simulated)
     if structure == "paper":
-        signals = load_protocol("validation", SEED)[:_PAPER_SIGNALS]
-        profiles = [replace(press, part="training") for press in load_protocol("paper", SEED)]
+        signals = load_protocol("validation", seed)[:_PAPER_SIGNALS]
+        profiles = [replace(press, part="training") for press in load_protocol("paper", seed)]
         profiles += [replace(signal, part="test") for signal in signals]
     else:
-        profiles = load_protocol(structure, SEED)
+        profiles = load_protocol(structure, seed)
     parts: dict[str, list[Recording]] = {"training": [], "test": []}
     errors_n: list[np.ndarray] = []
     dt_s = 1 / bench.rate_hz
@@ -186,13 +190,15 @@ def write(cell: Cell, out: Path, found: dict[str, Any]) -> None:
     part.replace(cell.stored(out))
 
 
-def all_cells(mach1: Path | None) -> Iterator[Cell]:
+def all_cells(mach1: Path | None, seed: int = SEED) -> Iterator[Cell]:
     """The foreign objects first, real data, the five that are hammerstein's kin last."""
-    yield from (Cell(name, structure) for name in FOREIGN_OBJECTS for structure in SETTINGS)
+    for name in FOREIGN_OBJECTS:
+        yield from (Cell(name, structure, seed=seed) for structure in SETTINGS)
     if mach1:
         for each in import_file(mach1, None, "min", None).recordings:
             yield Cell(MACH1, each.name.rpartition("-")[2], mach1)
-    yield from (Cell(name, structure) for name in OBJECTS for structure in KIN_STRUCTURES)
+    for name in OBJECTS:
+        yield from (Cell(name, structure, seed=seed) for structure in KIN_STRUCTURES)
 
 
 def main() -> None:
@@ -201,11 +207,12 @@ def main() -> None:
     parser.add_argument("--mach1", type=Path, help="the tester's text file of sines")
     parser.add_argument("--objects", help="names, separated by commas; default: all")
     parser.add_argument("--structures", help="names, separated by commas; default: all")
+    parser.add_argument("--seed", type=int, default=SEED, help="of noise and random commands")
     asked = parser.parse_args()
     (asked.out / "cells").mkdir(parents=True, exist_ok=True)
     wanted = [
         cell
-        for cell in all_cells(asked.mach1)
+        for cell in all_cells(asked.mach1, asked.seed)
         if not asked.objects or cell.name in asked.objects.split(",")
         if not asked.structures or cell.structure in asked.structures.split(",")
     ]
@@ -223,7 +230,9 @@ def main() -> None:
             left_s = (time.perf_counter() - begin) / done * (len(missing) - done)
             print(f"{done} of {len(missing)}, {left_s / 60:.0f} min left: {cell.name} "
                   f"{cell.structure}: {in_a_line(found)}", flush=True)  # fmt: skip
-    cells = [found for cell in all_cells(asked.mach1) if (found := known(cell, asked.out))]
+    cells = [
+        found for cell in all_cells(asked.mach1, asked.seed) if (found := known(cell, asked.out))
+    ]
     metadata = machine_metadata()
     result = {
         "machine": f"{metadata['processor']}, {metadata['system']}",
