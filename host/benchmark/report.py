@@ -9,6 +9,7 @@ from springpot.host.benchmark.point import Metadata, Point, Refused, points_of
 from springpot.host.benchmark.store import read_result
 from springpot.host.page import page_text, plain
 from springpot.host.paper.claims import PAPER_MODELLING_S, PAPER_RATES_HZ
+from springpot.host.simulation.objects import own_class_line
 from springpot.trainer.kinds import KINDS
 
 _REPORT_NAME = "report.html"
@@ -33,6 +34,7 @@ def bench_page(result: Metadata, folder: str) -> str:
         "kinds": {name: kind.title for name, kind in KINDS.items()},
         "picks": picks,
         "summary": _summary(picks),
+        "kin": own_class_line(item["source"] for item in result["recordings"]["training"]),
         "defaults": options_text(result["defaults"]),
         "front": front,
         "refused": [Refused(**facts) for facts in result["refused"]],

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand
-from springpot.host.simulation.objects import parse_url
+from springpot.host.simulation.objects import PressSettings, parse_url
 from springpot.trainer.recordings.recording_file import read_recording
 
 # What the hand intends; its spring and the rendered force decide how deep it comes.
@@ -27,6 +27,11 @@ class SimulatedDevice:
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Take the hand of the URL. Raises UsageError for a wrong one."""
         simulated = parse_url(address.url)
+        if simulated.presses != PressSettings():
+            raise UsageError(
+                f"{address.url}: rest, rate, drift and glitch are of recorded presses: leave them "
+                "out where a scene is rendered"
+            )
         self._hand = SimulatedHand(
             simulated.hand, noisy=True, seed=simulated.seed, delay_samples=simulated.delay_samples
         )

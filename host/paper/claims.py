@@ -59,7 +59,7 @@ def _depths(results: Sequence[ObjectResult]) -> list[Claim]:
     if not known:
         return []
     paper = [PAPER_DEPTHS_MM[result.data.name] for result in known]
-    here = [1e3 * result.depth_m for result in known]
+    here = [1e3 * result.data.depth_m for result in known]
     near = np.abs(np.divide(here, paper) - 1.0) < DEPTH_TOLERANCE
     return [
         Claim(
@@ -75,17 +75,17 @@ def _errors(results: Sequence[ObjectResult]) -> list[Claim]:
     claims = []
     for kind in ("rf-fd", "rbf-fd"):
         ratios = [result.rmse_n(kind) / result.rmse_n("rbf-pv") for result in results]
-        here = f"{kind} / rbf-pv {_each(results, ratios)}"
+        here = f"{kind} / rbf-pv {each_object(results, ratios)}"
         lower = max(ratios) < 1.0
         claims.append(Claim(f"{kind}: RMSE below rbf-pv for every object", "fig. 9", here, lower))
     ratios = [result.rmse_n("rf-fd") / result.rmse_n("rbf-fd") for result in results]
     similar = all(1.0 / SIMILAR_RATIO <= ratio <= SIMILAR_RATIO for ratio in ratios)
-    here = f"rf-fd / rbf-fd {_each(results, ratios)}"
+    here = f"rf-fd / rbf-fd {each_object(results, ratios)}"
     claims.append(
         Claim(f"rf-fd and rbf-fd: RMSE within {SIMILAR_RATIO:g} x", "fig. 9", here, similar)
     )
     worst = [max(_p99(result, kind) for kind in PAPER_KINDS) for result in results]
-    here = f"99 % of samples below {_each(results, worst)} N, worst of the three models"
+    here = f"99 % of samples below {each_object(results, worst)} N, worst of the three models"
     if len(results) > 1:
         text = "absolute errors below 0.4 N but for the softest object"
         claims.append(Claim(text, "fig. 7", here, max(worst[1:]) < 0.4))
@@ -152,14 +152,14 @@ def _importances(results: Sequence[ObjectResult]) -> list[Claim]:
         Claim(
             "orders of high importance in rf-fd are below 0.4",
             "fig. 11, section V",
-            f"share of the importance at or below 0.4: {_each(results, low)}",
+            f"share of the importance at or below 0.4: {each_object(results, low)}",
             min(low) > 0.5,
         )
     ]
     if len(results) > 1:
         text = "importances shift to higher orders for softer objects"
         falls = bool(np.all(np.diff(middle) <= 0.0))
-        here = f"mean order, softest first: {_each(results, middle, 3)}"
+        here = f"mean order, softest first: {each_object(results, middle, 3)}"
         claims.append(Claim(text, "fig. 11", here, falls))
     return claims
 
@@ -224,6 +224,7 @@ def _below_jnd(result: ObjectResult, kind: str) -> float:
     return 1.0 if share is None else share
 
 
-def _each(results: Sequence[ObjectResult], values: Sequence[float], digits: int = 2) -> str:
+def each_object(results: Sequence[ObjectResult], values: Sequence[float], digits: int = 2) -> str:
+    """A value of each object, by name."""
     pairs = zip(results, values, strict=True)
     return ", ".join(f"{result.data.name} {value:.{digits}f}" for result, value in pairs)

@@ -19,10 +19,13 @@ from springpot.host.paper.reproduce import (
     by_softness,
     in_a_line,
     model_metadata,
+    shown_object,
     validators,
 )
+from springpot.host.paper.row_shares import row_shares, rows_figure
 from springpot.host.paper.sampling import resampled
-from springpot.host.paper.signals import shown_object, signal_figures
+from springpot.host.paper.signals import signal_figures
+from springpot.host.paper.unshown_claims import check_unshown
 from springpot.host.simulation.objects import OBJECTS, parse_url
 from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -67,15 +70,23 @@ def run_reproduce(
     results = _results(data, out / "models", work)
     shown = shown_object(results)
     sampled = resampled(shown.models["rf-fd"], shown.data.validation[typical_recording(shown)])
+    say(f"{shown.data.name}: fitted again on more and fewer rows ...")
+    shares = row_shares(shown, work)  # with nothing beside it: its times are compared
     say("figures ...")
     figures = error_figures(results, out, origin) + signal_figures(results, sampled, out, origin)
-    claims = check_claims(results, sampled)
+    figures += rows_figure(shares, out, origin)
+    claims = check_claims(results, sampled) + check_unshown(results, shares)
     result = {
         "data": origin,
         "tables": tables(results),
         "figures": sorted(figures),
         "models": {
             item.data.name: {kind: model_metadata(model) for kind, model in item.models.items()}
+            for item in results
+        },
+        "rows": shares.as_dict(),
+        "past_positions": {
+            item.data.name: {kind: vars(found) for kind, found in item.handled.items()}
             for item in results
         },
         "claims": [claim.as_dict() for claim in claims],
@@ -91,7 +102,7 @@ def _results(data: Iterable[ObjectRecordings], folder: Path, work: Work) -> list
         begun = []
         for item in data:
             begun.append(begin_object(item, folder / item.name, work, pool))
-            say(f"{item.name}: fitted and built")
+            say(f"{item.name}: fitted")
         results = [checking.result() for checking in begun]
     for result in results:
         say(in_a_line(result))
@@ -102,7 +113,10 @@ def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
     """Tables 1 to 3, the paper's numbers beside those found here."""
     return {
         "table1": {
-            r.data.name: {"paper_mm": PAPER_DEPTHS_MM.get(r.data.name), "here_mm": 1e3 * r.depth_m}
+            r.data.name: {
+                "paper_mm": PAPER_DEPTHS_MM.get(r.data.name),
+                "here_mm": 1e3 * r.data.depth_m,
+            }
             for r in by_softness(results)
         },
         "table2": {

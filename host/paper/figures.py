@@ -21,7 +21,7 @@ COLORS = {
     "hammerstein": "#3c8a5b",
     "hybrid": "#7a5195",
 }
-_LINES = {"rf-fd": "-", "rbf-fd": "--", "rbf-pv": ":"}
+PAPER_LINES = {"rf-fd": "-", "rbf-fd": "--", "rbf-pv": ":"}
 _POINTS = 3000
 _METADATA: dict[str, dict[str, None]] = {
     "svg": SVG_METADATA,
@@ -67,7 +67,7 @@ def _predictions(results: Sequence[ObjectResult], out: Path, data: str) -> list[
         upper.plot(time_s, recording.force_n[::step], color=MEASURED, lw=1.2, label="measured")
         for kind in PAPER_KINDS:
             predicted_n = result.models[kind].validation.predicted_n[number]
-            style = {"color": COLORS[kind], "ls": _LINES[kind], "lw": 0.9}
+            style = {"color": COLORS[kind], "ls": PAPER_LINES[kind], "lw": 0.9}
             upper.plot(time_s, predicted_n[::step], label=kind, **style)
             lower.plot(time_s, (predicted_n - recording.force_n)[::step], **style)
         upper.set_title(f"{result.data.name}: {recording.name}", loc="left", fontsize=8)

@@ -1,16 +1,19 @@
 """The paper's protocol on one object after the other: record, fit, emit, build, validate."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
+from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Scene
-from springpot.host.emission.emission import emit
+from springpot.host.emission.emission import write_emission
+from springpot.host.paper.past_positions import CONTROL, HandledModel, handled
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
 from springpot.host.recording.session import open_press_device
 from springpot.host.validation.validation import Validation, validate
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
 PAPER_KINDS = ("rf-fd", "rbf-fd", "rbf-pv")
 REPRODUCED_KINDS = (*PAPER_KINDS, "hammerstein", "hybrid")
 _TRAINING_SEED, _VALIDATION_SEED = 1, 2
-_BESIDE = 2  # compilers, and validations, at a time
+_BESIDE = 2  # validations at a time
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,7 @@ class Work:
     trees: int = 100
     presses: int = 1
     signals: int = 10
-    paced_s: float = 0.5
+    paced_s: float = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +50,10 @@ class ObjectRecordings:
     training: tuple[Recording, ...]
     validation: tuple[Recording, ...]
     commands_n: tuple[Samples, ...] = ()
+
+    @property
+    def depth_m(self) -> float:
+        return float(max(recording.position_m.max() for recording in self.training))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +72,11 @@ class Modelled:
 
 @dataclass(frozen=True, eq=False)
 class ObjectResult:
-    """All models of one object, by kind."""
+    """All models of one object, by kind; and the forests on derivatives and on past positions."""
 
     data: ObjectRecordings
     models: Mapping[str, Modelled]
-
-    @property
-    def depth_m(self) -> float:
-        return float(max(recording.position_m.max() for recording in self.data.training))
+    handled: Mapping[str, HandledModel]
 
     def rmse_n(self, kind: str) -> float:
         """RMSE averaged over the validation recordings (figure 9)."""
@@ -100,41 +104,51 @@ def simulated(name: str, variant: str, work: Work) -> ObjectRecordings:
 
 @dataclass(frozen=True, eq=False)
 class Checking:
-    """An object whose models are fitted and built, while processes still validate them."""
+    """An object whose models are fitted, while processes still build and validate them."""
 
     data: ObjectRecordings
     fits: Mapping[str, "Fit"]
-    folders: Sequence[Path]
-    validations: Sequence[Future[Validation]]
+    folders: Mapping[str, Path]
+    validations: Mapping[str, Future[Validation]]
+    handled: Mapping[str, Future[HandledModel]]
 
     def result(self) -> ObjectResult:
-        """Wait for the validations."""
+        """Wait for all that was begun."""
         models = {
-            kind: Modelled(fit, folder, validation.result())
-            for (kind, fit), folder, validation in zip(
-                self.fits.items(), self.folders, self.validations, strict=True
-            )
+            kind: Modelled(self.fits[kind], self.folders[kind], validation.result())
+            for kind, validation in self.validations.items()
         }
-        return ObjectResult(self.data, models)
+        return ObjectResult(
+            self.data, models, {kind: found.result() for kind, found in self.handled.items()}
+        )
 
 
 def validators() -> ProcessPoolExecutor:
-    """Processes that validate: the reference is Python."""
+    """Processes that validate, and put models into hands: the reference is Python."""
     return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
 
 
 def begin_object(
     data: ObjectRecordings, folder: Path, work: Work, pool: ProcessPoolExecutor
 ) -> Checking:
-    """Fit every kind, emit and build its C into `folder`, and let `pool` validate that.
+    """Fit every kind, write its C into `folder`, and let `pool` build and validate that.
 
     Raises DataError where the recordings do not fit together.
     """
-    fits = _fits(data, work)
-    with ThreadPoolExecutor(_BESIDE) as compilers:
-        folders = list(compilers.map(lambda kind: _emit(kind, fits[kind], data.name, folder), fits))
-    checks = [pool.submit(validate, each, data.validation, work.paced_s) for each in folders]
-    return Checking(data, fits, folders, checks)
+    fits, scene = _fits(data, work), plain_scene(data.name)
+    folders = {kind: _written(kind, fits[kind].model, scene, folder) for kind in work.kinds}
+    return Checking(
+        data,
+        fits,
+        folders,
+        validations={
+            kind: pool.submit(validate, folders[kind], data.validation, work.paced_s)
+            for kind in work.kinds
+        },
+        handled={
+            kind: pool.submit(handled, fits[kind].model, scene) for kind in (CONTROL, "rf-fd")
+        },
+    )
 
 
 def in_a_line(result: ObjectResult) -> str:
@@ -172,7 +186,13 @@ def model_metadata(model: Modelled) -> dict[str, Any]:
 
 def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
     """Objects from the softest, the one pressed deepest, to the hardest."""
-    return sorted(results, key=lambda result: -result.depth_m)
+    return sorted(results, key=lambda result: -result.data.depth_m)
+
+
+def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
+    """Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
+    named = [result for result in results if result.data.name == "ecoflex-00-50"]
+    return named[0] if named else by_softness(results)[len(results) // 2]
 
 
 def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
@@ -187,13 +207,14 @@ def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
         kind: fit_kind(
             kind, data.name, prepared, options, data.validation if kind == "rbf-fd" else ()
         )
-        for kind in work.kinds
+        for kind in (*work.kinds, CONTROL)
     }
 
 
-def _emit(kind: str, fit: "Fit", name: str, folder: Path) -> Path:
+def _written(kind: str, model: Model, scene: Scene, folder: Path) -> Path:
+    """The model's C, which its validation builds: for replay, not for a hand or a board."""
     folder.mkdir(parents=True, exist_ok=True)
     model_file = folder / f"{kind}.spm"
-    write_model(model_file, fit.model)
-    # For replay: the paper's figures are of the model, whatever a hand would make of it.
-    return emit(plain_scene(name), model_file, folder / kind, accept_unsafe=True).folder
+    write_model(model_file, model)
+    write_emission(make_plan(model, scene, accept_unsafe=True), scene, model_file, folder / kind)
+    return folder / kind

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from springpot.host.paper.figures import PAPER_STYLE, save, typical_recording
-from springpot.host.paper.reproduce import ObjectResult, by_softness
+from springpot.host.paper.reproduce import ObjectResult, by_softness, shown_object
 from springpot.host.paper.sampling import (
     SHOWN_ORDERS,
     STEP_S,
@@ -36,12 +36,6 @@ def signal_figures(
             *_derivatives(out),
             *_sampling_times(out),
         ]
-
-
-def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
-    """Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
-    named = [result for result in results if result.data.name == "ecoflex-00-50"]
-    return named[0] if named else by_softness(results)[len(results) // 2]
 
 
 def _collected(result: ObjectResult, out: Path, data: str) -> list[str]:

@@ -40,6 +40,8 @@ class Limits:
 class PressedDevice:
     """Presses with commanded forces; each press starts the device anew."""
 
+    rate_hz = RATE_HZ
+
     def __init__(
         self, url: str, object_name: str, limits: Limits, on_progress: Callable[[Progress], None]
     ) -> None:
@@ -51,13 +53,15 @@ class PressedDevice:
         self,
         command_n: Samples,
         on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+        lead: int = 0,
     ) -> tuple[Samples, Samples]:
         """Drive one press; command_n: (n,), N, one value each ms. Returns position_m and force_n.
 
+        lead: of so many values at its beginning no sample is kept.
         Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
         """
         max_n = float(np.max(np.abs(command_n)))
-        rows = _Taken(len(command_n), on_samples)
+        rows = _Taken(len(command_n), on_samples, lead)
         # A drive's torque is its own command: fed back, it would only chase itself.
         gains = _OPEN if parse_device(self._url).scheme == "odrive" else _GAINS
         steps = press_step_functions(command_n, _HEADROOM * max_n, gains)
@@ -80,7 +84,7 @@ class PressedDevice:
         if not rows.full:
             raise SpringpotError(f"{self._url}: the press was stopped before its end")
         time.sleep(_REST_S)
-        return rows.position_m, rows.force_n
+        return rows.position_m[lead:], rows.force_n[lead:]
 
     def _watch(self, runner: SessionRunner, rows: "_Taken") -> None:
         with reading_keys() as keys:
@@ -122,8 +126,10 @@ def trip_error(url: str, state: LoopState) -> DeviceError:
 class _Taken:
     """Rows of one press, from the first call on."""
 
-    def __init__(self, n: int, on_samples: Callable[[Samples, Samples], None]) -> None:
-        self._n, self._on_samples = n, on_samples
+    def __init__(
+        self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int = 0
+    ) -> None:
+        self._n, self._on_samples, self._lead = n, on_samples, lead
         self.position_m, self.force_n = np.empty(0), np.empty(0)
         self.unmeasured = self.unlocated = False
 
@@ -141,9 +147,11 @@ class _Taken:
         if self.unlocated or not np.isfinite(force_n).all():
             return
         if len(rows):
+            skipped = max(0, self._lead - len(self.position_m))
             self.position_m = np.concatenate((self.position_m, position_m))
             self.force_n = np.concatenate((self.force_n, force_n))
-            self._on_samples(position_m, force_n)
+            if skipped < len(rows):
+                self._on_samples(position_m[skipped:], force_n[skipped:])
 
 
 def press_step_functions(

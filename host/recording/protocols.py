@@ -25,16 +25,20 @@ _HOLD_N, _HOLD_S, _RISE_S = 8.0, 20.0, 0.5
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """One press: the force to command, from 0 and back to 0.
+    """One press: the force to command.
 
     name: unique within its protocol; names sort in the order of recording.
-    command_n: shape (n,), N, one value each ms.
+    command_n: shape (n,), N, one value each ms, from 0.
+    lead: of so many values at its beginning, which bring the tool into a preload, nothing is kept.
+    part: "training" or "test" where a protocol has both; they become folders.
     metadata: how the command was made (amplitude_n, frequency_hz, ...); JSON values.
     """
 
     name: str
     command_n: Command
     metadata: Mapping[str, Any] = field(default_factory=dict)
+    lead: int = 0
+    part: str = ""
 
 
 def inverted_cosine(t_s: Command, amplitude_n: float, frequency_hz: float) -> Command:
@@ -56,7 +60,7 @@ def training() -> list[Profile]:
             n = round(end_s * RATE_HZ) - round(begin_s * RATE_HZ)
             metadata = {"amplitude_n": amplitude_n, "frequency_hz": frequency_hz, "cycles": 1}
             name = f"{len(profiles) + 1:02d}-{amplitude_n:g}n-{frequency_hz:.3g}hz"
-            command_n = _cycles(amplitude_n, frequency_hz, 1, n)
+            command_n = cosine_cycles(amplitude_n, frequency_hz, 1, n)
             profiles.append(Profile(name, command_n, {"kind": "cosine", **metadata}))
     return profiles
 
@@ -118,10 +122,12 @@ def from_file(path: Path) -> list[Profile]:
 
 
 def load_protocol(protocol: str, seed: int) -> list[Profile]:
-    """Return the profiles of "paper", "validation", "extended" or a TOML file.
+    """Return the profiles of a protocol by name, or of a TOML file.
 
-    Raises UsageError where it is none of them.
+    Raises UsageError where it is neither.
     """
+    from springpot.host.recording.structures import STRUCTURES
+
     match protocol:
         case "paper":
             return training()
@@ -129,10 +135,11 @@ def load_protocol(protocol: str, seed: int) -> list[Profile]:
             return validation(seed)
         case "extended":
             return extended(seed)
+    if protocol in STRUCTURES:
+        return STRUCTURES[protocol](seed)
     if not protocol.endswith(".toml"):
-        raise UsageError(
-            f"protocol {protocol!r}: give paper, validation, extended, or a file ending in .toml"
-        )
+        known = ", ".join(("paper", "validation", "extended", *STRUCTURES))
+        raise UsageError(f"protocol {protocol!r}: give {known}, or a file ending in .toml")
     return from_file(Path(protocol))
 
 
@@ -172,12 +179,13 @@ def _from_table(number: int, table: _ProfileTable) -> Profile:
         return Profile(f"{number:03d}-{table.amplitude_n:g}n-hold", command_n, metadata)
     metadata |= {"kind": "cosine", "frequency_hz": table.frequency_hz, "cycles": table.cycles}
     n = round(table.cycles / table.frequency_hz * RATE_HZ)
-    command_n = _cycles(table.amplitude_n, table.frequency_hz, table.cycles, n)
+    command_n = cosine_cycles(table.amplitude_n, table.frequency_hz, table.cycles, n)
     name = f"{number:03d}-{table.amplitude_n:g}n-{table.frequency_hz:.3g}hz"
     return Profile(name, command_n, metadata)
 
 
-def _cycles(amplitude_n: float, frequency_hz: float, cycles: int, n: int) -> Command:
+def cosine_cycles(amplitude_n: float, frequency_hz: float, cycles: int, n: int) -> Command:
+    """Inverted cosines in n samples."""
     t_s = np.minimum(np.arange(n) / RATE_HZ, cycles / frequency_hz)
     return inverted_cosine(t_s, amplitude_n, frequency_hz)
 

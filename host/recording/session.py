@@ -29,12 +29,21 @@ class ForceControlled(Protocol):
         """Name of the object under the device, as part of file names."""
         ...
 
-    def press(
-        self, command_n: Samples, on_samples: Callable[[Samples, Samples], None] = ...
-    ) -> tuple[Samples, Samples]:
-        """Drive one press from rest; command (n,), N, each ms; return position_m, force_n (n,).
+    @property
+    def rate_hz(self) -> int:
+        """Of the samples that `press` returns."""
+        ...
 
-        on_samples: called with the newest of both, each (k,), several times a second.
+    def press(
+        self,
+        command_n: Samples,
+        on_samples: Callable[[Samples, Samples], None] = ...,
+        lead: int = 0,
+    ) -> tuple[Samples, Samples]:
+        """Drive one press from rest; command (n,), N, each ms; return position_m, force_n.
+
+        lead: of so many values at the command's beginning no sample is kept. on_samples:
+        called with the newest of both, each (k,), several times a second.
         """
         ...
 
@@ -84,14 +93,18 @@ def record_session(
 ) -> list[PressQuality]:
     """Record every profile into the folder `out`, calling `on_press` after each.
 
-    source, protocol: what `details` and names say of the origin; of a protocol's file, its name.
+    Profiles of a part go to a folder of its name in `out`. source, protocol: what `details` and
+    names say of the origin; of a protocol's file, its name.
     Raises UsageError, before anything moves, where a recording would be overwritten.
     """
     label = safe_recording_name(Path(protocol).stem)
     names = [f"{device.object_name}-{label}-{profile.name}" for profile in profiles]
     for name in names:
         require_recording_name(name)
-    files = [out / f"{name}{RECORDING_SUFFIX}" for name in names]
+    files = [
+        out / profile.part / f"{name}{RECORDING_SUFFIX}"
+        for name, profile in zip(names, profiles, strict=True)
+    ]
     for file in files:
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")
@@ -101,25 +114,26 @@ def record_session(
                 "another --out; `springpot import` turns a journal into a recording"
             )
     try:
-        out.mkdir(parents=True, exist_ok=True)
+        for folder in dict.fromkeys(file.parent for file in files):
+            folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
     qualities = []
     for name, file, profile in zip(names, files, profiles, strict=True):
         details = {"protocol": label, "command": dict(profile.metadata)}
-        with JournalWriter(file, name, 1 / RATE_HZ, source, details) as journal:
-            position_m, force_n = device.press(profile.command_n, journal.append)
+        dt_s = 1 / device.rate_hz
+        with JournalWriter(file, name, dt_s, source, details) as journal:
+            position_m, force_n = device.press(profile.command_n, journal.append, profile.lead)
             journal.finish()
-        recording = Recording(
-            name, position_m, force_n, 1 / RATE_HZ, source=source, details=details
-        )
+        recording = Recording(name, position_m, force_n, dt_s, source=source, details=details)
         qualities.append(_quality(file, recording, profile))
         on_press(qualities[-1])
     return qualities
 
 
 def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality:
-    error_n = recording.force_n - profile.command_n
+    command_n = profile.command_n[profile.lead :: round(RATE_HZ * recording.dt_s)]
+    error_n = recording.force_n - command_n
     return PressQuality(
         name=recording.name,
         file=file,

@@ -58,6 +58,9 @@ class ObjectMotion:
 class SimulatedBench:
     """An object under a force-controlled device at 1 kHz, as its sensors see it."""
 
+    _state: Any = None
+    _ticks = 0  # since this object was put there
+
     def __init__(self, simulated: SimulatedObject, substeps: int = SUBSTEPS) -> None:
         """Put the object under the device; substeps of the integrator in each ms."""
         self.simulated = simulated
@@ -70,16 +73,22 @@ class SimulatedBench:
         """Name of the object on the bench."""
         return self.simulated.name
 
+    @property
+    def rate_hz(self) -> int:
+        """Of the samples that are kept."""
+        return self.simulated.presses.rate_hz
+
     def press(
         self,
         command_n: Samples,
         on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+        lead: int = 0,
     ) -> tuple[Samples, Samples]:
-        """Drive one press from rest on the relaxed object; every press has noise of its own.
+        """Drive one press from rest; every press has noise of its own.
 
-        command_n: (n,), N, one value each ms. Returns position_m and force_n, both (n,), and
-        calls on_samples with the newest of both about four times a second.
-        Raises DeviceError where the command is beyond the device.
+        command_n: (n,), N, one value each ms; of its first `lead` values no sample is kept.
+        Returns position_m and force_n at `rate_hz`, and calls on_samples with the newest of both
+        about four times a second. Raises DeviceError where the command is beyond the device.
         """
         command_n = np.ascontiguousarray(command_n, dtype=np.float64)
         if not np.all(np.abs(command_n) <= MAX_COMMAND_N):
@@ -87,10 +96,31 @@ class SimulatedBench:
                 f"the command reaches {np.max(np.abs(command_n)):.1f} N and the simulated device "
                 f"gives {MAX_COMMAND_N:g} N: lower the protocol's amplitude_n"
             )
-        state = _new("sim_bench")
+        settings, step = self.simulated.presses, round(1 / (DT_S * self.rate_hz))
+        if self._state is None or settings.rest_s is None:
+            self._put_object()
+        else:
+            self._move(np.zeros(round(settings.rest_s / DT_S)))
+        self._presses += 1
+        self._move(command_n[:lead])
+        parts = []
+        chunk = step * max(1, _CHUNK // step)
+        for begin in range(lead, len(command_n), chunk):
+            begin_s = DT_S * self._ticks
+            position_m, force_n = self._move(command_n[begin : begin + chunk])
+            time_s = begin_s + DT_S * np.arange(len(force_n))
+            force_n += (settings.drift_npmin / 60.0) * time_s
+            if settings.glitch and begin == lead:
+                position_m[0] = 0.0
+            parts.append((position_m[::step], force_n[::step]))
+            on_samples(*parts[-1])
+        return np.concatenate([p for p, _ in parts]), np.concatenate([f for _, f in parts])
+
+    def _put_object(self) -> None:
+        self._state, self._ticks = _new("sim_bench"), 0
         _check(
             self._library.c.sim_bench_init(
-                state,
+                self._state,
                 ALL_OBJECTS.index(self.simulated.name),
                 VARIANTS.index(self.simulated.variant),
                 self.simulated.stiffer,
@@ -99,21 +129,18 @@ class SimulatedBench:
                 self._substeps,
             )
         )
-        self._presses += 1
+
+    def _move(self, command_n: Samples) -> tuple[Samples, Samples]:
+        """Follow a command; position_m and force_n of every ms, both (n,)."""
+        command_n = np.ascontiguousarray(command_n)
         position_m, force_n = np.empty_like(command_n), np.empty_like(command_n)
         at = self._library.array
-        for begin in range(0, len(command_n), _CHUNK):
-            part = slice(begin, begin + _CHUNK)
-            _check(
-                self._library.c.sim_bench_record(
-                    state,
-                    len(command_n[part]),
-                    at(command_n[part]),
-                    at(position_m[part]),
-                    at(force_n[part]),
-                )
+        _check(
+            self._library.c.sim_bench_record(
+                self._state, len(command_n), at(command_n), at(position_m), at(force_n)
             )
-            on_samples(position_m[part], force_n[part])
+        )
+        self._ticks += len(command_n)
         return position_m, force_n
 
 

@@ -1,7 +1,7 @@
 """The simulated objects by name, and what a URL `sim://OBJECT` says of one."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qsl, urlsplit
@@ -17,6 +17,22 @@ FOREIGN_OBJECTS = ("bergstrom-boyce", "stiffening-tissue", "mullins", "poro-visc
 ALL_OBJECTS = OBJECTS + FOREIGN_OBJECTS
 HAND_NAMES: "tuple[HandName, ...]" = ("mid", "firm", "light")
 VARIANTS = ("a", "b")
+BENCH_RATE_HZ = 1000
+
+
+@dataclass(frozen=True)
+class PressSettings:
+    """How a simulated object is recorded; in a session, where no object is pressed, without use.
+
+    rest_s: the same object is pressed again after so long; None: every press meets a fresh one.
+    rate_hz: of the samples that are kept. drift_npmin: of the load cell's zero.
+    glitch: the first position of a recording reads 0, as of an encoder that is not ready yet.
+    """
+
+    rest_s: float | None = None
+    rate_hz: int = BENCH_RATE_HZ
+    drift_npmin: float = 0.0
+    glitch: bool = False
 
 
 @dataclass(frozen=True)
@@ -34,11 +50,13 @@ class SimulatedObject:
     hand: "HandName" = "mid"
     seed: int = 0
     delay_samples: int = 0
+    presses: PressSettings = PressSettings()
 
 
 def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
     """Read `sim://OBJECT?variant=b&stiffer=10&hand=mid&seed=1&delay=1`.
 
+    Presses take `rest=5&rate=50&drift=0.1&glitch=1` beside it.
     default_seed: where the URL has none.
     Raises UsageError naming what is unknown and listing what exists.
     """
@@ -47,6 +65,7 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
         known = ", ".join(ALL_OBJECTS)
         raise UsageError(f"{url}: no object {parts.netloc + parts.path!r}: use one of {known}")
     settings: dict[str, Any] = {"seed": default_seed}
+    presses: dict[str, Any] = {}
     for key, value in parse_qsl(parts.query, keep_blank_values=True):
         match key:
             case "variant":
@@ -54,16 +73,19 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
             case "hand":
                 settings["hand"] = _one_of(url, key, value, HAND_NAMES)
             case "stiffer":
-                settings["stiffer"] = _stiffer(url, value)
+                settings["stiffer"] = _number(url, key, value, (0.01, 1000), "a factor")
             case "seed":
                 settings["seed"] = _seed(url, value)
             case "delay":
                 settings["delay_samples"] = int(_one_of(url, key, value, ("0", "1")))
+            case "rest" | "rate" | "drift" | "glitch":
+                presses |= _press_setting(url, key, value)
             case _:
                 raise UsageError(
-                    f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay"
+                    f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay; to "
+                    "record, rest, rate, drift or glitch too"
                 )
-    simulated = SimulatedObject(name=parts.netloc, **settings)
+    simulated = SimulatedObject(parts.netloc, **settings, presses=PressSettings(**presses))
     if simulated.name in FOREIGN_OBJECTS and simulated.variant != "a":
         raise UsageError(
             f"{url}: variant={simulated.variant}: {simulated.name} has no variants, they are of "
@@ -72,20 +94,57 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
     return simulated
 
 
+def own_class(source: str) -> bool:
+    """Whether a recording came of an object of the model class of `hammerstein` itself."""
+    return source.startswith("sim://") and urlsplit(source).netloc in OBJECTS
+
+
+def own_class_line(sources: Iterable[str]) -> str:
+    """What a comparison of models on such recordings has to say; empty where it is none."""
+    if not any(map(own_class, sources)):
+        return ""
+    return (
+        "the simulated silicones are of the model class of hammerstein itself, which they flatter: "
+        f"judge by your own recordings, or by sim://{', '.join(FOREIGN_OBJECTS)}"
+    )
+
+
+def _press_setting(url: str, key: str, value: str) -> dict[str, Any]:
+    match key:
+        case "rest":
+            return {"rest_s": _number(url, key, value, (0, 3600), "seconds")}
+        case "rate":
+            return {"rate_hz": _rate_hz(url, value)}
+        case "drift":
+            return {"drift_npmin": _number(url, key, value, (-1, 1), "N a minute")}
+    return {"glitch": _one_of(url, key, value, ("0", "1")) == "1"}
+
+
 def _one_of(url: str, key: str, value: str, known: Sequence[str]) -> str:
     if value not in known:
         raise UsageError(f"{url}: no {key} {value!r}: use one of {', '.join(known)}")
     return value
 
 
-def _stiffer(url: str, value: str) -> float:
+def _number(url: str, key: str, value: str, limits: tuple[float, float], what: str) -> float:
     try:
-        stiffer = float(value)
+        number = float(value)
     except ValueError:
-        stiffer = math.nan
-    if not 0.01 <= stiffer <= 1000:
-        raise UsageError(f"{url}: stiffer={value}: give a factor between 0.01 and 1000")
-    return stiffer
+        number = math.nan
+    least, most = limits
+    if not least <= number <= most:
+        raise UsageError(f"{url}: {key}={value}: give {what} between {least:g} and {most:g}")
+    return number
+
+
+def _rate_hz(url: str, value: str) -> int:
+    rate_hz = int(value) if value.isascii() and value.isdigit() else 0
+    if not (0 < rate_hz <= BENCH_RATE_HZ and BENCH_RATE_HZ % rate_hz == 0):
+        raise UsageError(
+            f"{url}: rate={value}: the bench samples at {BENCH_RATE_HZ} Hz: give a whole part of "
+            "that, such as 500, 200, 100 or 50"
+        )
+    return rate_hz
 
 
 def _seed(url: str, value: str) -> int:

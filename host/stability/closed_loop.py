@@ -95,7 +95,7 @@ def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
         hold = hold_case("stiff", Workspace.of(stiff.plan), stiff.force, hand)
         for delay_samples in DELAYS:
             for rendered, case in [*listed, (stiff, hold)]:
-                yield _outcome(rendered, case, hand, delay_samples)
+                yield case_outcome(rendered, case, hand, delay_samples)
             yield from lossy_outcomes(scene, hand, delay_samples)
 
 
@@ -104,8 +104,8 @@ def lossy_outcomes(scene: Rendered, hand: Hand, delay_samples: int) -> Iterator[
     found: dict[str, Outcome] = {}
     for case, clean in losing_cases(scene.plan, scene.force, hand):
         if clean.name not in found:
-            found[clean.name] = _outcome(scene, clean, hand, delay_samples)
-        outcome = _outcome(scene, case, hand, delay_samples)
+            found[clean.name] = case_outcome(scene, clean, hand, delay_samples)
+        outcome = case_outcome(scene, case, hand, delay_samples)
         without = found[clean.name]
         losses = Losses(
             force_step_n=_step_n(scene.plan, outcome, outcome.trace.force_n),
@@ -152,7 +152,8 @@ def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:
     return float(np.sqrt(2.0 * power[above].sum() / (n * np.sum(window**2))))
 
 
-def _outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> Outcome:
+def case_outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> Outcome:
+    """One case with one hand; delay_samples: how late forces act."""
     plan, space = rendered.plan, Workspace.of(rendered.plan)
     operator = Operator(hand.name, delay_samples)
     trace = rendered.loop.run(case.scenario, operator, space.free_m)

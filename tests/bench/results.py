@@ -5,12 +5,13 @@
     springpot bench --recording training --validate validation --out bench
     springpot import Dynamic_data.txt --zero min --out m1    # one's own recordings, beside it
     springpot bench --recording m1 --out mach1
-    python tests/bench/results.py bench/bench.json [mach1/bench.json ...]
+    python tests/bench/judges.py judges --mach1 Dynamic_data.txt
+    python tests/bench/results.py bench/bench.json mach1/bench.json judges/judges.json
 
-On a machine with nothing else to do: times are upper bounds otherwise, and the page says so. The
-README takes the first benchmark. Without arguments it writes them again from docs/results.json,
-which keeps what they need. No figure in either page is typed by hand:
-tests/host/benchmark/test_results.py compares.
+On a machine with nothing else to do: times are upper bounds otherwise, and the page says so. Real
+recordings come first, then foreign objects, the five silicones, hammerstein's kin, last. What is
+not given is taken from docs/results.json and docs/judges.json, which keep what the pages need. No
+figure in either page is typed by hand: tests/host/benchmark/test_results.py compares.
 """
 
 import json
@@ -18,14 +19,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from judges_table import judges_section, judges_summary
+
 from springpot.host.benchmark.figures import front_figure
 from springpot.host.benchmark.labels import kilobytes, label
 from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import paper_rows, plain
+from springpot.host.simulation.objects import FOREIGN_OBJECTS, own_class
 
 Metadata = dict[str, Any]
 ROOT = Path(__file__).parents[2]
 STORED = ROOT / "docs" / "results.json"
+STORED_JUDGES = ROOT / "docs" / "judges.json"
 BEGIN, END = "<!-- results: written by tests/bench/results.py -->", "<!-- results end -->"
 _KEPT = ("picks", "machine", "compiler", "flags", "target", "rate_hz", "seed", "command",
          "wall_s", "cpu_s", "computed", "load")  # fmt: skip
@@ -53,28 +58,42 @@ def source(text: str) -> str:
     """Where recordings came from, without the path."""
     if text.startswith("sim://"):
         return "simulated " + text.removeprefix("sim://").split("?")[0]
-    return Path(text.split(",", maxsplit=1)[0].split(" ", maxsplit=1)[0]).name
+    name = Path(text.split(",", maxsplit=1)[0].split(" ", maxsplit=1)[0]).name
+    return {"Dynamic_data.txt": "Mach-1 tester (Dynamic_data.txt)"}.get(name, name)
 
 
-def pages(results: list[Metadata]) -> dict[Path, str]:
+_KIN = 2
+
+
+def kinship(result: Metadata) -> int:
+    """Order of a benchmark: real recordings, foreign objects, those of hammerstein's own class."""
+    name = result["name"].removeprefix("simulated ")
+    return _KIN if own_class(f"sim://{name}") else int(name in FOREIGN_OBJECTS)
+
+
+def pages(results: list[Metadata], judges: Metadata | None) -> dict[Path, str]:
     """Every file that is written, with its content."""
+    benches = sorted(results, key=kinship)
     written = {
         ROOT / "docs" / f"pareto-{i + 1}.svg": front_figure(result) + "\n"
-        for i, result in enumerate(results)
+        for i, result in enumerate(benches)
     }
-    written[ROOT / "docs" / "results.md"] = results_page(results)
-    written[ROOT / "README.md"] = readme(results[0])
+    written[ROOT / "docs" / "results.md"] = results_page(benches, judges)
+    written[ROOT / "README.md"] = readme(benches, judges)
     return written
 
 
-def results_page(results: list[Metadata]) -> str:
+def results_page(benches: list[Metadata], judges: Metadata | None) -> str:
     """docs/results.md."""
     parts = [
         "# Error against run time, measured\n",
         "Written by `python tests/bench/results.py` from the JSON of `springpot bench`, kept in "
-        "[results.json](results.json); no figure is typed by hand.\n",
+        "[results.json](results.json)"
+        f"{', and of judges.py, kept in [judges.json](judges.json)' if judges else ''}; "
+        "no figure is typed by hand.\n",
+        *(judges_section(judges) if judges else []),
     ]
-    for i, result in enumerate(results):
+    for i, result in enumerate(benches):
         parts += section(result, f"pareto-{i + 1}.svg")
     return "\n".join(parts)
 
@@ -85,6 +104,7 @@ def section(result: Metadata, picture: str) -> list[str]:
     front = sorted((p for p in points if p.pareto), key=lambda p: p.tick_ns_hot)
     parts = [
         f"## {result['name'][:1].upper()}{result['name'][1:]}\n",
+        *([KIN] if kinship(result) == _KIN else []),
         f"`{result['command']}`: {len(result['points'])} points of "
         f"{len({p.model for p in points})} kinds, {result['training']} training and "
         f"{result['validation']} validation recordings at {plain(result['rate_hz'], 6)} Hz; "
@@ -102,6 +122,7 @@ def section(result: Metadata, picture: str) -> list[str]:
     return parts
 
 
+KIN = "This object is of the model class of `hammerstein` itself, which it flatters.\n"
 NOT_COMPARABLE = (
     "\nNot comparable: the paper's figure 9 prints bars of five real silicones, its figure 10 is "
     "MATLAB with RBF software that it does not name, and its table 3 counts a whole haptic thread "
@@ -151,12 +172,19 @@ def paper_table(rows: list[dict[str, str]]) -> str:
     return "\n".join([head, *lines])
 
 
-def readme(result: Metadata) -> str:
+def readme(benches: list[Metadata], judges: Metadata | None) -> str:
     """The README with its results between the two marks."""
     text = (ROOT / "README.md").read_text()
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
-    return f"{before}{BEGIN}\n{readme_results(result)}\n{END}{after}"
+    parts = [
+        *([judges_summary(judges)] if judges else []),
+        f"![Error against the time of a tick of every model of {benches[0]['name']}]"
+        "(docs/pareto-1.svg)",
+        *map(readme_results, benches),
+        "More, and how it was measured: [docs/results.md](docs/results.md).",
+    ]
+    return "\n".join([f"{before}{BEGIN}", "\n\n".join(parts), f"{END}{after}"])
 
 
 def readme_results(result: Metadata) -> str:
@@ -171,21 +199,27 @@ def readme_results(result: Metadata) -> str:
         for key in picked
         if key
     ]
+    kin = ", of `hammerstein`'s own class" if kinship(result) == _KIN else ""
     return (
-        "![Error against the time of a tick of every model](docs/pareto-1.svg)\n\n"
-        f"`springpot bench` on the recordings of the {result['name']}: "
+        f"`springpot bench` on recordings of the {result['name']}{kin}: "
         f"{len(swept)} models in {result['cpu_s']:.0f} s of processor time. Picks: "
         f"{'; '.join(names)}. The other rows are the paper's models and the negative control.\n\n"
-        f"{table(points, result['target'])}\n\n"
-        "More, and how it was measured: [docs/results.md](docs/results.md)."
+        f"{table(points, result['target'])}"
     )
 
 
-def main(benches: list[Path]) -> None:
-    if benches:
-        results = [condensed(json.loads(path.read_text())) for path in benches]
-        STORED.write_text(json.dumps(results, indent=1) + "\n")
-    for path, text in pages(json.loads(STORED.read_text())).items():
+def stored_judges() -> Metadata | None:
+    """What docs/judges.json keeps; None where judges.py has not been run yet."""
+    return json.loads(STORED_JUDGES.read_text()) if STORED_JUDGES.exists() else None
+
+
+def main(given: list[Path]) -> None:
+    found = [json.loads(path.read_text()) for path in given]
+    if benches := [condensed(result) for result in found if "points" in result]:
+        STORED.write_text(json.dumps(benches, indent=1) + "\n")
+    for judges in (result for result in found if "cells" in result):
+        STORED_JUDGES.write_text(json.dumps(judges, indent=1) + "\n")
+    for path, text in pages(json.loads(STORED.read_text()), stored_judges()).items():
         path.write_text(text)
 
 

@@ -70,12 +70,15 @@ def bench_rows(result: dict[str, Any], out: Path) -> dict[str, str]:
     from springpot.host.benchmark.labels import label, point_line
     from springpot.host.benchmark.point import Refused, points_of
     from springpot.host.benchmark.store import RESULT
+    from springpot.host.simulation.objects import own_class_line
     from springpot.host.validation.seen import seen_line
 
-    points = points_of(result)
+    points, training = points_of(result), result["recordings"]["training"]
     by_key = {point.key: point for point in points}
     told = seen_line(result["seen"], len(result["recordings"]["validation"]))
     rows = {"training data": told} if told else {}
+    if kin := own_class_line(recording["source"] for recording in training):
+        rows["judge"] = kin
     for name, found in result["picks"].items():
         rows[f"pick {name}"] = (
             f"{point_line(by_key[found['point']])}: {found['why']}"

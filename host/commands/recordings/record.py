@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,7 +23,10 @@ if TYPE_CHECKING:
 @click.command()
 @click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
 @click.option(
-    "--protocol", required=True, help="paper, validation, extended, or a FILE.toml of profiles."
+    "--protocol",
+    required=True,
+    help="paper, validation, extended, a FILE.toml of profiles, or one with folders of training "
+    "and test: left-out-depth, third-repeat, slow-ramps, one-long, one-speed, preload.",
 )
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write to.")
 @click.option(
@@ -75,11 +79,11 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3)
     device = open_press_device(url, seed, object_name or "object", limits, on_progress)
     profiles = load_protocol(protocol, seed)
-    total_s = sum(len(profile.command_n) for profile in profiles) / 1000
+    total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
     progress.update(task, description=device.object_name, total=total_s)
     with progress, stopping_on_sigterm():
         qualities = record_session(device, url, protocol, profiles, out, on_press)
-    click.echo(_as_json(out, qualities) if as_json else _as_text(out, qualities), nl=False)
+    click.echo(_as_json(out, qualities) if as_json else _as_text(qualities), nl=False)
 
 
 def _as_json(out: Path, qualities: Sequence[PressQuality]) -> str:
@@ -96,12 +100,12 @@ def _as_json(out: Path, qualities: Sequence[PressQuality]) -> str:
         }
         for quality in qualities
     ]
-    duration_s = sum(quality.samples for quality in qualities) / 1000
+    duration_s = sum(quality.duration_s for quality in qualities)
     result = {"out": str(out), "recordings": recordings, "duration_s": duration_s}
     return json.dumps(result, indent=2) + "\n"
 
 
-def _as_text(out: Path, qualities: Sequence[PressQuality]) -> str:
+def _as_text(qualities: Sequence[PressQuality]) -> str:
     table = Table("recording", "s", "depth mm", "force N", "of", "tracking error N rms", box=None)
     for column in table.columns[1:]:
         column.justify = "right"
@@ -117,4 +121,6 @@ def _as_text(out: Path, qualities: Sequence[PressQuality]) -> str:
     console = Console(width=100)
     with console.capture() as capture:
         console.print(table)
-    return f"{capture.get()}{len(qualities)} recordings in {out}\n"
+    folders = Counter(quality.file.parent for quality in qualities)
+    where = ", ".join(f"{count} recordings in {folder}" for folder, count in folders.items())
+    return f"{capture.get()}{where}\n"

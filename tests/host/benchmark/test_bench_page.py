@@ -18,6 +18,7 @@ from springpot.host.benchmark.labels import label
 from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import bench_page, paper_rows, write_bench_report
 from springpot.host.benchmark.store import read_result
+from springpot.host.commands.models.bench import bench_rows
 from springpot.host.page import prose
 
 # Where each figure is, and what a mark says when the mouse is over it.
@@ -166,6 +167,17 @@ def test_without_the_papers_models_there_is_nothing_to_compare() -> None:
     kept = [point for point in result["points"] if point["model"] != "rbf-pv"]
     assert paper_rows(points_of({"points": kept})) == []
     assert "nothing to compare" in bench_page(result | {"points": kept}, "bench")
+
+
+def test_objects_of_a_model_s_own_class_are_told() -> None:
+    result = read_result(bench_folder())
+    assert 'id="kin"' not in bench_page(result, "bench")
+    training = [item | {"source": "sim://dragon-skin-10"}
+                for item in result["recordings"]["training"]]  # fmt: skip
+    kin = result | {"recordings": {**result["recordings"], "training": training}}
+    assert "of the model class of hammerstein itself" in bench_page(kin, "bench")
+    assert "sim://bergstrom-boyce" in bench_rows(kin, bench_folder())["judge"]
+    assert "judge" not in bench_rows(result, bench_folder())
 
 
 def test_what_no_hand_may_hold_is_said_first() -> None:

@@ -7,23 +7,28 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from support import small
 
 from springpot.codegen.errors import UsageError
 from springpot.host.commands.models.reproduce import reproduce, rows
 from springpot.host.paper.claims import Claim, check_claims
 from springpot.host.paper.evidence import object_names, recorded, run_reproduce
+from springpot.host.paper.past_positions import HandledModel
 from springpot.host.paper.reproduce import (
     PAPER_KINDS,
+    ObjectRecordings,
     ObjectResult,
     Work,
     begin_object,
     simulated,
     validators,
 )
+from springpot.host.paper.row_shares import RowShare, RowShares
 from springpot.host.paper.sampling import relative_change, resampled
+from springpot.host.paper.unshown_claims import check_unshown
 from springpot.trainer.recordings.recording_file import write_recording
 
-FIGURES = ["05", "07", "08", "09", "10", "11", "13", "14", "19", "20"]
+FIGURES = ["05", "07", "08", "09", "10", "11", "13", "14", "19", "20", "rows"]
 LITTLE = Work(kinds=(*PAPER_KINDS, "hammerstein"), trees=5, presses=4, signals=2, paced_s=0.1)
 ORIGIN = "Data: simulated objects, variant a; no real silicone."
 
@@ -45,6 +50,10 @@ def test_keys_files_and_captions(tmp_path: Path) -> None:
         assert metadata["mismatches"] == 0
         assert 0.0 < metadata["rmse_n"] < 2.0
     assert all(set(claim) == {"claim", "paper", "here", "holds"} for claim in result["claims"])
+    shares = [item["share"] for item in result["rows"]["shares"]]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert set(result["past_positions"]["ecoflex-00-50"]) == {"rf-history", "rf-fd"}
 
 
 @pytest.mark.slow
@@ -75,7 +84,7 @@ def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:
     models = dict(result.models)
     swapped = {**models, "rf-fd": models["rf-fd"], "rbf-fd": models["rbf-pv"],
                "rbf-pv": models["rbf-fd"]}  # fmt: skip
-    other = ObjectResult(result.data, swapped)
+    other = ObjectResult(result.data, swapped, result.handled)
     name = "rbf-fd: RMSE below rbf-pv for every object"
     assert {judged(result)[name].holds, judged(other)[name].holds} == {True, False}
     ten_times = next(c for text, c in judged(result).items() if "ten times cheaper" in text)
@@ -85,6 +94,27 @@ def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:
                     "claims": [ten_times.as_dict()]}, tmp_path)  # fmt: skip
     assert any(key.startswith("FAILS: modelling") for key in printed)
     assert printed["claims"] == "1 of 1 fail"
+
+
+def unshown(error_ratio: float, control: HandledModel, derivatives: HandledModel) -> list[Claim]:
+    """The claims about rows and past positions on figures made up."""
+    data = ObjectRecordings("mine", small.training(), ())
+    errors, seconds = dict.fromkeys(PAPER_KINDS, 0.1), dict.fromkeys(PAPER_KINDS, 1.0)
+    fifth = RowShare(0.2, 20, {**errors, "rf-fd": 0.1 * error_ratio}, seconds)
+    shares = RowShares("mine", (fifth, RowShare(1.0, 100, errors, seconds)))
+    handled = {"rf-history": control, "rf-fd": derivatives}
+    return check_unshown([ObjectResult(data, {}, handled)], shares)
+
+
+def test_rows_and_past_positions_are_judged_both_ways() -> None:
+    passive = HandledModel(0, 30, 0.01, -0.02, 1e-4, 0)
+    active = HandledModel(12, 30, -0.4, 0.03, 1e-4, 0)
+    shaking = replace(active, unsteady=3, hold_mps=2e-2)
+    assert [claim.holds for claim in unshown(1.05, shaking, passive)] == [True, True, True]
+    quiet = unshown(1.2, active, passive)
+    assert [claim.holds for claim in quiet] == [False, True, False]
+    assert "rf-fd 1.20 x its error" in quiet[0].here
+    assert [claim.holds for claim in unshown(1.0, shaking, shaking)] == [True, False, False]
 
 
 def test_sampling_times() -> None:

@@ -226,7 +226,10 @@ def test_a_url_says_it_all():
         ("sim://ecoflex", "ecoflex-00-10, ecoflex-00-30"),
         ("sim://", "dragon-skin-10"),
         ("sim://ecoflex-00-30/x", "dragon-skin-10"),
-        ("sim://ecoflex-00-30?colour=red", "variant, stiffer, hand, seed or delay"),
+        (
+            "sim://ecoflex-00-30?colour=red",
+            "variant, stiffer, hand, seed or delay; to record, rest",
+        ),
         ("sim://ecoflex-00-30?variant=c", "a, b"),
         ("sim://ecoflex-00-30?hand=left", "mid, firm, light"),
         ("sim://ecoflex-00-30?stiffer=nan", "stiffer=nan"),

@@ -1,0 +1,257 @@
+"""Every candidate of `auto`, and `auto` itself, on objects and recordings that are no kin.
+
+    python tests/bench/judges.py OUT [--mach1 Dynamic_data.txt] [--objects a,b] [--structures x,y]
+    python tests/bench/results.py OUT/judges.json
+
+Simulated objects by structures of recording (host/recording/structures.py), and Mach-1 with one
+frequency left out in turn. Models are fitted on the training part, emitted, built, and replayed on
+the test part. Each cell is one file of OUT/cells, written after every candidate: a run goes on
+where another ended, and computes again only what other code or other data would make different.
+Two processes; it says how long it still takes. OUT/judges.json holds all cells of OUT.
+"""
+
+import argparse
+import json
+import os
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.plan.plan import make_plan
+from springpot.host.benchmark.code_hash import code_hash
+from springpot.host.benchmark.measure import bench_scene, hot_ns, prediction_errors
+from springpot.host.benchmark.store import key_of
+from springpot.host.metrics import rms
+from springpot.host.native.machine import machine_metadata
+from springpot.host.native.trial_build import built
+from springpot.host.recording.protocols import RATE_HZ, load_protocol
+from springpot.host.recording.structures import STRUCTURES
+from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
+from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS, parse_url
+from springpot.trainer.kinds import AUTO, fit_kind
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.training_set import training_set
+from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.quality.report import check_recordings
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.selection.auto import candidates
+
+Recordings = tuple[Recording, ...]
+SEED = 1
+PROCESSES = 2
+MACH1 = "mach1"
+# What the sensors, and the time between presses, do in each structure of recording.
+SETTINGS = {
+    "paper": "rest=2",
+    "left-out-depth": "",
+    "third-repeat": "rest=2",
+    "slow-ramps": "rate=50",
+    "one-long": "rate=100&drift=0.1",
+    "one-speed": "",
+    "preload": "glitch=1",
+}
+KIN_STRUCTURES = ("paper", "left-out-depth")  # of the five that are much alike
+_PAPER_SIGNALS = 4  # of the ten
+_SETTLE_S = 3.0
+_CELL_CPU_S = 50.0  # of a cell, by the last run, most of it auto's
+assert set(SETTINGS) == {"paper", *STRUCTURES}
+_MEASURING = tuple(
+    f"springpot.host.{name}"
+    for name in ("benchmark.measure", "recording.structures", "simulation.bench")
+)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """An object in a structure of recording; of Mach-1, the recording that is left out.
+
+    seed: of the sensors' noise, and of random commands.
+    """
+
+    name: str
+    structure: str
+    file: Path | None = None
+    seed: int = SEED
+
+    def stored(self, out: Path) -> Path:
+        return out / "cells" / f"{self.name}.{self.structure}.json"
+
+    def key(self) -> str:
+        """Of all that decides its figures."""
+        content = self.file.read_bytes().hex() if self.file else self.settings()
+        return key_of([code_hash(_MEASURING), self.name, self.structure, content])
+
+    def settings(self) -> list[object]:
+        return [SETTINGS[self.structure], self.seed, _PAPER_SIGNALS]
+
+    def recordings(self) -> tuple[Recordings, Recordings, float]:
+        """Training part, test part, and the noise floor of the latter, N."""
+        if self.file is None:
+            return recorded(self.name, self.structure, self.seed)
+        found = import_file(self.file, None, "min", None).recordings
+        test = tuple(each for each in found if each.name.endswith(f"-{self.structure}"))
+        floor_n = check_recordings(list(test)).as_dict()["noise_floor_n"]
+        return tuple(each for each in found if each not in test), test, floor_n
+
+
+def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, Recordings, float]:
+    """Press a simulated object. The floor: what the object itself errs, moved as was measured."""
+    simulated = parse_url(f"sim://{name}?{SETTINGS[structure]}", seed)
+    bench = SimulatedBench(simulated)
+    if structure == "paper":
+        signals = load_protocol("validation", seed)[:_PAPER_SIGNALS]
+        profiles = [replace(press, part="training") for press in load_protocol("paper", seed)]
+        profiles += [replace(signal, part="test") for signal in signals]
+    else:
+        profiles = load_protocol(structure, seed)
+    parts: dict[str, list[Recording]] = {"training": [], "test": []}
+    errors_n: list[np.ndarray] = []
+    dt_s = 1 / bench.rate_hz
+    itself = None
+    for profile in profiles:
+        position_m, force_n = bench.press(profile.command_n, lead=profile.lead)
+        parts[profile.part].append(Recording(profile.name, position_m, force_n, dt_s))
+        if itself is None or simulated.presses.rest_s is None:
+            itself = ObjectMotion(simulated, dt_s, SUBSTEPS * RATE_HZ // bench.rate_hz)
+        else:
+            itself.move(np.zeros(round(simulated.presses.rest_s / dt_s)))
+        first = 1 if simulated.presses.glitch else 0
+        if profile.lead:
+            itself.move(np.full(round(_SETTLE_S / dt_s), position_m[first]))
+        true_n = itself.move(position_m[first:])
+        if profile.part == "test":
+            errors_n.append(true_n - force_n[first:])
+    return tuple(parts["training"]), tuple(parts["test"]), rms(np.concatenate(errors_n))
+
+
+def judged(cell: Cell, out: Path) -> dict[str, Any]:
+    """Do what is missing of a cell."""
+    stored = known(cell, out)
+    if stored.get("complete"):
+        return stored
+    training, test, floor_n = cell.recordings()
+    data, options = training_set(training, FitOptions().smooth_s), FitOptions()
+    peak_n = max(float(np.abs(each.force_n).max()) for each in test)
+    listed = {each.name: (each.kind, each.options) for each in candidates(data, options)}
+    found = stored | {
+        "key": cell.key(),
+        "object": cell.name,
+        "structure": cell.structure,
+        "floor_percent": 100.0 * floor_n / peak_n,
+        "rows": data.rows_total,
+    }
+    models = found.setdefault("models", {})
+    for name, (kind, asked) in {**listed, AUTO: (AUTO, options)}.items():
+        if name not in models:
+            begin_s = time.process_time()
+            try:
+                models[name] = measured(kind, data, asked, test)
+            except Exception as error:  # a failure is a result
+                models[name] = {"failed": f"{type(error).__name__}: {error}"}
+            models[name]["cpu_s"] = time.process_time() - begin_s
+            write(cell, out, found)
+    found["complete"] = True
+    write(cell, out, found)
+    return found
+
+
+def measured(kind: str, data: Any, options: FitOptions, test: Recordings) -> dict[str, Any]:
+    """One model: fitted, built, and replayed on the test part."""
+    fit = fit_kind(kind, "judged", data, options)
+    plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
+    with built(plan) as library:
+        errors = prediction_errors(plan, library, test)
+        tick_ns = hot_ns(plan, library, test)
+    percent = errors["rmse_percent_of_peak"]
+    if not np.isfinite(percent):
+        raise ValueError(f"the force is not finite ({percent})")
+    chosen = {"chosen": fit.metadata["chosen"]} if "chosen" in fit.metadata else {}
+    return {"percent": percent, "tick_ns": tick_ns, **chosen}
+
+
+def known(cell: Cell, out: Path) -> dict[str, Any]:
+    """What is stored of a cell; nothing where other code or data made it."""
+    try:
+        found: dict[str, Any] = json.loads(cell.stored(out).read_text())
+    except (OSError, ValueError):
+        return {}
+    return found if found["key"] == cell.key() else {}
+
+
+def write(cell: Cell, out: Path, found: dict[str, Any]) -> None:
+    part = cell.stored(out).with_suffix(".part")
+    part.write_text(json.dumps(found, indent=1) + "\n")
+    part.replace(cell.stored(out))
+
+
+def all_cells(mach1: Path | None, seed: int = SEED) -> Iterator[Cell]:
+    """The foreign objects first, real data, the five that are hammerstein's kin last."""
+    for name in FOREIGN_OBJECTS:
+        yield from (Cell(name, structure, seed=seed) for structure in SETTINGS)
+    if mach1:
+        for each in import_file(mach1, None, "min", None).recordings:
+            yield Cell(MACH1, each.name.rpartition("-")[2], mach1)
+    for name in OBJECTS:
+        yield from (Cell(name, structure, seed=seed) for structure in KIN_STRUCTURES)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--mach1", type=Path, help="the tester's text file of sines")
+    parser.add_argument("--objects", help="names, separated by commas; default: all")
+    parser.add_argument("--structures", help="names, separated by commas; default: all")
+    parser.add_argument("--seed", type=int, default=SEED, help="of noise and random commands")
+    asked = parser.parse_args()
+    (asked.out / "cells").mkdir(parents=True, exist_ok=True)
+    wanted = [
+        cell
+        for cell in all_cells(asked.mach1, asked.seed)
+        if not asked.objects or cell.name in asked.objects.split(",")
+        if not asked.structures or cell.structure in asked.structures.split(",")
+    ]
+    # One thread each: more wait for each other.
+    os.environ |= {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "1"}
+    missing = [cell for cell in wanted if not known(cell, asked.out).get("complete")]
+    cpu_min = _CELL_CPU_S * len(missing) / PROCESSES / 60
+    print(f"{len(wanted)} cells, {len(missing)} of them to compute: about {cpu_min:.0f} min on "
+          f"{PROCESSES} idle cores", flush=True)  # fmt: skip
+    begin = time.perf_counter()
+    with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
+        running = {pool.submit(judged, cell, asked.out): cell for cell in missing}
+        for done, future in enumerate(as_completed(running), start=1):
+            cell, found = running[future], future.result()
+            left_s = (time.perf_counter() - begin) / done * (len(missing) - done)
+            print(f"{done} of {len(missing)}, {left_s / 60:.0f} min left: {cell.name} "
+                  f"{cell.structure}: {in_a_line(found)}", flush=True)  # fmt: skip
+    cells = [
+        found for cell in all_cells(asked.mach1, asked.seed) if (found := known(cell, asked.out))
+    ]
+    metadata = machine_metadata()
+    result = {
+        "machine": f"{metadata['processor']}, {metadata['system']}",
+        "compiler": metadata["compiler"],
+        "candidates": list(dict.fromkeys(name for found in cells for name in found["models"])),
+        "cells": [{key: value for key, value in found.items() if key != "key"} for found in cells],
+    }
+    (asked.out / "judges.json").write_text(json.dumps(result, indent=1) + "\n")
+    print(f"{asked.out / 'judges.json'}: {len(cells)} cells")
+
+
+def in_a_line(found: dict[str, Any]) -> str:
+    """Floor and errors, % of peak."""
+    errors = ", ".join(
+        f"{name} {model['percent']:.2f}" if "percent" in model else f"{name} failed"
+        for name, model in found["models"].items()
+    )
+    return f"floor {found['floor_percent']:.2f}, {errors} %"
+
+
+if __name__ == "__main__":
+    main()
