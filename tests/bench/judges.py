@@ -16,51 +16,32 @@ import os
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorded
 
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.benchmark.code_hash import code_hash
 from springpot.host.benchmark.measure import bench_scene, hot_ns, prediction_errors
 from springpot.host.benchmark.store import key_of
-from springpot.host.metrics import rms
 from springpot.host.native.machine import machine_metadata
 from springpot.host.native.trial_build import built
-from springpot.host.recording.protocols import RATE_HZ, load_protocol
-from springpot.host.recording.structures import STRUCTURES
-from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
-from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS, parse_url
+from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection.auto import candidates
 
-Recordings = tuple[Recording, ...]
-SEED = 1
 PROCESSES = 2
 MACH1 = "mach1"
-# What the sensors, and the time between presses, do in each structure of recording.
-SETTINGS = {
-    "paper": "rest=2",
-    "left-out-depth": "",
-    "third-repeat": "rest=2",
-    "slow-ramps": "rate=50",
-    "one-long": "rate=100&drift=0.1",
-    "one-speed": "",
-    "preload": "glitch=1",
-}
 KIN_STRUCTURES = ("paper", "left-out-depth")  # of the five that are much alike
-_PAPER_SIGNALS = 4  # of the ten
-_SETTLE_S = 3.0
 _CELL_CPU_S = 50.0  # of a cell, by the last run, most of it auto's
-assert set(SETTINGS) == {"paper", *STRUCTURES}
 _MEASURING = tuple(
     f"springpot.host.{name}"
     for name in ("benchmark.measure", "recording.structures", "simulation.bench")
@@ -88,7 +69,7 @@ class Cell:
         return key_of([code_hash(_MEASURING), self.name, self.structure, content])
 
     def settings(self) -> list[object]:
-        return [SETTINGS[self.structure], self.seed, _PAPER_SIGNALS]
+        return [SETTINGS[self.structure], self.seed, PAPER_SIGNALS]
 
     def recordings(self) -> tuple[Recordings, Recordings, float]:
         """Training part, test part, and the noise floor of the latter, N."""
@@ -98,36 +79,6 @@ class Cell:
         test = tuple(each for each in found if each.name.endswith(f"-{self.structure}"))
         floor_n = check_recordings(list(test)).as_dict()["noise_floor_n"]
         return tuple(each for each in found if each not in test), test, floor_n
-
-
-def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, Recordings, float]:
-    """Press a simulated object. The floor: what the object itself errs, moved as was measured."""
-    simulated = parse_url(f"sim://{name}?{SETTINGS[structure]}", seed)
-    bench = SimulatedBench(simulated)
-    if structure == "paper":
-        signals = load_protocol("validation", seed)[:_PAPER_SIGNALS]
-        profiles = [replace(press, part="training") for press in load_protocol("paper", seed)]
-        profiles += [replace(signal, part="test") for signal in signals]
-    else:
-        profiles = load_protocol(structure, seed)
-    parts: dict[str, list[Recording]] = {"training": [], "test": []}
-    errors_n: list[np.ndarray] = []
-    dt_s = 1 / bench.rate_hz
-    itself = None
-    for profile in profiles:
-        position_m, force_n = bench.press(profile.command_n, lead=profile.lead)
-        parts[profile.part].append(Recording(profile.name, position_m, force_n, dt_s))
-        if itself is None or simulated.presses.rest_s is None:
-            itself = ObjectMotion(simulated, dt_s, SUBSTEPS * RATE_HZ // bench.rate_hz)
-        else:
-            itself.move(np.zeros(round(simulated.presses.rest_s / dt_s)))
-        first = 1 if simulated.presses.glitch else 0
-        if profile.lead:
-            itself.move(np.full(round(_SETTLE_S / dt_s), position_m[first]))
-        true_n = itself.move(position_m[first:])
-        if profile.part == "test":
-            errors_n.append(true_n - force_n[first:])
-    return tuple(parts["training"]), tuple(parts["test"]), rms(np.concatenate(errors_n))
 
 
 def judged(cell: Cell, out: Path) -> dict[str, Any]:

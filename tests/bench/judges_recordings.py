@@ -1,0 +1,58 @@
+"""Recordings of the simulated judges: a structure of recording, its sensors, its noise floor."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.host.metrics import rms
+from springpot.host.recording.protocols import RATE_HZ, load_protocol
+from springpot.host.recording.structures import STRUCTURES
+from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
+from springpot.host.simulation.objects import parse_url
+from springpot.trainer.recordings.recording import Recording
+
+Recordings = tuple[Recording, ...]
+SEED = 1
+PAPER_SIGNALS = 4  # of the ten
+# What the sensors, and the time between presses, do in each structure of recording.
+SETTINGS = {
+    "paper": "rest=2",
+    "left-out-depth": "",
+    "third-repeat": "rest=2",
+    "slow-ramps": "rate=50",
+    "one-long": "rate=100&drift=0.1",
+    "one-speed": "",
+    "preload": "glitch=1",
+}
+_SETTLE_S = 3.0
+assert set(SETTINGS) == {"paper", *STRUCTURES}
+
+
+def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, Recordings, float]:
+    """Press a simulated object. The floor: what the object itself errs, moved as was measured."""
+    simulated = parse_url(f"sim://{name}?{SETTINGS[structure]}", seed)
+    bench = SimulatedBench(simulated)
+    if structure == "paper":
+        signals = load_protocol("validation", seed)[:PAPER_SIGNALS]
+        profiles = [replace(press, part="training") for press in load_protocol("paper", seed)]
+        profiles += [replace(signal, part="test") for signal in signals]
+    else:
+        profiles = load_protocol(structure, seed)
+    parts: dict[str, list[Recording]] = {"training": [], "test": []}
+    errors_n: list[np.ndarray] = []
+    dt_s = 1 / bench.rate_hz
+    itself = None
+    for profile in profiles:
+        position_m, force_n = bench.press(profile.command_n, lead=profile.lead)
+        parts[profile.part].append(Recording(profile.name, position_m, force_n, dt_s))
+        if itself is None or simulated.presses.rest_s is None:
+            itself = ObjectMotion(simulated, dt_s, SUBSTEPS * RATE_HZ // bench.rate_hz)
+        else:
+            itself.move(np.zeros(round(simulated.presses.rest_s / dt_s)))
+        first = 1 if simulated.presses.glitch else 0
+        if profile.lead:
+            itself.move(np.full(round(_SETTLE_S / dt_s), position_m[first]))
+        true_n = itself.move(position_m[first:])
+        if profile.part == "test":
+            errors_n.append(true_n - force_n[first:])
+    return tuple(parts["training"]), tuple(parts["test"]), rms(np.concatenate(errors_n))
