@@ -52,6 +52,10 @@ def _rows(value: Any) -> bool:
     )
 
 
+def _zero(value: Any) -> bool:
+    return isinstance(value, str) and value in {"none", "first", "min"}
+
+
 def _law(value: Any) -> bool:
     return (
         isinstance(value, Mapping)
@@ -71,6 +75,7 @@ _ITEMS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "rows": (_whole, "no whole number of 0 or more"),
     "rows_total": (_whole, "no whole number of 0 or more"),
     "smooth_s": (_not_negative, "no number of 0 or more"),
+    "zero": (_zero, "none of none, first, min"),
     "recordings": (_texts, "no hash for each name"),
     "importance": (_numbers, "no list of numbers"),
     "material": (_law, f"not {', '.join(_LAW)}, each a number and its half width or null"),

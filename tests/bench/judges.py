@@ -35,12 +35,13 @@ from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.trainer.recordings.quality.report import check_recordings
+from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
 from springpot.trainer.selection.auto import candidates
 
 PROCESSES = 2
 MACH1 = "mach1"
 KIN_STRUCTURES = ("paper", "left-out-depth")  # of the five that are much alike
+BESIDE = ("rf-fd", "rbf-fd", "boosted")  # the paper's, which auto does not try
 _CELL_CPU_S = 50.0  # of a cell, by the last run, most of it auto's
 _MEASURING = tuple(
     f"springpot.host.{name}"
@@ -77,7 +78,7 @@ class Cell:
             return recorded(self.name, self.structure, self.seed)
         found = import_file(self.file, None, "min", None).recordings
         test = tuple(each for each in found if each.name.endswith(f"-{self.structure}"))
-        floor_n = check_recordings(list(test)).as_dict()["noise_floor_n"]
+        floor_n = find_noise_floor(test).rms_n or 0.0
         return tuple(each for each in found if each not in test), test, floor_n
 
 
@@ -90,6 +91,7 @@ def judged(cell: Cell, out: Path) -> dict[str, Any]:
     data, options = training_set(training, FitOptions().smooth_s), FitOptions()
     peak_n = max(float(np.abs(each.force_n).max()) for each in test)
     listed = {each.name: (each.kind, each.options) for each in candidates(data, options)}
+    listed |= {kind: (kind, options) for kind in BESIDE}
     found = stored | {
         "key": cell.key(),
         "object": cell.name,

@@ -16,9 +16,10 @@ def require_compatible(recording: Recording, model: Model, tick_s: float | None 
             f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
             f"{1 / dt_s:g} Hz: import it with --resample-hz {1 / dt_s:g}"
         )
-    if (recording.zero != "none") != (model.contact == "always"):
+    # A preloaded object has no surface, whether or not an importer moved its zero.
+    moved = model.provenance.get("zero", "min" if model.contact == "always" else "none") != "none"
+    if (recording.zero != "none") != moved:
         raise DataError(
             f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "
-            f"{'with' if model.contact == 'always' else 'without'} --zero first or min: import "
-            "all the same way"
+            f"{'with' if moved else 'without'} --zero first or min: import all the same way"
         )

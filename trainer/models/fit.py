@@ -92,6 +92,7 @@ def assemble(
             "rows": rows,
             "rows_total": data.rows_total,
             "smooth_s": options.smooth_s,
+            "zero": data.recordings[0].zero,
             "recordings": _hashes(data),
             "scikit-learn": version("scikit-learn"),
             "springpot": version("springpot"),
