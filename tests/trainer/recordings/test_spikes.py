@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from support.small import DT_S, press, recording, soft_force
 
+from springpot.codegen.errors import DataError
 from springpot.host.metrics import accuracy
 from springpot.host.validation.seen import seen_by
 from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
@@ -83,3 +85,13 @@ def test_a_preload_has_a_bias_and_its_folds_have_the_contact_of_all() -> None:
     assert fit.model.contact == "always"
     assert fit.model.hammerstein is not None
     assert fit.model.hammerstein.bias_n > 0.5
+
+
+def test_a_preloaded_objects_model_takes_its_recordings_and_no_others() -> None:
+    presses = [preloaded(hz) for hz in (0.5, 1.0, 4.0)]
+    model = fit_model("hammerstein", "x", presses, FitOptions()).model
+    assert model.contact == "always"
+    require_compatible(preloaded(2.0), model)
+    moved = dataclasses.replace(preloaded(2.0), zero="min")
+    with pytest.raises(DataError, match="without --zero first or min: import all the same way"):
+        require_compatible(moved, model)
