@@ -53,7 +53,7 @@ KINDS: dict[str, Kind] = {
         Kind("boosted", "boosted trees on fractional derivatives",
              "models.rf_fd:fit_boosted", "D", "#5a189a"),
         Kind("springpot", "a fractional solid: three or four numbers",
-             "models.springpot:fit_springpot", "*", "#6c584c"),
+             "models.law.springpot:fit_springpot", "*", "#6c584c"),
     )
 }  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error

@@ -20,6 +20,10 @@ class Regressor(ABC):
     def on_scaled(self, scale: float) -> Self:
         """The regressor r' with r'(z) = r(scale z)."""
 
+    def share(self, of_force: float) -> Self:
+        """The regressor that gives so much of the force; of trees, which `auto` may weaken."""
+        raise TypeError(f"a share of {type(self).__name__} is not defined")
+
     def used_columns(self, n_features: int) -> NDArray[np.intp]:
         """Columns of the features that it reads, ascending, (used,); all by default."""
         return np.arange(n_features)
@@ -70,6 +74,9 @@ class Forest(Regressor):
     def is_mean(self) -> bool:
         """Whether the force is the mean of the trees, and not their sum."""
         return bool(np.isclose(self.weight * len(self.roots), 1.0))
+
+    def share(self, of_force: float) -> "Forest":
+        return replace(self, weight=of_force * self.weight, bias_n=of_force * self.bias_n)
 
     def on_scaled(self, scale: float) -> "Forest":
         if self.quantisation is not None:

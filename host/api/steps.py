@@ -13,7 +13,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.files import File, read_model, read_recordings, write_model
-from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
@@ -78,13 +78,13 @@ def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> S
 
     dt_s: time between samples, s, where it is known: another one than the model's is a DataError.
     """
-    from springpot.trainer.models.compatibility import require_compatible
+    from springpot.trainer.models.compatibility import require_compatible, zero_of
     from springpot.trainer.models.predict import predict_n
 
     positions = np.asarray(position_m, dtype=np.float64)
     step_s = model.dt_s if dt_s is None else dt_s
-    zero: Zero = "first" if model.contact == "always" else "none"
-    recording = Recording("positions", positions, np.zeros_like(positions), step_s, zero)
+    still_n = np.zeros_like(positions)
+    recording = Recording("positions", positions, still_n, step_s, zero_of(model))
     require_compatible(recording, model)
     return predict_n(model, recording)
 

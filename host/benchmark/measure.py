@@ -178,6 +178,7 @@ def prediction_errors(
         "p99_abs_error_n": found.p99_abs_error_n,
         "max_abs_error_n": found.max_abs_error_n,
         "ape_below_jnd": found.ape_below_jnd,
+        "error_per_jnd": found.error_per_jnd,
     }
 
 

@@ -85,6 +85,7 @@ class Point(Isolated, Sizes):
     point_s: float
     point_cpu_s: float
     worker: str
+    error_per_jnd: float | None = None
     n_nodes: int | None = None
     n_centers: int | None = None
     n_parameters: int | None = None

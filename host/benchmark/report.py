@@ -10,6 +10,7 @@ from springpot.host.benchmark.store import read_result
 from springpot.host.page import page_text, plain
 from springpot.host.paper.claims import PAPER_MODELLING_S, PAPER_RATES_HZ
 from springpot.host.simulation.objects import own_class_line
+from springpot.host.validation.error_ratios import JND_WORDS, floor_words
 from springpot.trainer.kinds import KINDS
 
 _REPORT_NAME = "report.html"
@@ -65,6 +66,9 @@ def bench_page(result: Metadata, folder: str) -> str:
         ],
         "paper": paper_rows(points),
         "quality": result["quality"],
+        "floor_n": result["validation_floor"]["noise_floor_n"],
+        "floor_words": floor_words(result["validation_floor"]),
+        "jnd_words": JND_WORDS,
     }  # fmt: skip
     return page_text(
         "bench.html", context, us=_microseconds, size=kilobytes, flash=flash_text, label=label

@@ -36,8 +36,10 @@ from springpot.host.benchmark.store import Store, data_key, key_of, measured_by,
 from springpot.host.benchmark.work_precision import work_precision
 from springpot.host.console.output import progress_console
 from springpot.host.native.machine import cpu_s, machine_metadata
+from springpot.host.validation.error_ratios import floor_keys
 from springpot.host.validation.seen import known_among
 from springpot.trainer.kinds import KINDS
+from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 
@@ -103,6 +105,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
         },
         "seen": known_among({rec.content_hash for rec in bench.training}, bench.validation),
         "quality": check_recordings(bench.training).as_dict(),
+        "validation_floor": floor_keys(find_noise_floor(bench.validation)),
         "work_precision": curves,
         "closed_loop": isolated.matrices,
         "computed": computed,

@@ -24,7 +24,7 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import toolchain
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.compatibility import require_compatible
-from springpot.trainer.models.passive_terms import hammerstein_force
+from springpot.trainer.models.passive.passive_terms import hammerstein_force
 from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.training_set import depth_m
 from springpot.trainer.recordings.recording import Recording

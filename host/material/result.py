@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.material.figure import moduli_figure
-from springpot.trainer.models.material import Law, Prony
+from springpot.trainer.models.law.material import Law, Prony
 
 _FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 31)
 _NAMED_HZ = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)

@@ -26,6 +26,7 @@ from springpot.host.benchmark.labels import kilobytes, label
 from springpot.host.benchmark.point import Point, points_of
 from springpot.host.benchmark.report import paper_rows, plain
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, own_class
+from springpot.host.validation.error_ratios import JND_WORDS, floor_words
 
 Metadata = dict[str, Any]
 ROOT = Path(__file__).parents[2]
@@ -35,7 +36,7 @@ BEGIN, END = "<!-- results: written by tests/bench/results.py -->", "<!-- result
 _KEPT = ("picks", "machine", "compiler", "flags", "target", "rate_hz", "seed", "command",
          "wall_s", "cpu_s", "computed", "load")  # fmt: skip
 _POINT = ("key", "model", "options", "rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n",
-          "mean_recording_rmse_interval_n", "ape_below_jnd", "cv_rmse_n", "tick_ns_hot",
+          "mean_recording_rmse_interval_n", "ape_below_jnd", "error_per_jnd", "cv_rmse_n", "tick_ns_hot",
           "tick_ns_p99", "tick_ns_p999", "instructions", "flash_bytes", "ram_bytes", "feature_s",
           "fit_s", "active_cells", "cells", "bounded", "worst_fidelity_percent",
           "pareto")  # fmt: skip
@@ -50,6 +51,7 @@ def condensed(result: Metadata) -> Metadata:
         "training": len(training),
         "validation": len(validation),
         "quality": {"noise_floor_n": result["quality"]["noise_floor_n"]},
+        "validation_floor": result["validation_floor"],
         "points": [{name: point[name] for name in _POINT} for point in result["points"]],
     }
 
@@ -115,7 +117,9 @@ def section(result: Metadata, picture: str) -> list[str]:
         "| budget | pick | why |\n| --- | --- | --- |",
         *(pick_row(result, found) for found in result["picks"].values()),
         "\nThe front:\n",
-        table(front, result["target"]),
+        table(front, result["target"], result["validation_floor"]["noise_floor_n"]),
+        f"\nNoise floor of the validation recordings: {floor_words(result['validation_floor'])}. "
+        f"JND: {JND_WORDS}.\n",
     ]
     if rows := paper_rows(points):
         parts += ["\nThe paper's models beside the paper:\n", paper_table(rows), NOT_COMPARABLE]
@@ -143,14 +147,16 @@ def pick_row(result: Metadata, found: Metadata) -> str:
     return f"| {found['budget']['title']} | {name} | {found['why']} |"
 
 
-def table(points: list[Point], target: str) -> str:
+def table(points: list[Point], target: str, floor_n: float | None) -> str:
     """Points, one a row."""
     head = (
-        f"| model | RMSE, N | % of peak | tick, µs | flash, {target} | RAM, bytes | fit, s | "
-        "active cells |\n| --- | --- | --- | --- | --- | --- | --- | --- |"
+        "| model | RMSE, N | % of peak | / noise floor | / JND | tick, µs | "
+        f"flash, {target} | RAM, bytes | fit, s | active cells |\n" + "| --- " * 10 + "|"
     )
     rows = [
         f"| {label(p)} | {plain(p.rmse_n)} | {plain(p.rmse_percent_of_peak, 2)} | "
+        f"{plain(p.rmse_n / floor_n, 2) if floor_n else '–'} | "
+        f"{'–' if p.error_per_jnd is None else plain(p.error_per_jnd, 2)} | "
         f"{plain(1e-3 * p.tick_ns_hot, 2)} | {kilobytes(p.flash_bytes)} | {p.ram_bytes} | "
         f"{plain(p.fit_s, 2)} | {p.active_cells} of {p.cells} |"
         for p in points

@@ -2,7 +2,16 @@
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.model import Model
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, Zero
+
+
+def zero_of(model: Model) -> Zero:
+    """What an importer did to the zero of the model's recordings.
+
+    A preloaded object has no surface, whether or not it was moved. Models of old do not say.
+    """
+    zero: Zero = model.provenance.get("zero", "min" if model.contact == "always" else "none")
+    return zero
 
 
 def require_compatible(recording: Recording, model: Model, tick_s: float | None = None) -> None:
@@ -16,8 +25,7 @@ def require_compatible(recording: Recording, model: Model, tick_s: float | None 
             f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
             f"{1 / dt_s:g} Hz: import it with --resample-hz {1 / dt_s:g}"
         )
-    # A preloaded object has no surface, whether or not an importer moved its zero.
-    moved = model.provenance.get("zero", "min" if model.contact == "always" else "none") != "none"
+    moved = zero_of(model) != "none"
     if (recording.zero != "none") != moved:
         raise DataError(
             f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "

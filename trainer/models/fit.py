@@ -11,7 +11,7 @@ from annotated_types import Ge, Interval
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Hammerstein, Model
 from springpot.codegen.model.regressors import Regressor
-from springpot.trainer.models.passive_terms import PASSIVE_POLES
+from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.paper import PAPER_SMOOTH_S
 

@@ -11,8 +11,8 @@ from springpot.codegen.model.model import Hammerstein
 from springpot.trainer.features.exponentials import recursive_bank
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.forests import depth_scale, fit_forest
-from springpot.trainer.models.passive_fit import passive_choice
-from springpot.trainer.models.passive_terms import (
+from springpot.trainer.models.passive.passive_fit import passive_choice
+from springpot.trainer.models.passive.passive_terms import (
     hammerstein_force,
     parameter_count,
 )

@@ -13,7 +13,7 @@ from springpot.codegen.forest.wide import forest_table
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Rbf, Regressor
 from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.passive_terms import hammerstein_force
+from springpot.trainer.models.passive.passive_terms import hammerstein_force
 from springpot.trainer.models.radial import rbf_force
 from springpot.trainer.models.training_set import depth_m
 from springpot.trainer.recordings.recording import Recording

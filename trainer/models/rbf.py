@@ -12,7 +12,7 @@ from springpot.codegen.model.features import FractionalBank, PositionVelocity
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import fold_families
-from springpot.trainer.models.nonnegative import normal_equations
+from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.radial import farthest_points, fit_rbf, kernel, standard
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.models.training_set import TrainingSet, depth_m

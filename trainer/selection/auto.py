@@ -12,6 +12,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.features import Features
+from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.hammerstein import (
@@ -29,6 +30,7 @@ _LOG = logging.getLogger(__name__)
 GAIN, GAIN_OF_ONE = 0.05, 0.10  # of the error, that trees have to take off; with one recording
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
 _HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
+_SHARES = (0.75, 0.5)  # of the trees' force, where all of it gives energy
 _EARLY, _FAR = 2, 2.0  # folds after which as many times the passive error is given up
 PASSIVE = "hammerstein"
 
@@ -72,8 +74,8 @@ def fit_auto(
 ) -> Fit:
     """Fit the best candidate on all training recordings.
 
-    Its metadata has the table of scores, and in words why it was chosen. Trees that are active in
-    small motions, whatever their error, are passed over.
+    Its metadata has the table of scores, and in words why it was chosen. Of trees that give energy
+    in small motions a share is taken that does not; if there is none, they are passed over.
     """
     begin = time.perf_counter()
     known = candidates(data, options)
@@ -86,15 +88,17 @@ def fit_auto(
         candidate = next(some for some in known if some.name == chosen.name)
         search_s = time.perf_counter() - begin
         fit = fit_kind(candidate.kind, name, data, candidate.options)
-        cells = 0 if candidate.tree is None else active_cells(fit.model)
+        model, share, cells = _quiet(fit.model)
         if cells == 0:
+            fit = replace(fit, model=model)
             break
         active[chosen.name] = cells
     metadata = {
         **fit.metadata,
         "chosen": chosen.name,
         "scores": [vars(score) for score in scores],
-        "why": reason(chosen, scores, gain, peak_n, active),
+        "why": reason(chosen, scores, gain, peak_n, active) + _shared(share),
+        "share_of_trees": share,
     }
     return replace(fit, search_s=search_s, metadata=metadata)
 
@@ -167,6 +171,22 @@ def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
     ]
 
 
+def _quiet(model: Model) -> tuple[Model, float, int]:
+    """The model with the largest share of its trees that has no active cell, the share, and cells.
+
+    What trees add on top of the passive model may be any share of them; a forest alone may not.
+    """
+    if model.regressor is None:
+        return model, 1.0, 0
+    all_cells = active_cells(model)
+    if all_cells and model.hammerstein_adds:
+        for share in _SHARES:
+            quieter = replace(model, regressor=model.regressor.share(share))
+            if active_cells(quieter) == 0:
+                return quieter, share, 0
+    return model, 1.0, all_cells
+
+
 def _scores(known: Sequence[AutoCandidate], rows: HeldOut) -> list[Score]:
     """Every candidate's, with progress in the log: steps done, and all steps."""
     total, families = len(known) * len(rows.folds), np.array([family for family, _ in rows.folds])
@@ -231,6 +251,12 @@ def _percent(ratio: float) -> str:
     """An error's ratio to another's, in words."""
     change = 100 * abs(ratio - 1.0)
     return f"{change:.0f} % {'less' if ratio < 1.0 else 'more'} error"
+
+
+def _shared(share: float) -> str:
+    if share == 1.0:
+        return ""
+    return f"; {share:g} of the trees' force is added, more of it gives energy in small motions"
 
 
 def _share(score: Score, peak_n: float) -> str:

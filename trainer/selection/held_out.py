@@ -14,7 +14,7 @@ from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import Folds, fold_families
 from springpot.trainer.models.forests import depth_scale, fitted_forest
-from springpot.trainer.models.passive_fit import PassiveChoice, passive_choice, term_columns
+from springpot.trainer.models.passive.passive_fit import PassiveChoice, passive_choice, term_columns
 from springpot.trainer.models.training_set import TrainingSet
 
 _TEST_ROWS = 12_000

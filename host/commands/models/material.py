@@ -12,7 +12,7 @@ from springpot.host.console.options import PERCENT, POSITIVE
 from springpot.host.console.output import json_option, print_result
 
 if TYPE_CHECKING:
-    from springpot.trainer.models.material import Law
+    from springpot.trainer.models.law.material import Law
 
 
 @click.command()
@@ -39,7 +39,7 @@ def material(
     """Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."""
     from springpot.codegen.model.model_file import read_model
     from springpot.host.material.result import material_result, require_prony, write_material
-    from springpot.trainer.models.material import law_of, prony_of, shear_pa_per_npm
+    from springpot.trainer.models.law.material import law_of, prony_of, shear_pa_per_npm
 
     if height_mm is not None and tip_mm is None:
         raise UsageError("--height-mm: give --tip-mm as well")

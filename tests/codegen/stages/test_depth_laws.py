@@ -18,7 +18,7 @@ from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.passive_terms import hammerstein_force
+from springpot.trainer.models.passive.passive_terms import hammerstein_force
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks
 LAWS = {

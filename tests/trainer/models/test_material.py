@@ -21,7 +21,13 @@ from springpot.trainer.features.fractional import gl_weights
 from springpot.trainer.features.values import highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.material import Law, law_of, layer_factor, prony_of, shear_pa_per_npm
+from springpot.trainer.models.law.material import (
+    Law,
+    law_of,
+    layer_factor,
+    prony_of,
+    shear_pa_per_npm,
+)
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.recording import Recording

@@ -7,9 +7,9 @@ from springpot.host.metrics import accuracy
 from springpot.trainer.features.values import highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.nonnegative import normal_equations, sparse_solve
-from springpot.trainer.models.passive_fit import PRICES, term_columns
-from springpot.trainer.models.passive_terms import Shape, standard_terms
+from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
+from springpot.trainer.models.passive.passive_fit import PRICES, term_columns
+from springpot.trainer.models.passive.passive_terms import Shape, standard_terms
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording import Recording

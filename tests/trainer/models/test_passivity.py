@@ -17,10 +17,10 @@ from support.small import DT_S, press, soft_force
 
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
 from springpot.codegen.stages.depth_laws import clocked_loss
-from springpot.trainer.models import passive_fit, passive_terms
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
-from springpot.trainer.models.passive_terms import hammerstein_force, play
+from springpot.trainer.models.passive import passive_fit, passive_terms
+from springpot.trainer.models.passive.passive_terms import hammerstein_force, play
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording import Recording
 

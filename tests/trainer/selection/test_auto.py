@@ -86,6 +86,21 @@ def test_repeats_of_one_press_are_one_condition():
     assert fit_model("auto", "x", same, OPTIONS).metadata["chosen"]
 
 
+def test_of_trees_that_are_active_a_share_is_taken(monkeypatch):
+    tried = []
+
+    def cells(model):
+        tried.append(model.regressor.weight)
+        return 0 if tried[-1] < 0.6 * tried[0] else 2
+
+    monkeypatch.setattr(auto, "active_cells", cells)
+    monkeypatch.setattr(auto, "ranked", lambda scores, gain, peak_n: [scores[1], scores[0]])
+    fit = fit_model("auto", "x", training(), OPTIONS)
+    assert fit.model.regressor.weight == 0.5 * tried[0]
+    assert (fit.metadata["chosen"], fit.metadata["share_of_trees"]) == ("hybrid lags", 0.5)
+    assert "0.5 of the trees' force is added" in fit.metadata["why"]
+
+
 def score(name: str, cost: int, ratio: float, without: float | None = None) -> Score:
     return Score(name, cost, ratio, ratio, ratio, 5, ratio, ratio if without is None else without)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
-from springpot.trainer.models.fractional_solid import branches_for
+from springpot.trainer.models.law.fractional_solid import branches_for
 
 _FINE = 0.01  # of the shortest time: time step of the branches of a relaxation
 _NODES = 40  # of the layer's integral equation

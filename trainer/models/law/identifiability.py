@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.models.fractional_solid import Solid
+from springpot.trainer.models.law.fractional_solid import Solid
 from springpot.trainer.recordings.quality.coverage import Coverage, find_coverage
 from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.recording import Recording

@@ -11,8 +11,8 @@ from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.model import Basis, Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import Folds, fold_families, geometric_mean, pieces
-from springpot.trainer.models.nonnegative import Normal, normal_equations, sparse_solve
-from springpot.trainer.models.passive_terms import (
+from springpot.trainer.models.passive.nonnegative import Normal, normal_equations, sparse_solve
+from springpot.trainer.models.passive.passive_terms import (
     FEWEST_BY_DEPTH,
     Shape,
     Terms,

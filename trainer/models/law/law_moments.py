@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.trainer.features.values import highpass
-from springpot.trainer.models.fractional_solid import Branches, branches_for
+from springpot.trainer.models.law.fractional_solid import Branches, branches_for
 from springpot.trainer.models.training_set import TrainingSet
 
 _MIN_UNITS, _BLOCKS = 4, 10

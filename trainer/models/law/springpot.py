@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.model import Hammerstein
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.fractional_solid import Branches, Solid
-from springpot.trainer.models.identifiability import law_metadata
-from springpot.trainer.models.law_moments import Moments, law_moments
+from springpot.trainer.models.law.fractional_solid import Branches, Solid
+from springpot.trainer.models.law.identifiability import law_metadata
+from springpot.trainer.models.law.law_moments import Moments, law_moments
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
