@@ -36,10 +36,10 @@ BEGIN, END = "<!-- results: written by tests/bench/results.py -->", "<!-- result
 _KEPT = ("picks", "machine", "compiler", "flags", "target", "rate_hz", "seed", "command",
          "wall_s", "cpu_s", "computed", "load")  # fmt: skip
 _POINT = ("key", "model", "options", "rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n",
-          "mean_recording_rmse_interval_n", "ape_below_jnd", "error_per_jnd", "cv_rmse_n", "tick_ns_hot",
-          "tick_ns_p99", "tick_ns_p999", "instructions", "flash_bytes", "ram_bytes", "feature_s",
-          "fit_s", "active_cells", "cells", "bounded", "worst_fidelity_percent",
-          "pareto")  # fmt: skip
+          "mean_recording_rmse_interval_n", "ape_below_jnd", "error_per_jnd", "cv_rmse_n",
+          "tick_ns_hot", "tick_ns_p99", "tick_ns_p999", "instructions", "flash_bytes",
+          "ram_bytes", "feature_s", "fit_s", "active_cells", "cells", "bounded",
+          "worst_fidelity_percent", "pareto")  # fmt: skip
 
 
 def condensed(result: Metadata) -> Metadata:
