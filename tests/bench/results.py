@@ -210,7 +210,7 @@ def readme_results(result: Metadata) -> str:
         f"`springpot bench` on recordings of the {result['name']}{kin}: "
         f"{len(swept)} models in {result['cpu_s']:.0f} s of processor time. Picks: "
         f"{'; '.join(names)}. The other rows are the paper's models and the negative control.\n\n"
-        f"{table(points, result['target'])}"
+        f"{table(points, result['target'], result['validation_floor']['noise_floor_n'])}"
     )
 
 
