@@ -29,7 +29,7 @@ BETTER = 0.9
 # What curves and rates are tried, each for a tenth less error than the ones before.
 PLAIN = (Shape("powers"), Shape("ramps"), Shape("ramps", stretch=12.0))
 RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep inside
-_SPARSE_LOSS = 0.01
+_SPARSE_LOSS = 0.005
 
 
 @dataclass(frozen=True, eq=False)
