@@ -43,11 +43,15 @@ class Hammerstein:
     stretch: float = 0.0
 
     @property
+    def by_depth(self) -> NDArray[np.bool_]:
+        """Whether each branch's rate depends on the depth, (P,)."""
+        return np.arange(len(self.tau_s)) >= len(self.tau_s) - self.n_by_depth
+
+    @property
     def slowest_s(self) -> NDArray[np.float64]:
         """Longest time constant of each branch at any depth, (P,), s."""
-        by_depth = np.arange(len(self.tau_s)) >= len(self.tau_s) - self.n_by_depth
         slower = np.sqrt(max(self.rate_ratio, 1.0 / self.rate_ratio))
-        slowest_s: NDArray[np.float64] = self.tau_s * np.where(by_depth, slower, 1.0)
+        slowest_s: NDArray[np.float64] = self.tau_s * np.where(self.by_depth, slower, 1.0)
         return slowest_s
 
     @property

@@ -172,9 +172,7 @@ def _packed(value: Any, path: str, arrays: Arrays) -> Any:
     """JSON of a part; its arrays go into `arrays` under their path."""
     if is_dataclass(value):
         # What stands at its default is left out: a model's hash stays when parts learn more.
-        names = [
-            item.name for item in fields(value) if getattr(value, item.name) is not item.default
-        ]
+        names = [item.name for item in fields(value) if not _at_default(value, item)]
         inside = {name: _packed(getattr(value, name), f"{path}.{name}", arrays) for name in names}
         return {"part": type(value).__name__, **inside}
     if isinstance(value, np.ndarray):

@@ -76,6 +76,7 @@ _ITEMS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "rows_total": (_whole, "no whole number of 0 or more"),
     "smooth_s": (_not_negative, "no number of 0 or more"),
     "zero": (_zero, "none of none, first, min"),
+    "share_of_trees": (_not_negative, "no number of 0 or more"),
     "recordings": (_texts, "no hash for each name"),
     "importance": (_numbers, "no list of numbers"),
     "material": (_law, f"not {', '.join(_LAW)}, each a number and its half width or null"),

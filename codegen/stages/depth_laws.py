@@ -36,7 +36,7 @@ def stretched(u: Samples, stretch: float) -> Samples:
     return depth_curve(stretch_terms(stretch)[:, :, None], *depth_place(u))[:, 0]
 
 
-def clocked_rates(tau_s: Samples, rate_ratio: float) -> Samples:
+def rates_by_depth(tau_s: Samples, rate_ratio: float) -> Samples:
     """Rate of each pole at the nodes, and for ever beyond the last one: (pieces + 1, poles), 1/s.
 
     ratio^(1/2 - u)/tau: `rate_ratio` is the rate at the surface over that at the trained depth.
@@ -46,9 +46,9 @@ def clocked_rates(tau_s: Samples, rate_ratio: float) -> Samples:
     return rates
 
 
-def clocked_loss(tau_s: Samples, rate_ratio: float, dt_s: float) -> Samples:
+def loss_by_depth(tau_s: Samples, rate_ratio: float, dt_s: float) -> Samples:
     """Loss of each pole in a tick as straight pieces of the depth, (pieces, 2, poles)."""
-    loss, _ = loss_and_gain(1.0 / clocked_rates(tau_s, rate_ratio), dt_s)
+    loss, _ = loss_and_gain(1.0 / rates_by_depth(tau_s, rate_ratio), dt_s)
     return np.stack([PIECES * np.diff(loss, axis=0), loss[:-1]], axis=1)
 
 

@@ -4,6 +4,7 @@ Of constant rate, or of one that depends on the depth (sp_depth.h); in double wh
 stop moving.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,7 +15,7 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.model import Hammerstein
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.depth_laws import clocked_loss, clocked_rates, depth_curve
+from springpot.codegen.stages.depth_laws import depth_curve, loss_by_depth, rates_by_depth
 from springpot.codegen.stages.recursive import SLOW_TICKS, loss_and_gain
 from springpot.codegen.stages.stage import padded
 
@@ -22,62 +23,64 @@ Place = tuple[NDArray[np.intp], Reals]  # piece and way of each tick's depth, bo
 
 
 @dataclass(frozen=True, eq=False)
-class MaxwellBranches:
-    """Neighbouring branches of constant rate.
+class MaxwellBranches(ABC):
+    """Neighbouring branches that are stepped alike.
 
-    first: column of the first one. double: whether their states are. loss: (count,). per_tau (1/s),
-    per_gain (inverse of what is folded into their curves): (count,), for a measured time step.
+    first: column of the first one. double: whether their states are. loss: last axis (count,).
     """
 
     first: int
     double: bool
     loss: Reals
-    per_tau: Reals
-    per_gain: Reals
-
-    by_depth = False
 
     @property
     def count(self) -> int:
-        """MaxwellBranches, those of curve 0 that fill a vector too."""
+        """Branches, those of curve 0 that fill a vector too."""
         return int(self.loss.shape[-1])
 
     @property
+    @abstractmethod
+    def by_depth(self) -> bool:
+        """Whether a tick needs the place of the depth (sp_depth.h)."""
+
+    @property
+    @abstractmethod
     def name(self) -> str:
         """Prefix of the C's tables and states."""
-        return "slow_branch" if self.double else "branch"
 
     @property
+    @abstractmethod
     def headers(self) -> tuple[str, ...]:
         """Of a tick."""
-        return ("sp_poles.h", *(("sp_slow_poles.h",) if self.double else ()))
 
     @property
+    @abstractmethod
     def measured_headers(self) -> tuple[str, ...]:
         """Of a measured time step."""
-        return ("sp_measured.h",)
 
+    @abstractmethod
     def tables(self) -> list[str]:
         """Constants of a tick."""
-        return [array_text(f"{self.name}_loss", "double" if self.double else "sp_real", self.loss)]
 
+    @abstractmethod
     def measured_tables(self) -> tuple[str, ...]:
         """Constants of a measured time step."""
-        return (
-            array_text(f"{self.name}_per_tau", "sp_real", self.per_tau),
-            array_text(f"{self.name}_per_gain", "sp_real", self.per_gain),
-        )
 
+    @abstractmethod
     def step(self, follows: str) -> list[str]:
         """Lines of a tick, after `{follows}_branch` is known."""
-        function = "sp_slow_poles_apart" if self.double else "sp_poles_apart"
-        return self._call(function, f"{self.name}_loss", f"{self.count}", follows)
 
+    @abstractmethod
     def measured_step(self, follows: str) -> list[str]:
         """Lines of a measured time step, `dt_s`."""
-        function = "sp_measured_slow_apart" if self.double else "sp_measured_apart"
-        constants = f"{self.name}_per_tau, {self.name}_per_gain"
-        return self._call(function, constants, f"{self.count}, dt_s", follows)
+
+    @abstractmethod
+    def reference(self, rises: Reals, place: Place) -> Callable[[int, Reals], Reals]:
+        """Step of the states (count,) at tick i; rises (n, count) in the states' type."""
+
+    def instructions(self, costs: Costs) -> float:
+        """Bound of a tick's."""
+        return self.count * (costs.branch + (costs.slow_pole if self.double else 0.0))
 
     def _call(self, function: str, constants: str, settings: str, follows: str) -> list[str]:
         at = f" + {self.first}" if self.first else ""
@@ -86,25 +89,62 @@ class MaxwellBranches:
         states += [f"state->{follows}_held{at}"]
         return [f"{function}({constants}, {settings},", f"    {', '.join(states)});"]
 
-    def instructions(self, costs: Costs) -> float:
-        """Bound of a tick's."""
-        return self.count * (costs.branch + (costs.slow_pole if self.double else 0.0))
+
+@dataclass(frozen=True, eq=False)
+class ConstantRate(MaxwellBranches):
+    """loss: (count,). per_tau (1/s), per_gain (inverse of what is folded into their curves):
+    (count,), for a measured time step."""
+
+    per_tau: Reals
+    per_gain: Reals
+
+    @property
+    def by_depth(self) -> bool:
+        return False
+
+    @property
+    def name(self) -> str:
+        return "slow_branch" if self.double else "branch"
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        return ("sp_poles.h", *(("sp_slow_poles.h",) if self.double else ()))
+
+    @property
+    def measured_headers(self) -> tuple[str, ...]:
+        return ("sp_measured.h",)
+
+    def tables(self) -> list[str]:
+        return [array_text(f"{self.name}_loss", "double" if self.double else "sp_real", self.loss)]
+
+    def measured_tables(self) -> tuple[str, ...]:
+        return (
+            array_text(f"{self.name}_per_tau", "sp_real", self.per_tau),
+            array_text(f"{self.name}_per_gain", "sp_real", self.per_gain),
+        )
+
+    def step(self, follows: str) -> list[str]:
+        function = "sp_slow_poles_apart" if self.double else "sp_poles_apart"
+        return self._call(function, f"{self.name}_loss", f"{self.count}", follows)
+
+    def measured_step(self, follows: str) -> list[str]:
+        function = "sp_measured_slow_apart" if self.double else "sp_measured_apart"
+        constants = f"{self.name}_per_tau, {self.name}_per_gain"
+        return self._call(function, constants, f"{self.count}, dt_s", follows)
 
     def reference(self, rises: Reals, place: Place) -> Callable[[int, Reals], Reals]:
-        """Step of the states (count,) at tick i; rises (n, count) in the states' type."""
         return lambda i, h: h + (rises[i] - self.loss * h)
 
 
 @dataclass(frozen=True, eq=False)
-class MaxwellByDepth(MaxwellBranches):
-    """Neighbouring branches whose rate depends on the depth.
-
-    loss: (pieces, 2, count). rates: (pieces + 1, count), 1/s. Nothing is folded into their curves.
-    """
+class RateByDepth(MaxwellBranches):
+    """loss: (pieces, 2, count). rates: (pieces + 1, count), 1/s."""
 
     rates: Reals
 
-    by_depth = True
+    @property
+    def by_depth(self) -> bool:
+        return True
 
     @property
     def name(self) -> str:
@@ -151,14 +191,13 @@ def branch_steps(
     Those in float first, of constant rate first among them and filled up to whole vectors of
     `vector_width`.
     """
-    by_depth = np.arange(len(model.tau_s)) >= len(model.tau_s) - model.n_by_depth
     double = (model.slowest_s > SLOW_TICKS * dt_s) & (dtype is np.float32)
     filled = padded(max(len(double), 1), vector_width) - len(double)
     steps: list[MaxwellBranches] = []
     weights = [np.zeros((0, model.branch_n.shape[1]))]
     first = 0
     for in_double, depends in ((False, False), (False, True), (True, False), (True, True)):
-        its = np.flatnonzero((double == in_double) & (by_depth == depends))
+        its = np.flatnonzero((double == in_double) & (model.by_depth == depends))
         fill = 0 if in_double or depends else filled
         if not len(its) + fill:
             continue
@@ -176,10 +215,10 @@ def branch_steps(
 
 def _constant(
     first: int, double: bool, tau_s: Reals, fill: int, dt_s: float, dtype: type
-) -> MaxwellBranches:
+) -> ConstantRate:
     loss, gain = loss_and_gain(tau_s, dt_s)
     padding = (0, fill)
-    return MaxwellBranches(
+    return ConstantRate(
         first=first,
         double=double,
         loss=np.pad(loss, padding, constant_values=1.0).astype(np.float64 if double else dtype),
@@ -190,13 +229,10 @@ def _constant(
 
 def _by_depth(
     first: int, double: bool, tau_s: Reals, ratio: float, dt_s: float, dtype: type
-) -> MaxwellByDepth:
-    nothing: Reals = np.zeros(0, dtype=dtype)
-    return MaxwellByDepth(
+) -> RateByDepth:
+    return RateByDepth(
         first=first,
         double=double,
-        loss=clocked_loss(tau_s, ratio, dt_s).astype(dtype),
-        per_tau=nothing,
-        per_gain=nothing,
-        rates=clocked_rates(tau_s, ratio).astype(dtype),
+        loss=loss_by_depth(tau_s, ratio, dt_s).astype(dtype),
+        rates=rates_by_depth(tau_s, ratio).astype(dtype),
     )

@@ -75,8 +75,11 @@ def training_rows(
             f"orders: {reduced['rmse_n']:.4g} N for {asked['rmse_n']:.4g} N, "
             f"{reduced['nodes']} nodes for {asked['nodes']}"
         )
+    most_folds = max((score["folds"] for score in result.get("scores", ())), default=0)
     for score in result.get("scores", ()):
         mark = " <- chosen" if score["name"] == result["chosen"] else ""
+        if score["folds"] < most_folds:
+            mark = f": given up after {score['folds']} of {most_folds} folds"
         rows[f"  {score['name']}"] = (
             f"{score['mean_n']:.4g} N held out (recordings {score['recordings_n']:.4g}, "
             f"conditions {score['conditions_n']:.4g}){mark}"

@@ -72,13 +72,13 @@ class Cell:
     def settings(self) -> list[object]:
         return [SETTINGS[self.structure], self.seed, PAPER_SIGNALS]
 
-    def recordings(self) -> tuple[Recordings, Recordings, float]:
-        """Training part, test part, and the noise floor of the latter, N."""
+    def recordings(self) -> tuple[Recordings, Recordings, float | None]:
+        """Training part, test part, and the noise floor of the latter, N; None if unknown."""
         if self.file is None:
             return recorded(self.name, self.structure, self.seed)
         found = import_file(self.file, None, "min", None).recordings
         test = tuple(each for each in found if each.name.endswith(f"-{self.structure}"))
-        floor_n = find_noise_floor(test).rms_n or 0.0
+        floor_n = find_noise_floor(test).rms_n
         return tuple(each for each in found if each not in test), test, floor_n
 
 
@@ -96,7 +96,7 @@ def judged(cell: Cell, out: Path) -> dict[str, Any]:
         "key": cell.key(),
         "object": cell.name,
         "structure": cell.structure,
-        "floor_percent": 100.0 * floor_n / peak_n,
+        "floor_percent": None if floor_n is None else 100.0 * floor_n / peak_n,
         "rows": data.rows_total,
     }
     models = found.setdefault("models", {})
@@ -203,7 +203,8 @@ def in_a_line(found: dict[str, Any]) -> str:
         f"{name} {model['percent']:.2f}" if "percent" in model else f"{name} failed"
         for name, model in found["models"].items()
     )
-    return f"floor {found['floor_percent']:.2f}, {errors} %"
+    floor = found["floor_percent"]
+    return f"floor {'unknown' if floor is None else f'{floor:.2f}'}, {errors} %"
 
 
 if __name__ == "__main__":

@@ -108,11 +108,17 @@ def cells_table(cells: Sequence[Metadata], names: Sequence[str]) -> str:
     for cell in cells:
         models, best = cell["models"], best_candidate(cell)
         rows.append([
-            cell["object"], cell["structure"], plain(cell["floor_percent"], 2),
+            cell["object"], cell["structure"], floor_cell([cell]),
             *(model_cell(models.get(name), name == best) for name in names),
             models[AUTO].get("chosen", "-"), f"{auto_ratio(cell):.2f}",
         ])  # fmt: skip
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def floor_cell(cells: Sequence[Metadata]) -> str:
+    """Geometric mean of the noise floors that are known."""
+    floors = [cell["floor_percent"] for cell in cells if cell["floor_percent"] is not None]
+    return plain(geometric(floors), 2) if floors else "unknown"
 
 
 def model_cell(model: Metadata | None, best: bool) -> str:
@@ -138,10 +144,9 @@ def judges_summary(judges: Metadata) -> str:
                 geometric([percent(cell["models"].get(kind, {})) for cell in of_it])
                 for kind in names
             ]
-            floor = geometric([cell["floor_percent"] for cell in of_it])
             worst = max(auto_ratio(cell) for cell in of_it)
             shown = [plain(mean) if np.isfinite(mean) else "failed" for mean in means]
-            rows.append([name, str(len(of_it)), plain(floor, 2), *shown, f"{worst:.2f}"])
+            rows.append([name, str(len(of_it)), floor_cell(of_it), *shown, f"{worst:.2f}"])
     table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
     return (
         "Error in % of the peak force, geometric mean over recordings that ask for what was not "

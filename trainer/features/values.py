@@ -66,7 +66,7 @@ def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
 def highpass_by_depth(values: Samples, u: Samples, loss: Samples) -> Samples:
     """State h of a pole whose loss in a tick depends on the depth, (n,): sp_depth.h.
 
-    u: shares of the trained depth, (n,). loss: (pieces, 2), as `clocked_loss`.
+    u: shares of the trained depth, (n,). loss: (pieces, 2), as `loss_by_depth`.
     """
     lost = depth_curve(loss[:, :, None], *depth_place(u))[:, 0]
     rises = np.diff(values, prepend=values[:1])

@@ -3,14 +3,10 @@
 The validation data is never seen.
 """
 
-import logging
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-import numpy as np
-
-from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_kind
@@ -23,50 +19,13 @@ from springpot.trainer.models.hammerstein import (
 )
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.held_out import HeldOut, TreeFit, held_out
+from springpot.trainer.selection.held_out import TreeFit, held_out
+from springpot.trainer.selection.scores import PASSIVE, AutoCandidate, Score, find_scores
 from springpot.trainer.selection.small_signal import active_cells
 
-_LOG = logging.getLogger(__name__)
 GAIN, GAIN_OF_ONE = 0.05, 0.10  # of the error, that trees have to take off; with one recording
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
-_HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
 _SHARES = (0.75, 0.5)  # of the trees' force, where all of it gives energy
-_EARLY, _FAR = 2, 2.0  # folds after which as many times the passive error is given up
-PASSIVE = "hammerstein"
-
-
-@dataclass(frozen=True, eq=False)
-class AutoCandidate:
-    """One fit that a user could ask for; cost: rank of its time in C, the lower the cheaper.
-
-    tree: None for the passive model alone.
-    """
-
-    name: str
-    cost: int
-    kind: str
-    options: FitOptions
-    tree: TreeFit | None
-
-
-@dataclass(frozen=True)
-class Score:
-    """Geometric mean of a candidate's held-out RMSEs, N.
-
-    recordings_n: repeats apart; conditions_n: each depth, and each speed, held out whole, where
-    there are three of it, else the same; mean_n: of every such way to fold alike. folds: held out;
-    fewer where the first ones left no hope. ratio: to the passive model's, over those folds;
-    ratio_without_best: with the candidate's best fold left out.
-    """
-
-    name: str
-    cost: int
-    recordings_n: float
-    conditions_n: float
-    mean_n: float
-    folds: int
-    ratio: float
-    ratio_without_best: float
 
 
 def fit_auto(
@@ -79,8 +38,7 @@ def fit_auto(
     """
     begin = time.perf_counter()
     known = candidates(data, options)
-    rows = held_out(data, options)
-    scores = _scores(known, rows)
+    scores = find_scores(known, held_out(data, options))
     gain = GAIN if len(data.recordings) > 1 else GAIN_OF_ONE
     peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
     active: dict[str, int] = {}
@@ -154,7 +112,7 @@ def reason(
 def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
     """The passive model, trees on what it leaves over, and the paper's forest with a long memory.
 
-    The paper's other models never came near on real recordings or on objects of other physics.
+    The paper's other models were the best on none of the judges (tests/bench/judges.py).
     """
     long = replace(options, engine="recursive", window_s=data.longest_s)
     remembering = derivative_features(data)
@@ -174,77 +132,22 @@ def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
 def _quiet(model: Model) -> tuple[Model, float, int]:
     """The model with the largest share of its trees that has no active cell, the share, and cells.
 
+    The share is 0 of a model without trees.
     What trees add on top of the passive model may be any share of them; a forest alone may not.
     """
     if model.regressor is None:
-        return model, 1.0, 0
+        return model, 0.0, 0
     all_cells = active_cells(model)
     if all_cells and model.hammerstein_adds:
         for share in _SHARES:
-            quieter = replace(model, regressor=model.regressor.share(share))
+            quieter = replace(
+                model,
+                regressor=model.regressor.share(share),
+                provenance={**model.provenance, "share_of_trees": share},
+            )
             if active_cells(quieter) == 0:
                 return quieter, share, 0
     return model, 1.0, all_cells
-
-
-def _scores(known: Sequence[AutoCandidate], rows: HeldOut) -> list[Score]:
-    """Every candidate's, with progress in the log: steps done, and all steps."""
-    total, families = len(known) * len(rows.folds), np.array([family for family, _ in rows.folds])
-    passive_n = np.array(rows.passive_errors_n())
-    scores = []
-    for number, candidate in enumerate(known):
-        text = f"{number + 1} of {len(known)}: {candidate.name}"
-        errors_n: list[float] = []
-        _log(text, number * len(rows.folds), total)
-        for error_n in passive_n if candidate.tree is None else rows.tree_errors_n(candidate.tree):
-            errors_n.append(float(error_n))
-            tried = len(errors_n)
-            _log(text, number * len(rows.folds) + tried, total)
-            if _hopeless(np.array(errors_n) / passive_n[:tried], families):
-                break
-        scores.append(_score(candidate, np.array(errors_n), passive_n, families))
-    return scores
-
-
-def _hopeless(ratios: Samples, families: Indices) -> bool:
-    """Whether the folds so far leave no hope of an error below the passive one."""
-    tried = len(ratios)
-    mean = float(np.exp(np.log(ratios).mean()))
-    first_done = tried < len(families) and families[tried - 1] == 0 < families[tried]
-    return (first_done and mean > _HOPELESS) or (tried == _EARLY and mean > _FAR)
-
-
-def _score(
-    candidate: AutoCandidate, errors_n: Samples, passive_n: Samples, families: Indices
-) -> Score:
-    count = len(errors_n)
-    logs, ratios = np.log(errors_n), np.log(errors_n / passive_n[:count])
-    its = families[:count]
-    whole = its > 0  # depths and speeds held out whole, where there are such folds
-    without = np.arange(count) != np.argmin(ratios)
-    return Score(
-        name=candidate.name,
-        cost=candidate.cost,
-        recordings_n=_geometric(logs[~whole], its[~whole]),
-        conditions_n=_geometric(logs[whole], its[whole]) if whole.any() else _geometric(logs, its),
-        mean_n=_geometric(logs, its),
-        folds=count,
-        ratio=_geometric(ratios, its),
-        ratio_without_best=_geometric(ratios[without], its[without]) if count > 1 else 1.0,
-    )
-
-
-def _geometric(logs: Samples, families: Indices) -> float:
-    return float(np.exp(_mean(logs, families)))
-
-
-def _mean(logs: Samples, families: Indices) -> float:
-    """Mean in each family, then of all: no family counts for the number of its folds."""
-    return float(np.mean([logs[families == one].mean() for one in np.unique(families)]))
-
-
-def _log(text: str, done: int, total: int) -> None:
-    _LOG.info(text, extra={"done": done, "total": total})
 
 
 def _percent(ratio: float) -> str:
@@ -254,7 +157,7 @@ def _percent(ratio: float) -> str:
 
 
 def _shared(share: float) -> str:
-    if share == 1.0:
+    if share in (0.0, 1.0):
         return ""
     return f"; {share:g} of the trees' force is added, more of it gives energy in small motions"
 

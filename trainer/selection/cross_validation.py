@@ -5,14 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.codegen.model.model import Contact
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
-    FEWEST,
-    Folds,
     geometric_mean,
-    held_out_whole,
     repeats_apart,
 )
 from springpot.trainer.models.predict import predict_each_n
@@ -46,35 +42,23 @@ def recording_splits(
     pieces = blocks(recordings)
     count = folds if len(pieces) > _SEPARATE else len(pieces)
     depths_m = [piece.position_m for piece in pieces]
-    numbers = repeats_apart(depths_m, pieces[0].dt_s, count, seed)
-    return _splits(pieces, numbers, smooth_s, contact_of(recordings))
-
-
-def whole_splits(data: TrainingSet) -> list[tuple[Split, ...]]:
-    """Folds that hold a depth out whole, and those that do a speed; none of too few groups."""
-    if len(data.recordings) < FEWEST:
-        return []
-    return [_splits(data.recordings, folds, 0.0, data.contact) for folds in held_out_whole(data)]
-
-
-def _splits(
-    pieces: Sequence[Recording], folds: Folds, smooth_s: float, contact: Contact
-) -> tuple[Split, ...]:
+    folds_of = repeats_apart(depths_m, pieces[0].dt_s, count, seed)
+    contact = contact_of(recordings)
     found = []
-    for number in folds.tested:
-        kept = [piece for piece, its in zip(pieces, folds.number, strict=True) if its != number]
-        held = [piece for piece, its in zip(pieces, folds.number, strict=True) if its == number]
+    for number in folds_of.tested:
+        kept = [piece for piece, its in zip(pieces, folds_of.number, strict=True) if its != number]
+        held = [piece for piece, its in zip(pieces, folds_of.number, strict=True) if its == number]
         found.append(Split(training_set(kept, smooth_s, contact), tuple(held)))
     return tuple(found)
 
 
-def fold_errors_n(
-    kind: str, splits: Sequence[Split], options: FitOptions, max_rows: int
-) -> list[float]:
-    """RMSE on each split's held recordings of a model that was fitted without them, N.
+def cross_validated_rmse_n(
+    kind: str, splits: Sequence[Split], options: FitOptions, max_rows: int = 4000
+) -> float:
+    """Geometric mean of the RMSEs on each split's held recordings, N.
 
-    max_rows: of each fit, and of all predictions: the errors rank models, and are no forecast.
-    Raises DataError as `fit_model` does.
+    A fold beyond all others does not decide by itself. max_rows: of each fit, and of all
+    predictions: the errors rank models, and are no forecast. Raises DataError as `fit_model` does.
     """
     total = sum(len(piece.force_n) for split in splits for piece in split.held)
     step = -(-total // max_rows)
@@ -87,14 +71,7 @@ def fold_errors_n(
         measured_n = np.concatenate([piece.force_n[::step] for piece in split.held])
         error_n = predict_each_n(model, rows) - measured_n
         errors.append(float(np.sqrt(np.mean(np.square(error_n)))))
-    return errors
-
-
-def cross_validated_rmse_n(
-    kind: str, splits: Sequence[Split], options: FitOptions, max_rows: int = 4000
-) -> float:
-    """Geometric mean of `fold_errors_n`: a fold beyond all others does not decide by itself."""
-    return geometric_mean(fold_errors_n(kind, splits, options, max_rows))
+    return geometric_mean(errors)
 
 
 def blocks(recordings: Sequence[Recording]) -> list[Recording]:

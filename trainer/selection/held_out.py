@@ -61,9 +61,10 @@ class HeldOut:
         return passive_choice(self.data, self.options)[0]
 
     @cached_property
-    def _terms(self) -> tuple[Samples, Samples]:
+    def _terms(self) -> list[Samples]:
+        """Values of the passive terms at both sorts of rows."""
         terms = self._passive.terms
-        return tuple(term_columns(terms, self.data, rows) for rows in (self.fitted, self.tested))  # type: ignore[return-value]
+        return [term_columns(terms, self.data, rows) for rows in (self.fitted, self.tested)]
 
     @cached_property
     def _left_over(self) -> list[tuple[Samples, Samples]]:

@@ -153,6 +153,9 @@ def train(
     if next_file is not None:
         require_surface(next_file, training)
     quality = report_quality(training)
+    presses = next_presses(training, quality.figures["coverage"]["band_hz"])
+    if next_file is not None:
+        write_protocol(next_file, presses)
     with spinner(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for warning in fit.warnings:
@@ -172,10 +175,7 @@ def train(
             "mean_recording_rmse_n": found.mean_recording_rmse_n,
             **error_ratios(found, floor),
         }
-    presses = next_presses(training, quality.figures["coverage"]["band_hz"])
     result["next_presses"] = next_metadata(presses)
-    if next_file is not None:
-        write_protocol(next_file, presses)
     rows = training_rows(fit, out, result, found, len(testing))
     rows["record next"] = next_words(presses, fit.model.contact, next_file)
     print_result(result, as_json, rows)

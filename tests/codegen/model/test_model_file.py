@@ -1,3 +1,4 @@
+import io
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,16 @@ def test_a_later_schema_is_refused(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes().replace(b"springpot-model 4", b"springpot-model 7", 1))
     with pytest.raises(DataError, match="schema 7, this springpot reads up to 4: upgrade"):
         read_model(path)
+
+
+def test_a_file_of_the_schema_before_is_read_and_keeps_its_hash(tmp_path: Path) -> None:
+    path = model_file(tmp_path)
+    content = path.read_bytes()
+    header = np.load(io.BytesIO(content.split(b"\n", 1)[1]))["header"].tobytes()
+    assert b"elastic_n" in header
+    assert b"stretch" not in header  # what stands at its default is not written
+    path.write_bytes(content.replace(b"springpot-model 4", b"springpot-model 3", 1))
+    assert model_hash(read_model(path)) == model_hash(small_model())
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 129a6ac44b5d413956a7d0b07f24e4314b102c1399582ce8ddb97a2bd94fc550 */
+/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

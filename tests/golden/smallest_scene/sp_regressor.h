@@ -1,4 +1,4 @@
-/* springpot 0.1.0 129a6ac44b5d413956a7d0b07f24e4314b102c1399582ce8ddb97a2bd94fc550 */
+/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
 #ifndef SP_REGRESSOR_H
 #define SP_REGRESSOR_H
 

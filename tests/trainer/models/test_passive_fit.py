@@ -8,7 +8,7 @@ from springpot.trainer.features.values import highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
-from springpot.trainer.models.passive.passive_fit import PRICES, term_columns
+from springpot.trainer.models.passive.passive_fit import PENALTIES, term_columns
 from springpot.trainer.models.passive.passive_terms import Shape, standard_terms
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
@@ -42,16 +42,18 @@ def one_twice_as_deep() -> list[Recording]:
 
 
 def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() -> None:
-    # Without a price on bends: weights of 1e25 on the ramps that the fold never reached.
+    # Without a penalty on bends: weights of 1e25 on the ramps that the fold never reached.
     data = training_set(one_twice_as_deep(), smooth_s=0.0)
     peak_n = data.trained.max_n
     terms = standard_terms(data, Shape("ramps"), bias=True)
     rows = np.arange(data.rows_total)
     values, force_n = term_columns(terms, data, rows), data.force_n(rows)
-    for price in PRICES["ramps"]:
+    for penalty in PENALTIES["ramps"]:
         for held in range(3):
             out = data.owner(rows) == held
-            kept = normal_equations(values[~out], force_n[~out]).penalised(price * terms.bends())
+            kept = normal_equations(values[~out], force_n[~out]).penalised(
+                penalty * terms.roughness()
+            )
             weights = kept.solve()
             assert weights.max() < 10.0 * peak_n
             assert normal_equations(values[out], force_n[out]).rmse(weights) < peak_n
@@ -79,7 +81,7 @@ def test_ramps_that_no_row_saw_go_on_as_the_last_ones_seen() -> None:
     terms = standard_terms(whole, Shape("ramps"), bias=False)
     rows = np.arange(data.rows_total)
     normal = normal_equations(term_columns(terms, data, rows), data.force_n(rows))
-    slopes = sparse_solve(normal.penalised(1e-4 * terms.bends()), terms.blocks, 0.005)
+    slopes = sparse_solve(normal.penalised(1e-4 * terms.roughness()), terms.blocks, 0.005)
     curves = slopes.reshape(terms.curves, terms.n_basis)
     steepest = np.diff(curves[:, :4], axis=1).max()
     assert np.diff(curves[:, 3:], axis=1).max() <= 1.1 * steepest

@@ -16,7 +16,7 @@ from scipy.optimize import minimize
 from support.small import DT_S, press, soft_force
 
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
-from springpot.codegen.stages.depth_laws import clocked_loss
+from springpot.codegen.stages.depth_laws import loss_by_depth
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
 from springpot.trainer.models.passive import passive_fit, passive_terms
@@ -179,7 +179,7 @@ def test_the_adversary_finds_a_curve_that_falls_where_the_rate_follows_the_depth
 
 def test_the_adversary_finds_a_loss_below_zero() -> None:
     grows = mock.patch.object(
-        passive_terms, "clocked_loss", lambda *given: -1e-3 * clocked_loss(*given)
+        passive_terms, "loss_by_depth", lambda *given: -1e-3 * loss_by_depth(*given)
     )
     with grows:
         assert max_returned(model_force(by_depth()), seed=1, presses=20) > 1000 * BOUND

@@ -22,9 +22,9 @@ from springpot.trainer.models.passive.passive_terms import (
 )
 from springpot.trainer.models.training_set import TrainingSet
 
-# Prices tried on the bends of ramps: the smoothest curves unless others have a tenth less
+# Penalties tried on the roughness of ramps: the smoothest curves unless others have a tenth less
 # cross-validated error. What few recordings tell is not enough to choose by hundredths.
-PRICES: dict[Basis, tuple[float, ...]] = {"powers": (0.0,), "ramps": (1e-3, 1e-4, 1e-5, 1e-6)}
+PENALTIES: dict[Basis, tuple[float, ...]] = {"powers": (0.0,), "ramps": (1e-3, 1e-4, 1e-5, 1e-6)}
 BETTER = 0.9
 # What curves and rates are tried, each for a tenth less error than the ones before.
 PLAIN = (Shape("powers"), Shape("ramps"), Shape("ramps", stretch=12.0))
@@ -34,7 +34,7 @@ _SPARSE_LOSS = 0.005
 
 @dataclass(frozen=True, eq=False)
 class PassiveChoice:
-    """Terms and a price on their bends.
+    """Terms and a penalty on their roughness.
 
     error_n: RMSE over held-out folds, N. parts: normal equations of the pieces of the rows that
     all folds are made of; piece, families: of the rows.
@@ -42,22 +42,20 @@ class PassiveChoice:
 
     error_n: float
     terms: Terms
-    price: float
+    penalty: float
     parts: list[Normal]
     piece: Indices
     families: Sequence[Folds]
 
     def model(self) -> Hammerstein:
         """Fitted to all rows, with as few branches and stops as serve."""
-        normal = _penalised(self.parts, self.price, self.terms)
+        normal = _penalised(self.parts, self.penalty, self.terms)
         return to_model(self.terms, sparse_solve(normal, self.terms.blocks, _SPARSE_LOSS))
 
     def weights_without(self, family: int, fold: int) -> Samples:
         """Fitted without a fold of a family, (terms,)."""
-        _, first = np.unique(self.piece, return_index=True)
-        number = self.families[family].number[first]
-        kept = [part for part, its in zip(self.parts, number, strict=True) if its != fold]
-        return _penalised(kept, self.price, self.terms).solve()
+        kept, _ = _apart(self.parts, self.piece, self.families[family], fold)
+        return _penalised(kept, self.penalty, self.terms).solve()
 
 
 def term_columns(terms: Terms, data: TrainingSet, rows: Indices) -> Samples:
@@ -89,12 +87,12 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
             for k in range(int(piece.max()) + 1)
         ]
         errors = (
-            (_cross_validated(parts, families, piece, price, terms), price)
-            for price in PRICES[shape.basis]
+            (_cross_validated(parts, families, piece, penalty, terms), penalty)
+            for penalty in PENALTIES[shape.basis]
         )
         choices = (
-            PassiveChoice(error_n, terms, price, parts, piece, families)
-            for error_n, price in errors
+            PassiveChoice(error_n, terms, penalty, parts, piece, families)
+            for error_n, penalty in errors
         )
         return reduce(_better, choices)
 
@@ -113,23 +111,29 @@ def _better(best: PassiveChoice, other: PassiveChoice) -> PassiveChoice:
 
 
 def _cross_validated(
-    parts: list[Normal], families: Sequence[Folds], piece: Indices, price: float, terms: Terms
+    parts: list[Normal], families: Sequence[Folds], piece: Indices, penalty: float, terms: Terms
 ) -> float:
     """RMSE over the held-out folds, N: geometric mean in each family, then of all."""
-    _, first = np.unique(piece, return_index=True)
     means = []
     for folds in families:
-        number = folds.number[first]
         errors = []
         for fold in folds.tested:
-            training = [part for part, its in zip(parts, number, strict=True) if its != fold]
-            held = [part for part, its in zip(parts, number, strict=True) if its == fold]
-            if training and held:
-                errors.append(reduce(add, held).rmse(_penalised(training, price, terms).solve()))
+            kept, held = _apart(parts, piece, folds, fold)
+            if kept and held:
+                errors.append(reduce(add, held).rmse(_penalised(kept, penalty, terms).solve()))
         if errors:
             means.append(geometric_mean(errors))
     return geometric_mean(means) if means else 0.0
 
 
-def _penalised(parts: list[Normal], price: float, terms: Terms) -> Normal:
-    return reduce(add, parts).penalised(price * terms.bends())
+def _apart(
+    parts: list[Normal], piece: Indices, folds: Folds, fold: int
+) -> tuple[list[Normal], list[Normal]]:
+    """The pieces outside a fold, and those in it."""
+    _, first = np.unique(piece, return_index=True)
+    pairs = list(zip(parts, folds.number[first], strict=True))
+    return [part for part, its in pairs if its != fold], [p for p, its in pairs if its == fold]
+
+
+def _penalised(parts: list[Normal], penalty: float, terms: Terms) -> Normal:
+    return reduce(add, parts).penalised(penalty * terms.roughness())

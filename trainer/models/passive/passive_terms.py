@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
-from springpot.codegen.stages.depth_laws import clocked_loss, stretched
+from springpot.codegen.stages.depth_laws import loss_by_depth, stretched
 from springpot.codegen.stages.hammerstein import basis
 from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.training_set import TrainingSet
 
 PASSIVE_POLES = 12
 FEWEST_BY_DEPTH = 4  # poles, of which half can have a rate that depends on the depth
-_FIRST = 0.02
+_FIRST = 0.02  # of the second differences' weight: enough to keep a curve straight in a gap
 RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
 _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
 
@@ -63,12 +63,12 @@ class Terms:
         """Number of each term's curve, (terms,); the bias is one more."""
         return np.minimum(np.arange(self.count) // self.n_basis, self.curves)
 
-    def bends(self) -> Samples:
+    def roughness(self) -> Samples:
         """Quadratic form of the weights, (terms, terms): how each curve of ramps bends.
 
         Squared second differences of its slopes, and a fiftieth of the first ones: a rise between
         two trained depths goes on as it does beside them, and what no row has seen too. Without a
-        price on them it goes into whichever ramp the solver likes.
+        penalty on them it goes into whichever ramp the solver likes.
         """
         form = np.zeros((self.count, self.count))
         if self.shape.basis == "ramps":
@@ -115,7 +115,7 @@ def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Indices) -> Sampl
     v = stretched(u, terms.shape.stretch) if terms.shape.stretch > 0.0 else u
     n, poles = terms.n_basis, len(terms.tau_s)
     constant = poles - terms.n_by_depth
-    loss = clocked_loss(np.array(terms.tau_s[constant:]), terms.shape.rate_ratio, dt_s)
+    loss = loss_by_depth(np.array(terms.tau_s[constant:]), terms.shape.rate_ratio, dt_s)
     values = np.ones((len(rows), terms.count))
     for j, along in enumerate(basis(terms.shape.basis, v)):
         values[:, j] = along[rows]
