@@ -62,7 +62,8 @@ def _at(plan: Plan) -> list[str]:
         return ["const sp_real at = position - (sp_real)left * step;"]
     return [
         "const sp_real curve = bend * (ticks - (sp_real)left);",
-        "const sp_real at = position - (sp_real)left * (step + curve);",
+        "const sp_real way = (sp_real)left * (step + curve);",
+        "const sp_real at = sp_guard_within(&guard, position - way);",
     ]
 
 
@@ -97,13 +98,12 @@ def step_dt(plan: Plan) -> str:
         "if (!(sp_is_finite(dt_s) && dt_s > (sp_real)0)) {",
         "    return SP_ERROR_TIME_STEP;",
         "}",
-        "sp_real tick_s = dt_s;",
+        "const sp_real tick_s = dt_s < silence.dt_s ? dt_s : silence.dt_s;",
         "if (dt_s > silence.dt_s) {",
-        "    tick_s = silence.dt_s;",
         "    (void)hold(state, dt_s - tick_s, (sp_real)1, force_n);",
         "}",
         "uint32_t left = sp_silence_missed(&silence, &state->silence, tick_s);",
-        "sp_real last_s = state->silence.silent_s + tick_s - (sp_real)left * silence.dt_s;",
+        "sp_real last_s = sp_silence_last(&silence, &state->silence, tick_s, left);",
         "sp_real ticks = (sp_real)left + last_s * silence.per_dt;",
         *_sample(plan, "tick_s"),
         "if (left > 0) {",

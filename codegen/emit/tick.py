@@ -36,10 +36,7 @@ def tick(plan: Plan) -> str:
 def tick_dt(plan: Plan) -> str:
     """C function `tick_dt`: the same over a measured time."""
     advance = [line for stage in measured_stages(plan) for line in stage.advance]
-    smooth = [
-        "const sp_real smooth_steps = dt_s * per_smooth_s;",
-        "const sp_real smooth_weight = smooth_steps * sp_measured_phi(smooth_steps);",
-    ]
+    smooth = ["const sp_real smooth_weight = sp_measured_loss(dt_s * per_smooth_s);"]
     head = [
         "/* The same over dt_s. */",
         "static sp_real tick_dt(sp_state *state, sp_real dt_s, sp_real position, int *notes)",

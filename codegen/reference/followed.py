@@ -51,7 +51,7 @@ def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
         velocity = _estimated(plan, position, rows, ticks, starts)
     else:
         for k in np.flatnonzero(ticks > 1):
-            _fill(position, rows[k], ticks[k], None)
+            _fill(plan, position, rows[k], ticks[k], None)
         velocity = _at_rows(device_mps, row, missed)
     return Followed(position, velocity, missed, row, starts)
 
@@ -72,7 +72,7 @@ def _estimated(
     last, before = real(0), real(0)
     for end, since in zip(rows.tolist(), ticks.tolist(), strict=True):
         if since > 1:
-            _fill(position, end, since, last * plan.silence.dt_s)
+            _fill(plan, position, end, since, last * plan.silence.dt_s)
         elif end in restarts:
             last, before = real(0), position[end]
         for i in range(end - since + 1, end + 1):
@@ -81,11 +81,14 @@ def _estimated(
     return velocity
 
 
-def _fill(position: Reals, end: int, since: int, begin: Reals | None) -> None:
+def _fill(plan: Plan, position: Reals, end: int, since: int, begin: Reals | None) -> None:
     """Rows missed before the sample at row `end`; begin: the step, m, that the tool came with."""
     real = position.dtype.type
     step = (position[end] - position[end - since]) / real(since)
     left = np.arange(since - 1, 0, -1).astype(real)
     if begin is not None:
         step = step + (step - begin) / real(since) * (real(since) - left)
-    position[end - since + 1 : end] = position[end] - left * step
+    way = position[end] - left * step
+    if begin is not None:
+        way = np.clip(way, plan.guard.min_m, plan.guard.max_m)
+    position[end - since + 1 : end] = way

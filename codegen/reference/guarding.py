@@ -57,7 +57,7 @@ def guarded(plan: Plan, raw: Reals, believed: NDArray[np.bool_]) -> Guarded:
                 agreeing = 0
                 resync[i], ticks[i], good = True, 1, x
             elif plan.contact and good > 0 and x < good:
-                share[i] = x / good if x > 0 else real(0)
+                share[i] = min(x / good, real(1)) if x > 0 else real(0)
         elif believed[i]:
             agreeing = 0
             resync[i] = not started

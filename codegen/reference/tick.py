@@ -12,7 +12,7 @@ from springpot.codegen.reference.followed import Followed
 from springpot.codegen.reference.guarding import Guarded
 from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, RAMPED, RESYNC, Notes
 from springpot.codegen.stages.model_force import RangeConfig
-from springpot.codegen.stages.stage import flushed
+from springpot.codegen.stages.stage import bounded, flushed
 
 PACE, HURRY, DECAY = 1.2, 1.03, 0.9  # SP_OUTPUT_PACE, SP_OUTPUT_HURRY, SP_OUTPUT_DECAY
 
@@ -117,8 +117,8 @@ class Coupled:
         from_rest = e - rest
         phi = config.phi
         self.proxy = (
-            x + config.dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w)),
-            v + (phi[2] * from_rest + phi[3] * w),
+            bounded(x + config.dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w))),
+            bounded(v + (phi[2] * from_rest + phi[3] * w)),
         )
         return force_n
 
@@ -195,9 +195,11 @@ class _Output:
 
     def _return(self) -> None:
         may = self._real(PACE) * self._pace + self._config.return_n
-        way = self._aim - self._force
-        if abs(way) > may:
-            self._force = self._force + (may if way > 0 else -may)
+        up, down = self._force + may, self._force - may
+        if self._aim > up:
+            self._force = up
+        elif self._aim < down:
+            self._force = down
         else:
             self._force, self._pace = self._aim, self._real(0)
 
@@ -217,8 +219,7 @@ class _Output:
         return (minimum, LIMITED) if force < minimum else (force, 0)
 
     def _fall(self, ticks: Any) -> Any:
-        size = abs(self._force)
         step = self._config.fall_n * ticks
-        left = size - step if size > step else self._real(0)
-        self._force = -left if self._force < 0 else left
+        down, up = self._force - step, self._force + step
+        self._force = down if down > 0 else up if up < 0 else self._real(0)
         return self._force

@@ -22,6 +22,7 @@ Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample
 REAL, U32, DOUBLE = "real", "u32", "double"
 VECTOR_WIDTH = 4  # SP_VECTOR_WIDTH of sp_weighted_sum.h
 SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
+LARGEST = 1e9  # SP_LARGEST
 
 
 @dataclass(frozen=True)
@@ -180,6 +181,13 @@ def vector_width_of(runtime: Runtime) -> int:
 def flushed(x: Any) -> Any:
     """sp_flushed: one number, or 0 where it would be near denormal."""
     return x.dtype.type(0) if abs(x) < x.dtype.type(SMALLEST) else x
+
+
+def bounded(x: Any) -> Any:
+    """sp_bounded: a state within +-LARGEST; what is no number becomes the largest."""
+    largest = x.dtype.type(LARGEST)
+    below = x if x < largest else largest
+    return below if below > -largest else -largest
 
 
 def padded(n: int, vector_width: int = VECTOR_WIDTH) -> int:

@@ -15,7 +15,7 @@
 
 #include <stdint.h>
 
-#include "sp_real.h"
+#include "sp_number.h"
 
 typedef struct {
     sp_real stiffness_npm;
@@ -58,8 +58,8 @@ static inline sp_real sp_couple_force(const sp_couple_config *config, sp_couple_
     const sp_real rest = -(config->compliance_mpn * model_n);
     const sp_real from_rest = e - rest;
     const sp_real *phi = config->phi;
-    state->proxy_m = x + config->dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w));
-    state->proxy_mps = v + (phi[2] * from_rest + phi[3] * w);
+    state->proxy_m = sp_bounded(x + config->dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w)));
+    state->proxy_mps = sp_bounded(v + (phi[2] * from_rest + phi[3] * w));
     return force_n;
 }
 

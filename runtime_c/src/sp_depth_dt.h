@@ -13,8 +13,8 @@ static inline sp_real sp_depth_measured_loss(const sp_real *rates, uint32_t n_po
     const sp_real *rate = rates + place.piece * n_poles + i;
     const sp_real begins = dt_s * rate[0];
     const sp_real ends = dt_s * rate[n_poles];
-    const sp_real at_begin = begins * sp_measured_phi(begins);
-    const sp_real at_end = ends * sp_measured_phi(ends);
+    const sp_real at_begin = sp_measured_loss(begins);
+    const sp_real at_end = sp_measured_loss(ends);
     return at_begin + place.way * (sp_real)SP_DEPTH_PIECES * (at_end - at_begin);
 }
 
@@ -24,7 +24,7 @@ static inline void sp_depth_poles_dt(const sp_real *rates, uint32_t n_poles, sp_
     for (uint32_t i = 0; i < n_poles; i++) {
         const sp_real lost = sp_depth_measured_loss(rates, n_poles, i, place, dt_s);
         const sp_real rise = g[i] - before[i];
-        h[i] = sp_flushed(h[i] + (rise - lost * (h[i] + (sp_real)0.5 * rise)));
+        h[i] = sp_flushed(sp_bounded(h[i] + (rise - lost * (h[i] + (sp_real)0.5 * rise))));
         before[i] = g[i];
     }
 }
@@ -37,7 +37,7 @@ static inline void sp_depth_slow_poles_dt(const sp_real *rates, uint32_t n_poles
     for (uint32_t i = 0; i < n_poles; i++) {
         const double lost = (double)sp_depth_measured_loss(rates, n_poles, i, place, dt_s);
         const double rise = (double)(g[i] - before[i]);
-        h[i] = sp_flushed_double(h[i] + (rise - lost * (h[i] + 0.5 * rise)));
+        h[i] = sp_flushed_double(sp_bounded_double(h[i] + (rise - lost * (h[i] + 0.5 * rise))));
         out[i] = (sp_real)h[i];
         before[i] = g[i];
     }

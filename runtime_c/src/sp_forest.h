@@ -76,6 +76,7 @@ static inline uint32_t sp_forest_traverse(const sp_forest *forest, uint32_t tree
         for (uint32_t level = 0; level < SP_FOREST_UNCHECKED; level++) {
 #pragma GCC unroll 20
             for (uint32_t i = 0; i < trees; i++) {
+                //@ split at[i] - forest->nodes;
                 const uint32_t right = sp_forest_right(at[i], bins);
                 const uint32_t step = at[i]->step;
                 steps |= level + 1 == SP_FOREST_UNCHECKED ? step : 0;

@@ -27,7 +27,14 @@ typedef struct {
 
 static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
 {
-    return x >= config->min_m && x <= config->max_m; /* a NaN is neither */
+    return x == x && x >= config->min_m && x <= config->max_m; /* a NaN is not itself */
+}
+
+/* A way that was never measured does not leave the believable positions. */
+static inline sp_real sp_guard_within(const sp_guard_config *config, sp_real x)
+{
+    const sp_real below = x < config->max_m ? x : config->max_m;
+    return below > config->min_m ? below : config->min_m;
 }
 
 /* ticks: since the last good sample. Returns the position to use, m; before the first believable
@@ -75,7 +82,8 @@ static inline sp_real sp_guard_share(const sp_guard_config *config, const sp_gua
     if (!sp_guard_plausible(config, x) || !(x < state->good_m && state->good_m > zero)) {
         return (sp_real)1;
     }
-    return x > zero ? x / state->good_m : zero;
+    const sp_real share = x > zero ? x / state->good_m : zero;
+    return share < (sp_real)1 ? share : (sp_real)1;
 }
 
 #endif

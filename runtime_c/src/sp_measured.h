@@ -23,7 +23,10 @@ static inline sp_real sp_measured_phi(sp_real u)
     if (!(u < upper)) {
         return (sp_real)1 / u; /* of exp(-u) nothing is left: u phi is 1 */
     }
-    while (u > quarter) {
+    for (uint32_t k = 0; k < SP_MEASURED_HALVINGS; k++) {
+        if (!(u > quarter)) {
+            break;
+        }
         u *= (sp_real)0.5;
         halvings++;
     }
@@ -32,10 +35,18 @@ static inline sp_real sp_measured_phi(sp_real u)
         phi = (sp_real)1 - u / (sp_real)k * phi;
     }
     for (; halvings > 0; halvings--) {
-        phi *= (sp_real)1 - (sp_real)0.5 * u * phi;
+        const sp_real half = (sp_real)0.5 * u * phi; /* of 1 - exp(-u), whatever was rounded */
+        phi *= (sp_real)1 - (half < (sp_real)0.5 ? half : (sp_real)0.5);
         u *= (sp_real)2;
     }
     return phi;
+}
+
+/* 1 - exp(-u) for u >= 0. */
+static inline sp_real sp_measured_loss(sp_real u)
+{
+    const sp_real loss = u * sp_measured_phi(u);
+    return loss < (sp_real)1 ? loss : (sp_real)1;
 }
 
 /* All poles see the same input, which rose by `rise` in dt_s. */
@@ -45,7 +56,7 @@ static inline void sp_measured_shared(const sp_real *per_tau, const sp_real *per
     for (uint32_t i = 0; i < n_poles; i++) {
         const sp_real u = dt_s * per_tau[i];
         const sp_real phi = sp_measured_phi(u);
-        h[i] = sp_flushed(h[i] + (rise * (phi * per_gain[i]) - u * phi * h[i]));
+        h[i] = sp_flushed(sp_bounded(h[i] + (rise * (phi * per_gain[i]) - u * phi * h[i])));
     }
 }
 
@@ -69,7 +80,7 @@ static inline void sp_measured_slow(const sp_real *per_tau, const sp_real *per_g
         const sp_real u = dt_s * per_tau[i];
         const sp_real phi = sp_measured_phi(u);
         const double rises = (double)(rise * (phi * per_gain[i]));
-        h[i] = sp_flushed_double(h[i] + (rises - (double)(u * phi) * h[i]));
+        h[i] = sp_flushed_double(sp_bounded_double(h[i] + (rises - (double)(u * phi) * h[i])));
         out[i] = (sp_real)h[i];
     }
 }

@@ -61,9 +61,9 @@ static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_s
                                      sp_real ticks, int *notes)
 {
     const sp_real step = config->fall_n * ticks;
-    const sp_real size = sp_abs(state->force_n);
-    const sp_real left = size > step ? size - step : (sp_real)0;
-    state->force_n = state->force_n < (sp_real)0 ? -left : left;
+    const sp_real down_n = state->force_n - step;
+    const sp_real up_n = state->force_n + step;
+    state->force_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
     *notes |= SP_NOTE_LATCHED;
     return state->force_n;
 }
@@ -84,9 +84,12 @@ static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real fo
 static inline void sp_output_return(const sp_output_config *config, sp_output_state *state)
 {
     const sp_real may_n = SP_OUTPUT_PACE * state->pace_n + config->return_n;
-    const sp_real way_n = state->aim_n - state->force_n;
-    if (sp_abs(way_n) > may_n) {
-        state->force_n += way_n > (sp_real)0 ? may_n : -may_n;
+    const sp_real up_n = state->force_n + may_n;
+    const sp_real down_n = state->force_n - may_n;
+    if (state->aim_n > up_n) {
+        state->force_n = up_n;
+    } else if (state->aim_n < down_n) {
+        state->force_n = down_n;
     } else {
         state->force_n = state->aim_n;
         state->pace_n = (sp_real)0;

@@ -44,4 +44,16 @@ static inline uint32_t sp_silence_missed(const sp_silence_config *config,
     return ticks >= (sp_real)1.5 ? (uint32_t)(ticks - (sp_real)0.5) : 0;
 }
 
+/* Shortest time step, of a tick: what is divided by it stays finite. */
+#define SP_SILENCE_SHORTEST ((sp_real)0.0009765625)
+
+/* What the last tick lasts, s, after the `left` ones that were missed. */
+static inline sp_real sp_silence_last(const sp_silence_config *config,
+                                      const sp_silence_state *state, sp_real tick_s, uint32_t left)
+{
+    const sp_real last_s = state->silent_s + tick_s - (sp_real)left * config->dt_s;
+    const sp_real shortest_s = SP_SILENCE_SHORTEST * config->dt_s;
+    return last_s > shortest_s ? last_s : shortest_s;
+}
+
 #endif

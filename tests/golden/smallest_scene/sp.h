@@ -1,4 +1,4 @@
-/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
+/* springpot 0.1.0 f73c208516f3ca0a2e2c0d17400b4d22db6df46b15dd175280debe1a7a47af79 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

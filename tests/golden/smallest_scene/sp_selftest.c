@@ -1,4 +1,4 @@
-/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
+/* springpot 0.1.0 f73c208516f3ca0a2e2c0d17400b4d22db6df46b15dd175280debe1a7a47af79 */
 #include <stddef.h>
 
 #include "sp_golden.h"
@@ -50,7 +50,9 @@ int sp_selftest(void)
     }
     /* A time step that is no number: taken, it would end the watchdog's count for ever. */
     pattern force = {.bits = 0};
-    if (sp_idle(&state, from_bits(0x7fc00000u), &force.real) != SP_ERROR_TIME_STEP || force.bits != 0) {
+    const sp_real no_number = from_bits(0x7fc00000u);
+    if (no_number == no_number || sp_idle(&state, no_number, &force.real) != SP_ERROR_TIME_STEP ||
+        force.bits != 0) {
         return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
     }
     return 0;

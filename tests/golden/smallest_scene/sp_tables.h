@@ -1,4 +1,4 @@
-/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
+/* springpot 0.1.0 f73c208516f3ca0a2e2c0d17400b4d22db6df46b15dd175280debe1a7a47af79 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

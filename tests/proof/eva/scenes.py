@@ -1,0 +1,95 @@
+"""The scenes that are analysed: every kind, coupling and number type, and what few of them have."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal, cast
+
+import numpy as np
+from support.small import scene, training
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.model.model import Model
+from springpot.codegen.plan.plan import make_plan
+from springpot.trainer.kinds import KINDS, fit_model
+from springpot.trainer.models.fit import FitOptions
+
+# Small: what an analysis costs is nodes, taps and ticks that are made up; code is the same.
+_OPTIONS = FitOptions(trees=4, leaf=60, n_centers=20, window_s=0.05, orders=(0.1, 0.3, 0.5))
+_WATCHDOG_MS = 4.0
+# Relaxation by depth, a stretched depth, a pole that needs double, and a stop.
+_LAWS: dict[str, Any] = {
+    "tau_s": np.array([0.01, 0.2, 4e3, 4e3]),
+    "n_by_depth": 2,
+    "rate_ratio": 16.0,
+    "stretch": 6.0,
+    "radius_m": np.array([1e-3]),
+}
+
+Mode = Literal["off", "tool", "proxy"]
+
+
+@dataclass(frozen=True)
+class ProvedScene:
+    """One emitted folder; kind: of the model, or what is special of it."""
+
+    kind: str
+    coupling: Mode
+    number: str
+    contact: Literal["surface", "always"] = "surface"
+    velocity: Literal["estimate", "device"] = "estimate"
+
+    @property
+    def name(self) -> str:
+        """Of its folder and its row."""
+        also = [self.contact] * (self.contact == "always") + ["device"] * (
+            self.velocity == "device"
+        )
+        return "-".join([self.kind, self.coupling, self.number, *also])
+
+
+def proved_scenes() -> Iterator[ProvedScene]:
+    """All of them."""
+    for kind in (*KINDS, "by-depth", "fir-fast"):
+        for coupling in ("off", "tool", "proxy"):
+            for number in ("float32", "float64"):
+                yield ProvedScene(kind, cast(Mode, coupling), number)
+    for kind in ("hammerstein", "rbf-pv"):
+        yield ProvedScene(kind, "proxy", "float32", contact="always", velocity="device")
+
+
+def emit_scene(proved: ProvedScene, folder: Path) -> Path:
+    """Write its C into folder/NAME; returns that."""
+    chosen = scene(number=proved.number, mode=proved.coupling, smoothing_s=8e-4)
+    chosen = replace(
+        chosen,
+        guard=replace(chosen.guard, watchdog_ms=_WATCHDOG_MS),
+        device=replace(chosen.device, velocity=proved.velocity),
+    )
+    model = replace(_model(proved.kind), contact=proved.contact)
+    out = folder / proved.name
+    out.mkdir(parents=True, exist_ok=True)
+    for name, text in emit_files(make_plan(model, chosen, accept_unsafe=True)).items():
+        (out / name).write_text(text)
+    return out
+
+
+@cache
+def _model(kind: str) -> Model:
+    if kind == "fir-fast":
+        return fit_model("rbf-fd", "x", training(), replace(_OPTIONS, engine="fir-fast")).model
+    if kind != "by-depth":
+        return fit_model(kind, "x", training(), _options(kind)).model
+    model = _model("hammerstein")
+    passive = model.hammerstein
+    assert passive is not None
+    curve = np.ones_like(passive.elastic_n)
+    branch_n = np.linspace(0.1, 0.4, len(_LAWS["tau_s"]))[:, None] * curve
+    special = replace(passive, branch_n=branch_n, stop_n=0.1 * curve[None, :], **_LAWS)
+    return replace(model, hammerstein=special)
+
+
+def _options(kind: str) -> FitOptions:
+    """As small as the kind can be."""
+    return FitOptions(leaf=200, trees=4) if kind == "hybrid" else _OPTIONS

@@ -1,0 +1,131 @@
+"""`make prove`: Eva over the emitted C of every kind, coupling and number type.
+
+    python tests/proof/prove.py [--defects] [--only TEXT] [--out prove.json]
+
+Exit status 1 where an alarm is left, or a planted defect raises none; 2 without Frama-C.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+from eva.analysis import Analysis, analyse_scene, frama_c  # noqa: E402
+from eva.defects import DEFECTS, Defect, analyse_defect  # noqa: E402
+from eva.scenes import ProvedScene, emit_scene, proved_scenes  # noqa: E402
+
+ASSUMPTIONS = (
+    "IEEE 754 arithmetic, round to nearest, no contraction, no extended precision: flags.mk",
+    "a state is changed by the functions of its scene alone, and begins with sp_init or sp_reset",
+    "pointers are those of objects of the stated sizes; calls for one state do not overlap",
+    "the portable C: vector units (AVX2, AVX-512) do not run here: tests compare bits",
+    "fabs and sqrt are those of the C standard",
+    "models as small as these tests make them: other tables are other C, and are analysed alone "
+    "with `python tests/proof/prove.py --folder DIR`",
+)
+
+
+def main() -> int:
+    """Run it; returns the exit status."""
+    options = _options()
+    if frama_c() is None:
+        print("prove: Frama-C is not installed: apt-get install frama-c-base", file=sys.stderr)
+        return 2
+    if options.folder:
+        return _report_folder(options.folder)
+    began = time.monotonic()
+    wanted = [one for one in proved_scenes() if options.only in one.name]
+    with tempfile.TemporaryDirectory(prefix="prove-") as where, ThreadPoolExecutor(2) as pool:
+        folder = Path(where)
+        emitted = [emit_scene(one, folder) for one in wanted]
+        rows = list(pool.map(_said(_scene_row), wanted, emitted))
+        planted = [one for one in DEFECTS if options.defects]
+        defects = list(pool.map(_said(_defect_row), planted, [folder] * len(planted)))
+    seconds = time.monotonic() - began
+    left = sum(row["alarms"] for row in rows)
+    missed = [row["defect"] for row in defects if not row["alarms"]]
+    print(
+        f"{len(rows)} scenes, {left} alarms; {len(defects)} defects, {len(missed)} not seen; {seconds:.0f} s"
+    )
+    if options.out:
+        _write(options.out, rows, defects, seconds)
+    return 1 if left or missed else 0
+
+
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--defects", action="store_true", help="plant each defect too")
+    parser.add_argument("--only", default="", help="scenes whose name has this text")
+    parser.add_argument("--folder", type=Path, help="one emitted folder instead")
+    parser.add_argument("--out", type=Path, help="write the figures as JSON")
+    return parser.parse_args()
+
+
+def _report_folder(folder: Path) -> int:
+    found = analyse_scene(folder, timeout_s=3600.0)
+    for alarm in found.alarms:
+        print(alarm)
+    print(f"{folder}: {len(found.alarms)} alarms, {found.seconds:.0f} s")
+    return 1 if found.alarms else 0
+
+
+def _scene_row(scene: ProvedScene, folder: Path) -> tuple[dict[str, Any], Analysis]:
+    found = analyse_scene(folder)
+    row = {
+        "scene": scene.name, "kind": scene.kind, "coupling": scene.coupling,
+        "number": scene.number, "alarms": len(found.alarms), "seconds": round(found.seconds, 1),
+    }  # fmt: skip
+    return row, found
+
+
+def _defect_row(defect: Defect, folder: Path) -> tuple[dict[str, Any], Analysis]:
+    found = analyse_defect(defect, folder)
+    caught = found.alarms[0] if found.alarms else "nothing"
+    row = {"defect": defect.what, "scene": defect.scene.name, "alarms": len(found.alarms)}
+    return {**row, "caught_by": caught}, found
+
+
+def _said(row_of: Callable[..., tuple[dict[str, Any], Analysis]]) -> Callable[..., dict[str, Any]]:
+    """The row, and a line about it as soon as it is known."""
+
+    def run(*arguments: Any) -> dict[str, Any]:
+        row, found = row_of(*arguments)
+        named = row.get("defect", row["scene"])
+        print(f"{named:45} {row['alarms']:3} alarms {found.seconds:6.1f} s", flush=True)
+        if "defect" not in row:
+            for alarm in found.alarms:
+                print(f"    {alarm}", flush=True)
+        return row
+
+    return run
+
+
+def _write(
+    out: Path, rows: Sequence[dict[str, Any]], defects: Sequence[dict[str, Any]], seconds: float
+) -> None:
+    version = subprocess.run(
+        ["frama-c", "-version"], capture_output=True, text=True, check=True
+    ).stdout.strip()
+    result = {
+        "command": "make prove",
+        "version": f"Frama-C {version}",
+        "seconds": round(seconds),
+        "rows": rows,
+        "defects": defects,
+        "assumptions": ASSUMPTIONS,
+    }
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.write_text(json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
