@@ -53,9 +53,8 @@ def main() -> int:
     seconds = time.monotonic() - began
     left = sum(row["alarms"] for row in rows)
     missed = [row["defect"] for row in defects if not row["alarms"]]
-    print(
-        f"{len(rows)} scenes, {left} alarms; {len(defects)} defects, {len(missed)} not seen; {seconds:.0f} s"
-    )
+    print(f"{len(rows)} scenes, {left} alarms; {seconds:.0f} s in all")
+    print(f"{len(defects)} defects planted, not seen: {', '.join(missed) or 'none'}")
     if options.out:
         _write(options.out, rows, defects, seconds)
     return 1 if left or missed else 0
