@@ -1,4 +1,4 @@
-/* springpot 0.1.0 89780117a02e22cae3cc96a3bd48020d002f67ac66c62702b37fbb7c9d413e60 */
+/* springpot 0.1.0 30a2853085dc422d10b5879070d8bb023e8e52e4eece2f08795cc5cc006a41dc */
 #ifndef SP_REGRESSOR_H
 #define SP_REGRESSOR_H
 
