@@ -79,8 +79,8 @@ static void sealed(sp_wire_receiver *receiver, const uint8_t *data, size_t size)
 /* A link whose device sends these bytes, and then nothing. */
 static void through_link(int kind, const uint8_t *data, size_t size)
 {
-    static const sp_odrive drive = {.m_per_turn = 0.1, .sign = 1.0, .with_torque = 1,
-                                    .max_torque_nm = 1.0, .node = 1};
+    static const sp_odrive drive = {
+        .m_per_turn = 0.1, .sign = 1.0, .with_torque = 1, .max_torque_nm = 1.0, .node = 1};
     sp_odrive chosen = drive;
     sp_motion motions[CAPACITY];
     int ends[2];
