@@ -19,10 +19,10 @@ STORED = ROOT / "docs" / "reliability"
 PAGE = ROOT / "docs" / "reliability.md"
 _FUZZ = """A finding is anything but a result or one printable line on an input under 1 MiB: a
 traceback, a crash, above 10 s, above 1 GiB. `make soak` gives each target an hour; what stands here
-is for the seconds stated, and says nothing about longer. Edges: of the project's Python or C; at the
-start, of the seeds and of what earlier runs kept.
-Ended apart: what crashed or hung a library in the fuzzer, and ends in one line for users, since the
-project reads such files in a process of its own.
+is for the seconds stated, and says nothing about longer. Edges: of the project's Python or C; at
+the start, of the seeds and of what earlier runs kept. Ended apart: what crashed or hung a library
+in the fuzzer and ends in one line for users, the project reading it in a process of its own;
+crashes of the MAT reader are not counted, a copy of the process meets them first.
 """
 _MISRA = """**No claim of conformity**: the addon checks a part of the rules, nobody assessed the
 rest. Names without a number are cppcheck's own checks. The files of each record:
