@@ -13,7 +13,7 @@ include runtime_c/flags.mk
 MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf \
   picolibc-riscv64-unknown-elf qemu-system-misc
 
-.PHONY: demo test test-all test-mcu setup-mcu firmware soak bench-tick bench-host check format lint types ns test-c clean
+.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -48,7 +48,8 @@ firmware: $(STAMP)
 
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a
-# million damaged frames, every fault of a session five times, a minute on every emulated board.
+# million damaged frames, every fault of a session five times, a minute on every emulated board; every
+# reader of files, and of the wire, an hour under a fuzzer.
 soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/trainer/recordings/test_import_fuzz.py tests/host/commands/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
@@ -56,6 +57,14 @@ soak: $(STAMP) test-c
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/host/devices/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/host/session/test_faults.py
 	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/host/boards/test_mcu_board.py
+	$(BIN)/pip install --quiet --disable-pip-version-check atheris
+	$(BIN)/python tests/proof/fuzz/fuzz.py
+	$(BIN)/python tests/proof/reliability.py
+
+# Rules of MISRA C:2012 that cppcheck checks: kept, or recorded in tests/proof/misra/deviations.toml.
+misra: $(STAMP)
+	$(BIN)/python tests/proof/misra/misra.py
+	$(BIN)/python tests/proof/reliability.py
 
 # Sessions of a minute over simulated devices: ticks and lateness.
 bench-host: $(STAMP)
@@ -71,7 +80,7 @@ check: format lint types
 
 format: $(STAMP)
 	$(BIN)/ruff format --check --quiet .
-	$(BIN)/clang-format --dry-run --Werror $$(git ls-files 'runtime_c/*.[ch]' 'tests/c/*.[ch]')
+	$(BIN)/clang-format --dry-run --Werror $$(git ls-files 'runtime_c/*.[ch]' 'tests/c/*.[ch]' 'tests/proof/fuzz/*.[ch]')
 
 lint: $(STAMP)
 	$(BIN)/ruff check --quiet .

@@ -1,8 +1,17 @@
 """Errors that a user can act on. Each message is one line: what, where, what to do."""
 
+_MAX_LETTERS = 2000
+
 
 class SpringpotError(Exception):
     """Base of all errors shown to a user; host/cli.py maps each to an exit status."""
+
+    def __str__(self) -> str:
+        """One printable line, whatever a file holds that is quoted: terminals obey some bytes."""
+        text = super().__str__()
+        if len(text) > _MAX_LETTERS:
+            text = f"{text[: _MAX_LETTERS - 500]} ... {text[-490:]}"
+        return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 class UsageError(SpringpotError, ValueError):

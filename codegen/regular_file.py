@@ -5,6 +5,13 @@ from pathlib import Path
 
 from springpot.codegen.errors import DataError
 
+_ALWAYS_BYTES = 1 << 26
+
+
+def max_unpacked_bytes(file_bytes: int, ratio: int) -> int:
+    """How much may come out of a file that shrank by `ratio` at most: a small one stays small."""
+    return max(_ALWAYS_BYTES, ratio * file_bytes)
+
 
 def require_regular(path: Path) -> None:
     """Raise DataError for pipes, devices and sockets, and OSError where there is nothing.
@@ -25,5 +32,5 @@ def read_bounded(path: Path, max_bytes: int) -> bytes:
     with path.open("rb") as file:
         content = file.read(max_bytes + 1)
     if len(content) > max_bytes:
-        raise DataError(f"{path}: larger than {max_bytes >> 20} MiB: not such a file")
+        raise DataError(f"{path}: larger than {max_bytes >> 10} KiB: not such a file")
     return content

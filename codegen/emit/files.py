@@ -160,7 +160,7 @@ def _golden(plan: Plan) -> str:
     bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
     parts = [f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"]
     for name, values in columns.items():
-        items = [f"0x{pattern:x}" for pattern in values.view(bits).tolist()]
+        items = [f"0x{pattern:x}u" for pattern in values.view(bits).tolist()]
         parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
         parts += [*wrapped(items), "};"]
     notes = map(str, run.notes.tolist())

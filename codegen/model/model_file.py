@@ -33,6 +33,7 @@ from springpot.codegen.regular_file import read_bounded
 MODEL_SCHEMA = 4  # 1: no quantisation of forests; 2: other names; 3: rates of one depth
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
+_MAX_HEADER_BYTES = 4 << 20  # JSON becomes a hundred times as much memory
 # The only types that a file can name; a kind of one's own adds its own with `register_part`.
 _PARTS: dict[str, type[Any]] = {
     part.__name__: part
@@ -131,6 +132,8 @@ def read_model(path: Path) -> Model:
 def _model(arrays: Arrays) -> Model:
     """The model in the arrays. Raises DataError, without the file's name, where there is none."""
     header = arrays.pop("header", np.zeros(0))
+    if header.nbytes > _MAX_HEADER_BYTES:
+        raise DataError(f"header: {header.nbytes >> 20} MiB, more than {_MAX_HEADER_BYTES >> 20}")
     try:
         parts = json.loads(header.tobytes(), parse_constant=_no_number)
         used: set[str] = set()

@@ -11,10 +11,12 @@ from typing import IO, Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
+from springpot.codegen.regular_file import max_unpacked_bytes
 
 Arrays = dict[str, np.ndarray[Any, Any]]
 MAX_BYTES = 1 << 29  # of a file, and of all its arrays: a forest of 19 million nodes
 _MAX_ARRAYS = 256
+_MAX_RATIO = 64  # models shrink to a tenth at most
 # As numpy writes it, and nothing else: numpy itself evaluates what stands there.
 _NPY_START = b"\x93NUMPY\x01\x00"
 _NPY_HEADER = re.compile(
@@ -28,7 +30,7 @@ def unpacked(body: bytes) -> Arrays:
     try:
         with zipfile.ZipFile(io.BytesIO(body)) as stored:
             entries = stored.infolist()
-            _require_sizes(entries)
+            _require_sizes(entries, min(MAX_BYTES, max_unpacked_bytes(len(body), _MAX_RATIO)))
             return {entry.filename.removesuffix(".npy"): _array(stored, entry) for entry in entries}
     # The decompressors raise whatever they meet.
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError,
@@ -37,13 +39,13 @@ def unpacked(body: bytes) -> Arrays:
         raise DataError(f"its arrays cannot be read ({reason})") from None
 
 
-def _require_sizes(entries: list[zipfile.ZipInfo]) -> None:
+def _require_sizes(entries: list[zipfile.ZipInfo], max_bytes: int) -> None:
     names = {entry.filename for entry in entries}
     if len(names) != len(entries) or len(entries) > _MAX_ARRAYS:
         raise DataError(f"holds {len(entries)} arrays under {len(names)} names")
     declared = sum(entry.file_size for entry in entries)
-    if declared > MAX_BYTES:
-        raise DataError(f"declares {declared / 2**20:.0f} MiB, more than {MAX_BYTES >> 20}")
+    if declared > max_bytes:
+        raise DataError(f"declares {declared / 2**20:.0f} MiB, more than {max_bytes >> 20}")
     for entry in entries:
         if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             raise DataError(f"{entry.filename!r} is compressed in a way that numpy never uses")

@@ -9,11 +9,13 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.atomic_write import write_file
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.regular_file import read_bounded
 from springpot.codegen.scene import Scene
 
 _ADAPTER = TypeAdapter(Scene)
 _EXAMPLE = Scene(schema=1, name="example", model="model.spm")
+_MAX_BYTES = 1 << 14  # a page or five; the TOML reader takes the square of a dotted key
 _FIRST = ("schema", "name", "model")  # keys without a section, and without a default
 # Words of C and of the headers that the emitted sources include: a file or name of ours would hide
 # them.
@@ -28,9 +30,12 @@ _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 def read_scene(path: Path) -> Scene:
     """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
     try:
-        content = json.dumps(tomllib.loads(path.read_text(encoding="utf-8")))
+        text = read_bounded(path, _MAX_BYTES).decode()
+        content = json.dumps(tomllib.loads(text))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror}): give a scene file") from None
+    except DataError as error:
+        raise UsageError(str(error)) from None
     except (ValueError, TypeError, RecursionError) as error:
         raise UsageError(f"{path}: not a scene: {str(error).splitlines()[0]}") from None
     return _checked(content, str(path))

@@ -173,11 +173,12 @@ def mach1(rng: Rng) -> Case:
 
 
 @cache
-def _frames(form: str) -> bytes:
+def can_frames(form: str, **options: int) -> bytes:
+    """A good log of CAN frames, as candump's "log" or as "blf"."""
     database = cantools.database.load_string(DBC)
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"a.{form}"
-        with can.Logger(path) as logger:
+        with can.Logger(path, **options) as logger:
             for t in TIME_S.tolist():
                 data = database.encode_message("Tool", {"Position": 100 * t, "Force": 200 * t})
                 logger(can.Message(1e9 + t, 291, is_extended_id=False, data=data, channel="v0"))
@@ -186,7 +187,7 @@ def _frames(form: str) -> bytes:
 
 def candump(rng: Rng) -> Case:
     """A candump log with a bad line."""
-    lines = _frames("log").decode().splitlines()
+    lines = can_frames("log").decode().splitlines()
     k = int(rng.integers(2, ROWS - 2))
     fault = str(rng.choice(["mark", "odd", "short", "swapped", "missing", "text"]))
     row = k + 1
@@ -218,7 +219,7 @@ def _cut_or_flipped(rng: Rng, content: bytes, checked: bool) -> tuple[str, bytes
 
 def blf(rng: Rng) -> Case:
     """A BLF log cut short, or with a flipped byte."""
-    what, content, surely = _cut_or_flipped(rng, _frames("blf"), False)
+    what, content, surely = _cut_or_flipped(rng, can_frames("blf"), False)
     return Case(f"BLF, {what}", "a.blf", content, surely=surely, options={"dbc": True})
 
 
@@ -244,7 +245,8 @@ def journal(rng: Rng) -> Case:
 
 
 @cache
-def _arrays(form: str) -> bytes:
+def stored_arrays(form: str) -> bytes:
+    """A good file of three arrays, "mat" or "h5"."""
     memory = io.BytesIO()
     arrays = {"time_s": TIME_S, "position_mm": 100 * TIME_S, "force_N": 200 * TIME_S}
     if form == "mat":
@@ -258,11 +260,11 @@ def _arrays(form: str) -> bytes:
 
 def mat(rng: Rng) -> Case:
     """A MAT file cut short, or with a flipped byte."""
-    what, content, surely = _cut_or_flipped(rng, _arrays("mat"), False)
+    what, content, surely = _cut_or_flipped(rng, stored_arrays("mat"), False)
     return Case(f"MAT, {what}", "a.mat", content, surely=surely)
 
 
 def hdf5(rng: Rng) -> Case:
     """An HDF5 file cut short, or with a flipped byte."""
-    what, content, surely = _cut_or_flipped(rng, _arrays("h5"), False)
+    what, content, surely = _cut_or_flipped(rng, stored_arrays("h5"), False)
     return Case(f"HDF5, {what}", "a.h5", content, surely=surely)

@@ -1,12 +1,9 @@
 """Reading a journal that a crash left behind: what is whole, and a message of what is lost."""
 
 import fcntl
-import json
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -20,8 +17,12 @@ from springpot.trainer.recordings.journal_blocks import (
     Block,
     decode,
 )
+from springpot.trainer.recordings.metadata import (
+    RecordingMetadata,
+    checked_metadata,
+    metadata_of_json,
+)
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
-from springpot.trainer.recordings.recording_name import require_recording_name
 
 JOURNAL_SUFFIX = ".journal"
 MAX_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
@@ -37,17 +38,13 @@ class Recovered:
 
 @dataclass(frozen=True)
 class _Journal:
-    metadata: Mapping[str, Any]
+    metadata: RecordingMetadata
+    block_s: float  # of a full block of samples
     blocks: list[Block | None]  # of samples, None where damaged
-
-    @property
-    def channels(self) -> list[str]:
-        """Names of the channels beside position and force."""
-        return list(self.metadata.get("channels", ()))
 
     def rows(self, blocks: list[Block | None]) -> list[Samples]:
         """Samples of the whole blocks among these, each (n, 2 + channels)."""
-        return [block.rows(2 + len(self.channels)) for block in blocks if block]
+        return [block.rows(2 + len(self.metadata.channels)) for block in blocks if block]
 
 
 def journal_of(file: Path) -> Path:
@@ -79,7 +76,7 @@ def read_journal(path: Path) -> Recovered:
     whole = len(blocks)
     while whole and blocks[whole - 1] is None:
         whole -= 1
-    lost_s = (len(blocks) - whole) * float(journal.metadata["block_s"])
+    lost_s = (len(blocks) - whole) * journal.block_s
     if (damaged and damaged[0] < whole) or lost_s > MAX_LOST_S + 1e-9:
         begin_s = _seconds(journal, damaged[0])
         raise DataError(
@@ -133,27 +130,23 @@ def _read(path: Path) -> _Journal:
     metadata = _metadata(path, blocks)
     begin = next(k for k, block in enumerate(blocks) if block and block.kind == LAST_METADATA) + 1
     samples = [b if b and b.kind == SAMPLES else None for b in blocks[begin:]]
-    row_bytes = 8 * (2 + len(metadata.get("channels", ())))
+    row_bytes = 8 * (2 + len(metadata.channels))
     samples = [b if b and len(b.payload) % row_bytes == 0 else None for b in samples]
-    journal = _Journal(metadata, samples)
+    journal = _Journal(metadata, metadata.block_s or metadata.dt_s, samples)
     if sum(map(len, journal.rows(samples))) < 2:
         raise DataError(f"{path}: a recording that was interrupted before its first samples: "
                         "remove it")  # fmt: skip
     return journal
 
 
-def _metadata(path: Path, blocks: list[Block | None]) -> Mapping[str, Any]:
+def _metadata(path: Path, blocks: list[Block | None]) -> RecordingMetadata:
     text = b""
     for block in blocks:
         if block is None or block.kind == SAMPLES:
             break
         text += block.payload
         if block.kind == LAST_METADATA:
-            metadata = json.loads(text)
-            if metadata["schema"] > 1:
-                break
-            assert isinstance(metadata, dict)
-            return metadata
+            return checked_metadata(str(path), metadata_of_json(str(path), text))
     raise DataError(
         f"{path}: a recording that was interrupted at its very start, or whose first block is "
         "damaged: without its rate and name nothing can be read, remove it"
@@ -162,24 +155,23 @@ def _metadata(path: Path, blocks: list[Block | None]) -> Mapping[str, Any]:
 
 def _seconds(journal: _Journal, block: int) -> float:
     """Time at which a block begins: exact unless blocks before it were cut short."""
-    return block * float(journal.metadata["block_s"])
+    return block * journal.block_s
 
 
 def _recording(path: Path, journal: _Journal, blocks: list[Block | None], suffix: str) -> Recording:
     rows = np.concatenate(journal.rows(blocks))
     metadata = journal.metadata
-    name = str(metadata["name"]) + suffix
-    require_recording_name(name, f"{path}: ")
-    return Recording(
-        name=name,
-        position_m=np.ascontiguousarray(rows[:, 0], dtype=np.float64),
-        force_n=np.ascontiguousarray(rows[:, 1], dtype=np.float64),
-        dt_s=float(metadata["dt_s"]),
-        zero=metadata.get("zero", "none"),
-        source=str(metadata["source"]),
-        details=metadata["details"],
-        channels={
-            channel: np.ascontiguousarray(rows[:, 2 + k], dtype=np.float64)
-            for k, channel in enumerate(journal.channels)
-        },
-    )
+    columns = [np.ascontiguousarray(column, dtype=np.float64) for column in rows.T]
+    try:
+        return Recording(
+            name=metadata.name + suffix,
+            position_m=columns[0],
+            force_n=columns[1],
+            dt_s=metadata.dt_s,
+            zero=metadata.zero,
+            source=metadata.source,
+            details=metadata.details,
+            channels=dict(zip(metadata.channels, columns[2:], strict=True)),
+        )
+    except DataError as error:
+        raise DataError(f"{path}: {error}") from None

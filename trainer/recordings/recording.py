@@ -55,6 +55,12 @@ class Recording:
                 f"{self.name}: position has {self.position_m.shape} samples and force "
                 f"{self.force_n.shape}: give two 1-D channels of one length"
             )
+        for channel, samples in self.channels.items():
+            if samples.shape != self.position_m.shape:
+                raise DataError(
+                    f"{self.name}: {channel} has {samples.shape} samples and position "
+                    f"{self.position_m.shape}: give 1-D channels of one length"
+                )
         if len(self.position_m) < 2:
             raise DataError(f"{self.name}: {len(self.position_m)} rows: a recording needs two")
         if not (np.isfinite(self.dt_s) and self.dt_s > 0.0):

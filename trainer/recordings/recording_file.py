@@ -3,9 +3,11 @@
 import hashlib
 import io
 import json
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -13,18 +15,23 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
-from springpot.codegen.regular_file import require_regular
+from springpot.codegen.regular_file import max_unpacked_bytes, require_regular
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
     is_being_recorded,
     journal_of,
     read_journal,
 )
+from springpot.trainer.recordings.metadata import (
+    RECORDING_SCHEMA,
+    checked_metadata,
+    metadata_of_json,
+)
 from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.reader_limits import MAX_RATIO
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, SIGN_RULE, Recording
-from springpot.trainer.recordings.recording_name import require_recording_name
+from springpot.trainer.recordings.recording_process import read_unsealed
 
-RECORDING_SCHEMA = 1
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
 # flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
 _CHECKSUM = b"springpot sha256"
@@ -93,7 +100,8 @@ def read_recording(path: Path) -> Recording:
         return _recovered(path)
     if not path.exists() and path.suffix == RECORDING_SUFFIX and journal_of(path).exists():
         return _recovered(journal_of(path))
-    return _read_hdf5(path)
+    # Only a file as springpot wrote it is shown to the HDF5 library here.
+    return read_hdf5(path) if _is_sealed(path) else read_unsealed(path)
 
 
 def _recovered(journal: Path) -> Recording:
@@ -110,49 +118,81 @@ def _recovered(journal: Path) -> Recording:
     return replace(found.recording, details={**found.recording.details, "recovered": message})
 
 
-def _read_hdf5(path: Path) -> Recording:
+def _is_sealed(path: Path) -> bool:
+    """Whether the checksum is there and right. Raises DataError where it is there and wrong."""
     try:
         require_regular(path)
-        _verify_checksum(path)
-        with h5py.File(path, "r") as file:
-            schema = int(file.attrs["schema"])
-            if schema > RECORDING_SCHEMA:
-                raise DataError(
-                    f"{path}: recording schema {schema}, this springpot reads up to "
-                    f"{RECORDING_SCHEMA}: upgrade springpot"
-                )
-            for channel, unit in _CHANNEL_UNITS.items():
-                found = file[channel].attrs["unit"]
-                if found != unit:
-                    raise DataError(
-                        f"{path}: {channel} is in {found!r}, not {unit!r}: import again"
-                    )
-            name = str(file.attrs["name"])
-            require_recording_name(name, f"{path}: ")
-            return Recording(
-                name=name,
-                position_m=np.asarray(file["position_m"], dtype=np.float64),
-                force_n=np.asarray(file["force_n"], dtype=np.float64),
-                dt_s=float(file.attrs["dt_s"]),
-                zero=file.attrs["zero"],
-                position_delay_s=float(file.attrs["position_delay_s"]),
-                force_delay_s=float(file.attrs["force_delay_s"]),
-                source=str(file.attrs["source"]),
-                details=json.loads(file.attrs["details"]),
-                channels={
-                    channel: np.asarray(file[_MORE][channel], dtype=np.float64)
-                    for channel in file.get(_MORE, ())
-                },
-            )
+        return _verify_checksum(path)
     except FileNotFoundError:
         raise DataError(f"{path}: no such file") from None
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+
+
+def read_hdf5(path: Path) -> Recording:
+    """Read an HDF5 file in this process, which the library may crash or hang."""
+    try:
+        with h5py.File(path, "r") as file:
+            return _recording(path, file)
     except DataError:
         raise
-    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+    # The library raises whatever it meets.
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError,
+            MemoryError) as error:  # fmt: skip
         reason = " ".join(str(error).split())
         raise DataError(
             f"{path}: not a springpot recording ({reason}): make one with `springpot import`"
         ) from None
+
+
+def _recording(path: Path, file: h5py.File) -> Recording:
+    attributes = {name: _plain(value) for name, value in file.attrs.items()}
+    attributes["details"] = metadata_of_json(str(path), attributes.get("details", ""))
+    metadata = checked_metadata(str(path), attributes)
+    sets = {channel: file[channel] for channel in _CHANNEL_UNITS}
+    for channel, unit in _CHANNEL_UNITS.items():
+        found = sets[channel].attrs["unit"]
+        if found != unit:
+            raise DataError(f"{path}: {channel} is in {found!r}, not {unit!r}: import again")
+    sets |= {f"{_MORE}/{channel}": file[_MORE][channel] for channel in file.get(_MORE, ())}
+    _require_samples(path, sets)
+    samples = {name: np.asarray(stored, dtype=np.float64) for name, stored in sets.items()}
+    try:
+        return Recording(
+            name=metadata.name,
+            position_m=samples.pop("position_m"),
+            force_n=samples.pop("force_n"),
+            dt_s=metadata.dt_s,
+            zero=metadata.zero,
+            position_delay_s=metadata.position_delay_s,
+            force_delay_s=metadata.force_delay_s,
+            source=metadata.source,
+            details=metadata.details,
+            channels={name.removeprefix(f"{_MORE}/"): found for name, found in samples.items()},
+        )
+    except DataError as error:
+        raise DataError(f"{path}: {error}") from None
+
+
+def _plain(value: Any) -> Any:
+    """An attribute's value as Python's own type."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _require_samples(path: Path, sets: Mapping[str, Any]) -> None:
+    """Numbers, and not more than the file can hold: HDF5 stores what is nowhere written as zeros.
+
+    Before any is read, since reading takes the memory.
+    """
+    for name, stored in sets.items():
+        if not isinstance(stored, h5py.Dataset) or stored.dtype.kind not in "fiu":
+            raise DataError(f"{path}: {name} is no data set of numbers: import again")
+    declared = sum(8 * math.prod(stored.shape or ()) for stored in sets.values())
+    if declared > max_unpacked_bytes(path.stat().st_size, MAX_RATIO):
+        raise DataError(
+            f"{path}: declares {declared >> 20} MiB of samples in {path.stat().st_size} bytes: "
+            "import again"
+        )
 
 
 def has_checksum(path: Path) -> bool:
@@ -162,15 +202,15 @@ def has_checksum(path: Path) -> bool:
         return file.read().startswith(_CHECKSUM)
 
 
-def _verify_checksum(path: Path) -> None:
-    """Compare the bytes with the checksum after them; a file that others edited has none."""
+def _verify_checksum(path: Path) -> bool:
+    """Compare the bytes with the checksum after them; False: a file that others edited has none."""
     content, checksum = path.stat().st_size - _CHECKSUM_BYTES, b""
     with path.open("rb") as file:
         if content > 0:
             file.seek(content)
             checksum = file.read()
         if not checksum.startswith(_CHECKSUM):
-            return
+            return False
         digest = hashlib.sha256()
         file.seek(0)
         while content > 0:
@@ -179,6 +219,7 @@ def _verify_checksum(path: Path) -> None:
             content -= len(chunk)
     if checksum != _CHECKSUM + digest.digest():
         raise DataError(f"{path}: damaged, its bytes differ from those written: import it again")
+    return True
 
 
 def read_recordings(paths: Iterable[Path]) -> list[Recording]:

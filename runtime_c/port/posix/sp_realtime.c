@@ -20,7 +20,7 @@ int32_t sp_realtime_ask(int32_t priority, int32_t cpu)
     got |= pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0 ? SP_GOT_FIFO : 0;
     got |= mlockall(MCL_CURRENT) == 0 ? SP_GOT_LOCKED : 0;
 #if defined(__linux__)
-    got |= prctl(PR_SET_TIMERSLACK, 1ul) == 0 ? SP_GOT_SLACK : 0;
+    got |= prctl(PR_SET_TIMERSLACK, 1UL) == 0 ? SP_GOT_SLACK : 0;
     if (cpu >= 0) {
         cpu_set_t set;
         CPU_ZERO(&set);

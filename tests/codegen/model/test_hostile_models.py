@@ -1,5 +1,7 @@
 """Model files that strangers made, their checksum right: one line each, and nothing is taken."""
 
+import hashlib
+import io
 import resource
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +13,13 @@ from support.hostile_models import hostile_models
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.field_types import MAX_NUMBER
-from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
+from springpot.codegen.model.model_file import (
+    MODEL_MAGIC,
+    MODEL_SCHEMA,
+    model_bytes,
+    model_hash,
+    read_model,
+)
 
 
 @pytest.fixture
@@ -58,3 +66,21 @@ def test_what_would_be_refused_is_not_written() -> None:
     object.__setattr__(forest, "threshold", np.full_like(forest.threshold, 2 * MAX_NUMBER))
     with pytest.raises(DataError, match=r"rf-fd: model\.regressor\.threshold: a number that"):
         model_bytes(model)
+
+
+@pytest.mark.parametrize(
+    ("array", "told"),
+    [
+        (np.zeros(20_000_000, np.int32), "declares 76 MiB, more than 64"),
+        (np.frombuffer(b"[" + b"[]," * 2_000_000 + b"[]]", np.uint8), "header: 5 MiB, more than 4"),
+    ],
+)
+def test_a_small_file_takes_little_memory(tmp_path: Path, array: np.ndarray, told: str) -> None:
+    payload = io.BytesIO()
+    np.savez_compressed(payload, allow_pickle=False, header=array)
+    body = payload.getvalue()
+    checksum = hashlib.sha256(body).hexdigest().encode()
+    file = tmp_path / "small.spm"
+    file.write_bytes(b"%s %d %s\n" % (MODEL_MAGIC, MODEL_SCHEMA, checksum) + body)
+    with pytest.raises(DataError, match=told):
+        read_model(file)

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f73c208516f3ca0a2e2c0d17400b4d22db6df46b15dd175280debe1a7a47af79 */
+/* springpot 0.1.0 7453446d12fb8072c33aa6ffe3495358091461e63c5326a37e4f58f841d46acb */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f73c208516f3ca0a2e2c0d17400b4d22db6df46b15dd175280debe1a7a47af79\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"7453446d12fb8072c33aa6ffe3495358091461e63c5326a37e4f58f841d46acb\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

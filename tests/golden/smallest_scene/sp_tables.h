@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f73c208516f3ca0a2e2c0d17400b4d22db6df46b15dd175280debe1a7a47af79 */
+/* springpot 0.1.0 7453446d12fb8072c33aa6ffe3495358091461e63c5326a37e4f58f841d46acb */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

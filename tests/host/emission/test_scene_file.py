@@ -93,6 +93,14 @@ def test_a_wrong_key_is_named_in_one_line(tmp_path: Path, text: str, told: str) 
     assert "scene.toml" in str(refusal.value)
 
 
+def test_a_file_that_is_no_scene_by_its_size(tmp_path: Path) -> None:
+    """A dotted key takes the TOML reader the square of its length, in time and memory."""
+    file = tmp_path / "scene.toml"
+    file.write_text("schema = 1\n" + "a." * 31_000 + "b = 1\n")
+    with pytest.raises(UsageError, match="larger than 16 KiB"):
+        read_scene(file)
+
+
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"none\.toml: cannot be read"):
         read_scene(tmp_path / "none.toml")

@@ -5,7 +5,6 @@ own turns that into one line. Prints the arrays as one NPZ file: names, units an
 """
 
 import io
-import resource
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -13,22 +12,30 @@ from typing import Any
 
 import numpy as np
 
-_MAX_BYTES = 8 << 30
-_CPU_S = 120
+from springpot.codegen.regular_file import max_unpacked_bytes
+from springpot.trainer.recordings.reader_limits import MAX_RATIO, limit_reader
+
 _MAX_COLUMNS = 32
 Found = Iterator[tuple[str, str, Any]]
 
 
 def read_on_request() -> None:
     """Read the file named by the first argument, of the kind named by the second."""
-    resource.setrlimit(resource.RLIMIT_AS, (_MAX_BYTES, _MAX_BYTES))
-    resource.setrlimit(resource.RLIMIT_CPU, (_CPU_S, _CPU_S))
     path, kind = Path(sys.argv[1]), sys.argv[2]
+    limit_reader(path)
     try:
-        found = list(_of_mat(path) if kind == "mat" else _of_hdf5(path))
+        sys.stdout.buffer.write(arrays_as_npz(path, kind))
     except Exception as error:  # whatever the libraries raise on a damaged file
         sys.exit(" ".join(f"{type(error).__name__}: {error}".split())[:200])
+
+
+def arrays_as_npz(path: Path, kind: str) -> bytes:
+    """Names, units and values of the vectors in a file of the kind "mat" or "hdf5"."""
+    found = _of_mat(path) if kind == "mat" else _of_hdf5(path)
     columns = [part for name, unit, value in found for part in _columns(name, unit, value)]
+    taken = sum(values.nbytes for _, _, values in columns)
+    if taken > max_unpacked_bytes(path.stat().st_size, MAX_RATIO):
+        raise ValueError(f"{taken >> 20} MiB of numbers in {path.stat().st_size} bytes")
     memory = io.BytesIO()
     np.savez(
         memory,
@@ -36,7 +43,7 @@ def read_on_request() -> None:
         units=np.array([unit for _, unit, _ in columns], dtype=str),
         **{f"a{k}": values for k, (_, _, values) in enumerate(columns)},
     )
-    sys.stdout.buffer.write(memory.getvalue())
+    return memory.getvalue()
 
 
 def _of_mat(path: Path) -> Found:

@@ -1,8 +1,6 @@
 """MAT files (v5, v7.3) and HDF5 files of any layout: one array a channel, found by name or map."""
 
 import io
-import subprocess
-import sys
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,11 +15,11 @@ from springpot.trainer.recordings.formats.csv_layout import wanted_columns
 from springpot.trainer.recordings.formats.labels import guess_column, split_unit
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
+from springpot.trainer.recordings.reader_limits import read_apart
 
 HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 MAT_MAGIC = b"MATLAB 5.0 MAT-file"
 MAT73_MAGIC = b"MATLAB 7.3 MAT-file"
-_TIMEOUT_S = 150.0
 _MAX_SHOWN = 12
 
 
@@ -76,16 +74,7 @@ def _load(path: Path, kind: str) -> list[_Array]:
     if kind == "mat" and find_spec("scipy") is None:
         raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
     module = "springpot.trainer.recordings.formats.array_process"
-    command = [sys.executable, "-m", module, str(path), kind]
-    try:
-        result = subprocess.run(command, capture_output=True, check=False, timeout=_TIMEOUT_S)
-    except subprocess.TimeoutExpired:
-        raise DataError(f"{path}: reading it does not end: damaged, export it again") from None
-    if result.returncode:
-        reason = result.stderr.decode(errors="replace").strip().splitlines()
-        why = reason[-1] if reason and result.returncode > 0 else "it crashes the reader"
-        raise DataError(f"{path}: damaged or of another format ({why}): export it again")
-    with np.load(io.BytesIO(result.stdout), allow_pickle=False) as stored:
+    with np.load(io.BytesIO(read_apart(path, module, kind)), allow_pickle=False) as stored:
         names, units = stored["names"], stored["units"]
         arrays = [
             _Array(str(name), str(unit), stored[f"a{k}"])

@@ -12,12 +12,12 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.formats.blf_containers import BLF_MAGIC, require_blf
 from springpot.trainer.recordings.formats.column_map import Column, ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.labels import guess_column
 from springpot.trainer.recordings.formats.sampling import GAP, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
 
-BLF_MAGIC = b"LOGG"
 _CANDUMP = re.compile(
     r"\((?P<stamp>\d+\.\d+)\)\s+\S+\s+[0-9A-Fa-f]{3,8}#(R\d*|#[0-9A-Fa-f]([0-9A-Fa-f]{2}){0,64}"
     r"|([0-9A-Fa-f]{2}){0,8})( [TR])?"
@@ -167,6 +167,7 @@ def _candump(path: Path) -> Iterator[tuple[int, Any]]:
 def _blf(path: Path) -> Iterator[tuple[int, Any]]:
     import can
 
+    require_blf(path)
     number = 0
     try:
         with path.open("rb") as file, can.BLFReader(file) as reader:

@@ -28,6 +28,8 @@ from springpot.trainer.recordings.formats.units import (
 )
 
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma"}
+_MAX_COLUMNS = 1024
+_MAX_NAMED = 12  # columns in a message
 _Row = list[str]
 Candidates = dict[Quantity, list[int]]
 
@@ -61,7 +63,7 @@ def find_layout(
     for index in range(len(head)):
         for delimiter in DELIMITERS:
             row = cells(head[index], delimiter)
-            if len(row) < len(options):
+            if not len(options) <= len(row) <= _MAX_COLUMNS:
                 continue
             found = {q: _candidates(row, q, columns.get(q)) for q in options}
             found = {q: candidates for q, candidates in found.items() if candidates}
@@ -74,8 +76,11 @@ def find_layout(
 
 
 def cells(line: str, delimiter: str) -> _Row:
-    """Split one line; quoted cells keep their delimiters."""
-    rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    """Split one line; quoted cells keep their delimiters. None where one is too long for a cell."""
+    try:
+        rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    except csv.Error:
+        return []
     return [cell.strip() for cell in rows[0]] if rows else []
 
 
@@ -101,7 +106,7 @@ def _candidates(row: _Row, quantity: Quantity, column: Column | None) -> list[in
 def _only(path: Path, index: int, row: _Row, found: Candidates) -> dict[Quantity, int]:
     for quantity, columns in found.items():
         if len(columns) > 1:
-            names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns)
+            names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns[:_MAX_NAMED])
             raise DataError(
                 f"{path}, row {index + 1}: {quantity} may be column {names}: "
                 f"choose by number, --map {quantity}={columns[0] + 1}:UNIT"
@@ -112,7 +117,8 @@ def _only(path: Path, index: int, row: _Row, found: Candidates) -> dict[Quantity
 def _missing(path: Path, index: int, found: Candidates, row: _Row, columns: ColumnMap) -> DataError:
     missing = [q + (f" ({_name(columns.get(q))!r})" if _name(columns.get(q)) else "")
                for q in QUANTITIES if q in wanted_columns(columns) and q not in found]  # fmt: skip
-    header = f" in row {index + 1}, which has {', '.join(map(repr, row))}" if row else ""
+    names = ", ".join(map(repr, row[:_MAX_NAMED])) + (", ..." if row[_MAX_NAMED:] else "")
+    header = f" in row {index + 1}, which has {names}" if row else ""
     return DataError(
         f"{path}: found no column of {' or of '.join(missing)}{header}: pass --map {EXAMPLE}, "
         "where COL is a header or a column's number"

@@ -5,7 +5,7 @@ import io
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from itertools import islice
 from pathlib import Path
 from typing import IO
@@ -21,6 +21,16 @@ from springpot.trainer.recordings.formats.units import factor_to_si
 
 UTF8 = "utf-8-sig"
 _TAIL_CHARACTERS = 1 << 16
+_MAX_EXPONENT = 300
+
+
+def _last_exponent(number: str) -> list[int]:
+    """Power of ten of the last printed digit, where there is one."""
+    try:
+        exponent = Decimal(number).as_tuple().exponent
+    except InvalidOperation:  # farther from 0 than even decimals go
+        return []
+    return [exponent] if isinstance(exponent, int) else []
 
 
 class CsvTable:
@@ -102,9 +112,8 @@ class CsvTable:
         for line in tail.decode("utf-8", errors="ignore").splitlines():
             row = cells(line, self.layout.delimiter)
             if len(row) == self.layout.width and is_number(row[column], self.layout.decimal):
-                exponent = Decimal(self._plain(row[column])).as_tuple().exponent
-                exponents += [exponent] if isinstance(exponent, int) else []
-        digit = 10.0 ** min(exponents) if exponents else 0.0
+                exponents += _last_exponent(self._plain(row[column]))
+        digit = 10.0 ** min(_MAX_EXPONENT, *exponents) if exponents else 0.0
         return digit * abs(self.layout.units["time"].to_si)
 
     def _factor_of(self, label: str) -> float:

@@ -2,7 +2,7 @@
 
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import QUANTITIES
 
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
-_HEAD_LINES = 400
+_HEAD_LINES, _HEAD_LETTERS = 400, 1 << 18
 _CHUNK_BYTES = 1 << 24
 
 
@@ -31,7 +31,7 @@ def read_csv(
     encoding = _encoding(path)
     _check_text(path, encoding)
     with path.open(encoding=encoding) as file:
-        head = list(islice(file, _HEAD_LINES))
+        head = _head(file)
     if not any(line.strip() for line in head):
         raise DataError(f"{path}: the file is empty: give one with a header and rows of numbers")
     table = CsvTable(path, find_layout(path, head, columns, decimal), encoding)
@@ -58,6 +58,18 @@ def read_csv(
         details={"columns": guess, "units": units},
     )
     return raw, guess
+
+
+def _head(file: IO[str]) -> list[str]:
+    """The lines among which the header is looked for, one at least."""
+    head: list[str] = []
+    letters = 0
+    for line in islice(file, _HEAD_LINES):
+        head.append(line)
+        letters += len(line)
+        if letters > _HEAD_LETTERS:
+            break
+    return head
 
 
 def _encoding(path: Path) -> str:

@@ -14,7 +14,8 @@ from springpot.trainer.recordings.formats.arrays import (
     MAT_MAGIC,
     read_arrays,
 )
-from springpot.trainer.recordings.formats.can_log import BLF_MAGIC, is_candump, read_can_log
+from springpot.trainer.recordings.formats.blf_containers import BLF_MAGIC
+from springpot.trainer.recordings.formats.can_log import is_candump, read_can_log
 from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.csv_text import read_csv
 from springpot.trainer.recordings.formats.decimals import DecimalMark

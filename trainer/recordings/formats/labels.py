@@ -18,11 +18,18 @@ _NOT_A_LABEL = {"stress", "strain", "rate", "speed", "velocity", "setpoint", "co
 _BRACKETED_UNIT = re.compile(r"(.*?)[\s_,/]*[(\[{]\s*([^()\[\]{}]+?)\s*[)\]}]")
 _SEPARATED_UNIT = re.compile(r"(.+?)\s*[,/]\s*([^,/]+)")
 _APPENDED_UNIT = re.compile(r"(.+)[\s_]([^\s_]+)")
+_MAX_HEADER = 200
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
-    """Split "Time (s)", "Load [N]", "Time, s" or "position_mm" into label and unit."""
+    """Split "Time (s)", "Load [N]", "Time, s" or "position_mm" into label and unit.
+
+    A longer header than any channel's is a label as it is: the patterns take the square of its
+    length.
+    """
+    if len(header) > _MAX_HEADER:
+        return header, None
     for pattern in (_BRACKETED_UNIT, _SEPARATED_UNIT):
         if match := pattern.fullmatch(header):
             return match[1], match[2]

@@ -193,7 +193,7 @@ def _numbers(path: Path, lines: list[tuple[int, str]], width: int) -> Table:
     rows = []
     for number, line in lines:
         cells = line.split("\t")
-        wrong = next((cell for cell in cells if not is_number(cell.strip())), None)
+        wrong = next((cell for cell in cells if not is_number(cell)), None)
         if wrong is not None:
             raise DataError(
                 f"{path}, row {number}: {wrong!r} is not a number: correct it in the source"

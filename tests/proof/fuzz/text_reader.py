@@ -1,0 +1,61 @@
+"""Text to import: CSV of several dialects, Mach-1 files, candump logs."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from proof.fuzz.reader import Reader
+from support.malformed import DBC, TIME_S, can_frames
+
+from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+
+_MACH1 = (
+    "<Mach-1 File>\r\n<INFO>\r\nTime:\t10:08\r\nLoad Cell Low-pass filter:\tYes\r\n"
+    "Load Cell Low-pass filter Order:\t3\r\n"
+    "Load Cell Low-pass filter Cutoff frequency (Hz):\t20.0\r\n<END INFO>\r\n<Sinusoid>\r\n"
+    "Stage Axis:\tPosition (z)\r\nAmplitude, mm:\t0.5\r\nFrequency, Hz:\t1.0\r\n"
+    "Number of Cycles:\t20\r\n<DATA>\r\nTime, s\tPosition (z), mm\tFz, gf\r\n%s\r\n<END DATA>\r\n"
+)
+
+
+def _rows(delimiter: str) -> str:
+    values = zip(TIME_S[:12], 5.0 * (1 - np.cos(9 * TIME_S[:12])), 3 * TIME_S[:12], strict=True)
+    return "\n".join(f"{t:.2f}{delimiter}{x:.4f}{delimiter}{f:.5f}" for t, x, f in values)
+
+
+def seeds() -> Iterator[tuple[str, bytes]]:
+    """Each dialect once."""
+    yield "csv", ("time_s,position_mm,force_N\n" + _rows(",")).encode()
+    lines = "Rig;7\nTime (s);Extension [mm];Load / N\n" + _rows(";").replace(".", ",")
+    yield "semicolons", lines.encode("utf-8-sig")
+    yield "tabs", ("time\tposition\tforce\ns\tmm\tN\n" + _rows("\t")).encode("utf-16")
+    yield "text", (b'"time_s","position_mm","force_N","note"\n0,0,0,"a, b"\n0.1,1,1,""\n')
+    yield "mach1", (_MACH1 % _rows("\t").replace("\n", "\r\n")).encode()
+    yield "candump", b"\n".join(can_frames("log").split(b"\n")[:12])
+
+
+def read_import(content: bytes, folder: Path, name: str) -> None:
+    """Import it, every other length resampled."""
+    file = folder / name
+    file.write_bytes(content)
+    database = folder / "rig.dbc"
+    if not database.exists():
+        database.write_text(DBC)
+    resample_hz = 50.0 if len(content) % 2 else None
+    import_file(file, None, "none", resample_hz, ImportOptions(dbc=database))
+
+
+def read(content: bytes, folder: Path) -> None:
+    read_import(content, folder, "a.csv")
+
+
+READER = Reader(
+    seeds,
+    read,
+    words=(
+        "time_s", "position_mm", "force_N", "Time (s)", "Extension [mm]", "Load / N", "1e999",
+        "nan", "inf", "-1e308", "1e-320", "<Mach-1 File>", "<INFO>", "<END INFO>", "<DATA>",
+        "<END DATA>", "<Sinusoid>", "\\xff\\xfe", "\\xef\\xbb\\xbf", "#", "\\x22", ";", "\\x09",
+        "(1000000000.000000) v0 123#", "\\xc2\\xb5m", "%", "1_0", "\\x0b", "\\x1c", "\\xc2\\x85",
+    ),
+)  # fmt: skip

@@ -1,0 +1,100 @@
+"""The programs that are analysed: scenes of every kind with what they include, and the ports."""
+
+from dataclasses import dataclass, replace
+from itertools import cycle
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from support import golden_forces
+from support.paths import ROOT
+
+from springpot.codegen import stages
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.model.model import Model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import Coupling, Device, Runtime, Scene, Smoothing
+from springpot.host.boards.boards import BOARDS
+
+RUNTIME = ROOT / "runtime_c"
+PORT = RUNTIME / "port"
+_SETTINGS = (("float32", "off"), ("float64", "tool"), ("float32", "proxy"))
+
+
+@dataclass(frozen=True)
+class Program:
+    """Sources that are linked together, and the folders of their headers."""
+
+    name: str
+    sources: tuple[Path, ...]
+    include: tuple[Path, ...]
+
+
+def programs(folder: Path) -> list[Program]:
+    """All of them; scenes are emitted into `folder`."""
+    return [*_scenes(folder), *_ports()]
+
+
+def _scenes(folder: Path) -> list[Program]:
+    """One scene of every stored model, number types and couplings taking turns; and the units that
+    none of them needs."""
+    made = [
+        _scene(folder, name, golden_forces.model(name), number, mode)
+        for name, (number, mode) in zip(golden_forces.models(), cycle(_SETTINGS), strict=False)
+    ]
+    hammerstein = golden_forces.model("hammerstein")
+    passive = hammerstein.hammerstein
+    assert passive is not None
+    tau_s = np.array([0.01, 4e3, 0.2, 2.0])  # the second moves in double only
+    weight = np.ones((4, 1)) * passive.elastic_n
+    laws = replace(
+        passive, tau_s=tau_s, branch_n=weight, n_by_depth=2, rate_ratio=16.0, stretch=12.0
+    )
+    made.append(_scene(folder, "laws", replace(hammerstein, hammerstein=laws), "float32", "off"))
+    velocity = Device(velocity="device")
+    made.append(_scene(folder, "velocity", hammerstein, "float32", "tool", velocity))
+    with mock.patch.object(stages.forest, "compact_forest", return_value=None):  # as if too big
+        made.append(_scene(folder, "wide", golden_forces.model("rf-fd"), "float32", "off"))
+    return made
+
+
+def _scene(
+    folder: Path, name: str, model: Model, number: str, mode: str, device: Device | None = None
+) -> Program:
+    scene = Scene(
+        schema=1,
+        name=name,
+        model=f"{name}.spm",
+        runtime=Runtime(number=number),  # type: ignore[arg-type]
+        coupling=Coupling(mode=mode),  # type: ignore[arg-type]
+        smoothing=Smoothing(time_constant_s=1e-3),
+        device=device or Device(),
+    )
+    place = folder / name
+    place.mkdir(parents=True, exist_ok=True)
+    for file, text in emit_files(make_plan(model, scene, accept_unsafe=True)).items():
+        (place / file).write_text(text)
+    return Program(f"scene {name}", tuple(sorted(place.glob("*.c"))), ())
+
+
+def _ports() -> list[Program]:
+    """The loop of a PC, the bench, and each board's firmware and replay."""
+    wire = PORT / "wire" / "sp_wire.c"
+    headers = (RUNTIME / "include", RUNTIME / "include" / "float", RUNTIME / "src")
+    mcu = PORT / "mcu"
+    made = [
+        Program("loop", (*sorted((PORT / "posix").glob("*.c")), wire),
+                (*headers, RUNTIME / "sim", wire.parent)),
+        Program("bench", tuple(sorted((PORT / "testbench").glob("*.c"))),
+                (*headers, RUNTIME / "sim")),
+    ]  # fmt: skip
+    for sources in sorted({board.sources for board in BOARDS.values()}):
+        board = tuple(mcu / name for name in sources)
+        common = (mcu / "sp_port.c", mcu / "sp_transducer.c", *board)
+        name = board[-1].stem.removeprefix("sp_board_")
+        made += [
+            Program(f"firmware {name}", (mcu / "sp_firmware.c", wire, *common),
+                    (*headers, wire.parent)),
+            Program(f"replay {name}", (mcu / "sp_batch.c", *common), headers),
+        ]  # fmt: skip
+    return made

@@ -1,0 +1,162 @@
+"""Write docs/reliability.md from what the commands of its sections found.
+
+    python tests/proof/reliability.py
+
+Each section is made of a JSON file in docs/reliability that its command wrote; where there is none,
+the section says so. docs/reliability/others.md is written by hand. A test compares the page.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from support.paths import ROOT
+
+Result = dict[str, Any]
+STORED = ROOT / "docs" / "reliability"
+PAGE = ROOT / "docs" / "reliability.md"
+_FUZZ = """A finding is anything but a result or one printable line on an input under 1 MiB: a
+traceback, a crash, above 10 s, above 1 GiB. `make soak` gives each target an hour; what stands here
+is for the seconds stated, and says nothing about longer. Edges: of the project's Python or C; at
+the start, of the seeds and of what earlier runs kept. Ended apart: what crashed or hung a library
+in the fuzzer and ends in one line for users, the project reading it in a process of its own;
+crashes of the MAT reader are not counted, a copy of the process meets them first.
+"""
+_MISRA = """**No claim of conformity**: the addon checks a part of the rules, nobody assessed the
+rest. Names without a number are cppcheck's own checks. The files of each record:
+`tests/proof/misra/deviations.toml`.
+"""
+_HEAD = """# What was shown, and how
+
+Written by `python tests/proof/reliability.py` from what the commands of each section found. No
+figure of ours is typed by hand. springpot is careful with forces, and certified for nothing: what
+follows is what was tried, with its limits, and no more.
+"""
+
+
+def page(folder: Path = STORED) -> str:
+    """The whole page, of the results in a folder."""
+    mutation = [json.loads(file.read_text()) for file in sorted(folder.glob("mutation*.json"))]
+    sections = [
+        _HEAD,
+        render_prove(_result(folder / "prove.json")),
+        render_mutation(mutation),
+        render_fuzz(_result(folder / "fuzz.json")),
+        render_misra(_result(folder / "misra.json")),
+        (STORED / "others.md").read_text(),
+    ]
+    return "\n".join(sections)
+
+
+def render_prove(result: Result | None) -> str:
+    """Static analysis of the emitted C, for every input."""
+    title = "## Every input: static analysis of the emitted C\n"
+    if result is None:
+        return f"{title}\nNot run.\n"
+    columns = ("scene", "kind", "coupling", "number", "alarms", "ticks", "seconds")
+    defects = [f"- {row['defect']}: {row['caught_by']}" for row in result["defects"]]
+    return "\n".join([
+        title,
+        f"`{result['command']}`, {result['version']}, {result['seconds']} s.\n",
+        *_table(columns, [[row[name] for name in columns] for row in result["rows"]]),
+        "\nDefects that were planted, and what noticed:\n",
+        *defects,
+        "\nIt assumes:\n",
+        *(f"- {text}" for text in result["assumptions"]),
+        "",
+    ])  # fmt: skip
+
+
+def render_mutation(results: list[Result]) -> str:
+    """Changes of the sources one at a time, and whether a test noticed."""
+    lines = ["## Would the tests notice: mutation\n"]
+    if not results:
+        return f"{lines[0]}\nNot run.\n"
+    lines.append(
+        "Each comparison, constant, sign and assignment changed, one at a time. Equivalent: no "
+        "test could notice. Share: caught, of those that are not equivalent.\n"
+    )
+    for result in results:
+        command = f"`{result['command']}`" if "command" in result else ""
+        commit = f"commit {result['commit']}" if "commit" in result else ""
+        lines += [f"### {result['title']}\n", ", ".join(filter(None, (command, commit))) + ".\n"]
+        columns = ("file", "mutants", "caught", "equivalent", "survived", "share, %")
+        rows = [[*(row[name] for name in columns[:-1]), _share(row)] for row in result["rows"]]
+        whole = {name: sum(row[name] for row in result["rows"]) for name in columns[1:-1]}
+        lines += [*_table(columns, [*rows, ["all", *whole.values(), _share(whole)]]), ""]
+        left = [row for row in result["survivors"] if not row.get("equivalent")]
+        lines += ["No test notices:\n"] if left else []
+        lines += [
+            f"- `{row['file']}`, `{row['line']}` as `{row['change']}`: {row['reason']}"
+            for row in left
+        ]
+        lines += [""] if left else []
+    return "\n".join(lines)
+
+
+def _share(row: dict[str, int]) -> str:
+    told = row["mutants"] - row["equivalent"]
+    return f"{100.0 * row['caught'] / told:.1f}" if told else ""
+
+
+def render_fuzz(result: Result | None) -> str:
+    """Readers of files and bytes under a coverage-guided fuzzer."""
+    title = "## Every byte from outside: fuzzing\n"
+    if result is None:
+        return f"{title}\nNot run.\n"
+    columns = ("target", "seconds", "executions", "edges at the start", "at the end", "peak, MiB",
+               "ended apart", "findings")  # fmt: skip
+    rows = [
+        [row["target"], row["seconds"], row["executions"], row["edges_start"], row["edges_end"],
+         row["peak_mib"], row["contained"], len(row["findings"])]
+        for row in result["rows"]
+    ]  # fmt: skip
+    found = [f"- {row['target']}: {what}" for row in result["rows"] for what in row["findings"]]
+    return "\n".join([
+        title,
+        f"`{result['command']}`, {result['machine']}, commit {result['commit']}.\n",
+        _FUZZ,
+        *_table(columns, rows),
+        "",
+        *(found or ["None is open. What was found before is kept as tests: "
+                    "`tests/trainer/recordings/test_hostile_files.py`, "
+                    "`tests/codegen/model/test_hostile_models.py`, "
+                    "`tests/host/emission/test_scene_file.py`."]),
+        "",
+    ])  # fmt: skip
+
+
+def render_misra(result: Result | None) -> str:
+    """Rules of MISRA C:2012 that cppcheck checks."""
+    title = "## Rules of MISRA C:2012 that cppcheck checks\n"
+    if result is None:
+        return f"{title}\nNot run.\n"
+    places = sum(row["places"] for row in result["rows"])
+    rows = [
+        [row["rule"], row["places"], len(row["files"]), row["reason"]] for row in result["rows"]
+    ]
+    return "\n".join([
+        title,
+        f"`{result['command']}`, {result['tool']} with its MISRA addon, {result['seconds']} s: "
+        f"{len(result['programs'])} programs ({', '.join(result['programs'])}). "
+        f"{len(result['wrong'])} places without a record, {len(result['rows'])} records for "
+        f"{places} places.\n",
+        _MISRA,
+        *_table(("rule", "places", "files", "why it stays"), rows),
+        "",
+    ])  # fmt: skip
+
+
+def _result(file: Path) -> Result | None:
+    return json.loads(file.read_text()) if file.exists() else None
+
+
+def _table(columns: tuple[str, ...], rows: list[list[Any]]) -> list[str]:
+    lines = [columns, ["---"] * len(columns), *rows]
+    return ["| " + " | ".join(str(cell) for cell in line) + " |" for line in lines]
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page())

@@ -1,0 +1,75 @@
+"""Metadata beside the samples of recordings and journals, checked before anything uses it."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from annotated_types import Gt
+from pydantic import TypeAdapter, ValidationError
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.recording import Zero
+from springpot.trainer.recordings.recording_name import require_recording_name
+
+RECORDING_SCHEMA = 1
+_Seconds = Annotated[float, Gt(0)]
+
+
+@dataclass(frozen=True)
+class RecordingMetadata:
+    """As the fields of `Recording`, and of a journal: block_s: of a full block of samples.
+
+    channels: names of those beside position and force in a journal's rows.
+    """
+
+    __pydantic_config__ = {"allow_inf_nan": False}  # noqa: RUF012, the name that pydantic asks for
+    schema: int
+    name: str
+    dt_s: _Seconds
+    source: str
+    details: dict[str, Any]
+    zero: Zero = "none"
+    position_delay_s: float = 0.0
+    force_delay_s: float = 0.0
+    block_s: _Seconds | None = None
+    channels: tuple[str, ...] = ()
+
+
+_ADAPTER = TypeAdapter(RecordingMetadata)
+
+
+def metadata_of_json(where: str, text: str | bytes) -> dict[str, Any]:
+    """What JSON text holds. Raises DataError, which begins with `where`, for anything else."""
+    try:
+        found = json.loads(text)
+    except (ValueError, TypeError, RecursionError) as error:
+        found = error
+    if not isinstance(found, dict):
+        raise DataError(
+            f"{where}: not a springpot recording (its metadata is no table in JSON, but "
+            f"{str(found)[:60]!r}): make one with `springpot import`"
+        )
+    return found
+
+
+def checked_metadata(where: str, values: Mapping[str, Any]) -> RecordingMetadata:
+    """Metadata with every field of its type. Raises DataError, which begins with `where`."""
+    schema = values.get("schema")
+    if isinstance(schema, int) and schema > RECORDING_SCHEMA:
+        raise DataError(
+            f"{where}: recording schema {schema}, this springpot reads up to {RECORDING_SCHEMA}: "
+            "upgrade springpot"
+        )
+    try:
+        found = _ADAPTER.validate_python(values)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        told = "" if first["type"] == "missing" else f" (found {str(first['input'])[:60]!r})"
+        raise DataError(
+            f"{where}: not a springpot recording (its {key}: {first['msg']}{told}): make one with "
+            "`springpot import`"
+        ) from None
+    require_recording_name(found.name, f"{where}: ")
+    return found

@@ -1,0 +1,53 @@
+"""Limits of a process that reads a stranger's file: its size says how much it may take.
+
+The HDF5 library and scipy's MAT reader can crash, hang or ask for any memory on damaged files.
+"""
+
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+from springpot.codegen.errors import DataError
+
+MAX_RATIO = 256  # a recording of nothing but zeros shrinks by 230
+_MAX_BYTES, _LEAST_BYTES = 8 << 30, 1 << 30  # of a process, libraries included
+_MAX_CPU_S, _LEAST_CPU_S = 120, 4
+_TIMEOUT_S = 150.0
+_TOLD = 3  # exit status of a process that read the file, and refuses it in a line of its own
+
+
+def limit_reader(path: Path) -> None:
+    """Limit this process to what reading the file may take."""
+    mib = path.stat().st_size >> 20
+    max_bytes = min(_MAX_BYTES, _LEAST_BYTES + (mib << 28))
+    cpu_s = min(_MAX_CPU_S, _LEAST_CPU_S + mib)
+    resource.setrlimit(resource.RLIMIT_AS, (max_bytes, max_bytes))
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s))
+
+
+def refuse(error: DataError) -> None:
+    """End a reading process with the line that the user is to see."""
+    print(error, file=sys.stderr)
+    sys.exit(_TOLD)
+
+
+def read_apart(path: Path, module: str, *arguments: str) -> bytes:
+    """What `module` prints on reading the file. Raises DataError where it refuses, or is ended."""
+    command = [sys.executable, "-m", module, str(path), *arguments]
+    # Each thread of a numerical library would count as memory taken.
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    try:
+        result = subprocess.run(
+            command, capture_output=True, check=False, timeout=_TIMEOUT_S, env=environment
+        )
+    except subprocess.TimeoutExpired:
+        raise DataError(f"{path}: reading it does not end: damaged, export it again") from None
+    lines = result.stderr.decode(errors="replace").strip().splitlines()
+    if result.returncode == _TOLD and lines:
+        raise DataError(lines[-1])
+    if result.returncode:
+        why = lines[-1] if lines and result.returncode > 0 else "it crashes the reader"
+        raise DataError(f"{path}: damaged or of another format ({why}): export it again")
+    return result.stdout
