@@ -134,6 +134,24 @@ static void a_step_as_long_as_the_longest_is_taken(void)
     CHECK(gives(&state, 4.25, 4.25, 0));
 }
 
+/* What has just become true is no suspect: a step that is too long for half a tick begins at one.
+ */
+static void after_a_new_position_suspects_are_counted_anew(void)
+{
+    sp_guard_state state = {0};
+    CHECK(gives(&state, 0, 0, SP_NOTE_RESYNC));
+    CHECK(gives(&state, 4, 0, SP_NOTE_HELD));
+    CHECK(gives(&state, 4, 0, SP_NOTE_HELD));
+    CHECK(gives(&state, 4, 4, SP_NOTE_RESYNC));
+    for (int i = 1; i <= 3; i++) {
+        int notes = 0;
+        const sp_real x = (sp_real)(4 + 0.1875 * i);
+        const sp_real position_m = sp_guard_position(&exact, &state, (sp_real)0.5, x, &notes);
+        CHECK(position_m == (i < 3 ? (sp_real)4 : x));
+        CHECK(notes == (i < 3 ? SP_NOTE_HELD : SP_NOTE_RESYNC));
+    }
+}
+
 /* Between samples that agree, a good one or one that cannot be: they begin again. */
 static void only_samples_in_a_row_agree(void)
 {
@@ -172,6 +190,7 @@ int main(void)
     borders_themselves_are_believable();
     a_step_as_long_as_the_longest_is_taken();
     only_samples_in_a_row_agree();
+    after_a_new_position_suspects_are_counted_anew();
     a_share_is_zero_at_the_surface_and_one_without_depth();
     return failed;
 }
