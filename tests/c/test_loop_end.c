@@ -37,6 +37,7 @@ static struct {
     int polls, sleeps;
     int read_gives, reads; /* samples at once, or negative */
     uint32_t room;
+    int placed;
     int write_gives, writes;
     double written_n[CAPACITY];
     int makes_ready, device_resets;
@@ -100,6 +101,7 @@ int32_t sp_realtime_ask(int32_t priority, int32_t cpu)
 sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
 {
     CHECK(capacity == WAITING);
+    sim.placed++;
     return &motions[(uint32_t)count < capacity ? (uint32_t)count : capacity - 1];
 }
 
@@ -367,6 +369,7 @@ static void without_a_time_it_runs_until_it_is_asked(void)
     sim.in_call = asks_to_end;
     CHECK(session(&config, &end) == 1500 && end.reason == SP_STOP_ASKED);
     CHECK(sim.writes == 1503 && sim.written_n[1500] == 0.0 && sim.written_n[1499] == 2.0);
+    CHECK(sim.reads == 1500);
 }
 
 static void replay_ends(int call)
@@ -382,6 +385,7 @@ static void the_end_of_a_replay_ends_it(void)
     sim.in_call = replay_ends;
     CHECK(session(&config, &end) == 20 && end.reason == SP_STOP_ENDED);
     CHECK(sim.writes == 23 && sim.written_n[20] == 0.0 && sim.idles == 0);
+    CHECK(is_near(end.elapsed_s, 0.01925));
     between_ticks();
     sim.read_gives = SP_LINK_ENDED;
     self.reason = SP_STOP_FORCE; /* the first reason counts */
@@ -558,16 +562,19 @@ static void rows_count_what_was_late_or_without_a_sample(void)
 static void an_open_period_that_meets_a_limit_ends_it(void)
 {
     const int gives[] = {0, 1};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 4; i++) {
+        const int fresh = i / 2, unsent = gives[i % 2];
         between_ticks();
         const sp_period open = {.begin_ns = START_NS, .deadline_ns = START_NS, .sent_n = 1.0};
         sim.force_n = 99.0;
-        sim.write_gives = gives[i];
+        sim.write_gives = unsent;
         self.sent_n = 7.0;
-        settle_owed(&self, &open, START_NS, 0);
+        self.waiting_count = 1;
+        settle_owed(&self, &open, START_NS, fresh);
         CHECK(self.reason == SP_STOP_FORCE && sim.writes == 1 && sim.written_n[0] == 0.0);
-        CHECK(sp_loop_drain(&self, rows, 9) == 1 && rows[0].sent_n == (i == 0 ? 0.0 : 7.0));
-        CHECK(call_of_row(0) == (SP_CALL_IDLE | SP_CALL_SILENT | (i == 0 ? 0 : SP_CALL_UNSENT)));
+        CHECK(sp_loop_drain(&self, rows, 9) == 1 && rows[0].sent_n == (unsent ? 7.0 : 0.0));
+        CHECK(call_of_row(0) ==
+              (SP_CALL_SILENT | (fresh ? 0 : SP_CALL_IDLE) | (unsent ? SP_CALL_UNSENT : 0)));
     }
     between_ticks();
     const sp_period open = {.begin_ns = START_NS, .deadline_ns = START_NS, .sent_n = 1.0};
@@ -761,6 +768,75 @@ static void asks_for_all(int call)
     }
 }
 
+static void asks_for_a_reset(int call)
+{
+    if (call == 10) {
+        sp_loop_reset(&self);
+    }
+}
+
+static void asks_in_a_silence(int call)
+{
+    if (call == 10) {
+        sp_loop_ask_stop(&self);
+    }
+}
+
+static void a_reset_that_is_asked_for_comes_before_the_next_call(void)
+{
+    sp_loop_state end;
+    const sp_loop_config config = usual();
+    begin_at_work();
+    sim.in_call = asks_for_a_reset;
+    CHECK(session(&config, &end) == 100 && end.resets == 1);
+    CHECK(sim.resets == 1 && sim.device_resets == 1);
+    CHECK(call_of_row(9) == 0 && call_of_row(10) == SP_CALL_RESET && call_of_row(11) == 0);
+}
+
+/* No sample at all: deadlines stay where they are, and open periods get their rows at the end. */
+static void a_device_that_never_sends_has_all_its_rows(void)
+{
+    sp_loop_state end;
+    const sp_loop_config config = usual();
+    for (int asked = 0; asked <= 1; asked++) {
+        begin_at_work();
+        device.fd = FD;
+        sim.read_gives = 0;
+        sim.poll_ns = UINT64_MAX / 2;
+        sim.in_call = asked ? asks_in_a_silence : NULL;
+        const uint32_t n = session(&config, &end);
+        CHECK(end.reason == (asked ? SP_STOP_ASKED : SP_STOP_TIME) && n == (asked ? 12 : 100));
+        CHECK(sim.idles == (int)n && sim.writes == (int)n + 3);
+        for (uint32_t i = 0; i < n; i++) {
+            CHECK(isnan(rows[i].measured_n) && call_of_row(i) == (SP_CALL_IDLE | SP_CALL_UNSENT));
+            CHECK(is_near(rows[i].time_s - rows[i].lateness_s, 1e-3 * i));
+        }
+    }
+}
+
+/* Its sample came 300 us before the deadline, 50 more than it shall. */
+static void a_session_follows_the_clock_of_the_device(void)
+{
+    sp_loop_state end;
+    const sp_loop_config config = usual();
+    begin_at_work();
+    device.fd = FD;
+    sim.poll_ns = 900000;
+    (void)session(&config, &end);
+    CHECK(rows[0].time_s == 0.0 && is_near(rows[0].age_s, 300e-6));
+    CHECK(is_near(rows[1].time_s - rows[1].lateness_s, 999.5e-6));
+}
+
+static void a_tick_says_whether_there_was_a_sample(void)
+{
+    between_ticks();
+    self.waiting_count = 1;
+    CHECK(sp_loop_tick(&self, 0) == 1 && sim.steps == 1 && self.owed_count == 0);
+    CHECK(sp_loop_tick(&self, 0) == 0 && sim.idles == 1 && self.owed_count == 0);
+    device.fd = FD;
+    CHECK(sp_loop_tick(&self, 0) == 0 && sim.idles == 1 && self.owed_count == 1);
+}
+
 static void what_is_asked_is_heard_in_the_next_period(void)
 {
     sp_loop_state end;
@@ -859,9 +935,15 @@ static void deadlines_follow_the_clock_of_the_device_little_by_little(void)
     }
     between_ticks();
     self.link = NULL;
-    const uint64_t before_ns = self.deadline_ns;
+    uint64_t before_ns = self.deadline_ns;
     advance(&self, 1);
     CHECK(self.deadline_ns - before_ns == PERIOD_NS);
+    between_ticks(); /* a twentieth of a percent of any period */
+    device.fd = FD;
+    self.period_ns = 4 * PERIOD_NS;
+    before_ns = self.deadline_ns;
+    advance(&self, 1);
+    CHECK(self.deadline_ns - before_ns == 4 * PERIOD_NS - 2000);
 }
 
 static void periods_stay_open_for_two_ms_and_one_at_least(void)
@@ -869,7 +951,7 @@ static void periods_stay_open_for_two_ms_and_one_at_least(void)
     const struct {
         double rate_hz;
         int owed;
-    } cases[] = {{100, 1},  {400, 1},   {999, 1},   {1000, 2},
+    } cases[] = {{100, 1},  {400, 1},   {999, 1},   {1000, 2},  {1500, 2},
                  {2000, 4}, {8000, 16}, {8500, 16}, {20000, 16}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         sp_loop_state end;
@@ -897,8 +979,14 @@ static void all_that_waits_is_read_and_kept_in_order(void)
     CHECK(self.waiting_count == WAITING && self.reason == 0 && self.link == &device);
     sp_loop_use(&self, WAITING - 2);
     CHECK(self.waiting_count == 2);
-    const struct timespec time = as_timespec(5250000000u);
+    sim.read_gives = WAITING + 5; /* more than there was room for: the newest of them are here */
+    sim.placed = 0;
+    take(&self);
+    CHECK(sim.placed == WAITING && self.waiting_count == WAITING);
+    struct timespec time = as_timespec(5250000000u);
     CHECK(time.tv_sec == 5 && time.tv_nsec == 250000000);
+    time = as_timespec(4999999999u);
+    CHECK(time.tv_sec == 4 && time.tv_nsec == 999999999);
 }
 
 static void samples_are_looked_for_where_and_as_long_as_they_help(void)
@@ -929,7 +1017,7 @@ static void samples_are_looked_for_where_and_as_long_as_they_help(void)
     }
     for (int late = 0; late <= 1; late++) { /* a quarter of a period; not where the tick is late */
         between_ticks();
-        device.fd = FD;
+        device.fd = late ? FD : 0;
         sim.read_gives = 0;
         sim.poll_ns = PERIOD_NS;
         sim.now_ns = self.deadline_ns;
@@ -1031,6 +1119,10 @@ int main(void)
     a_device_that_comes_back_is_taken_anew();
     a_reset_reaches_scene_and_device_once();
     a_pause_ends_with_a_reset();
+    a_reset_that_is_asked_for_comes_before_the_next_call();
+    a_device_that_never_sends_has_all_its_rows();
+    a_session_follows_the_clock_of_the_device();
+    a_tick_says_whether_there_was_a_sample();
     what_is_asked_is_heard_in_the_next_period();
     a_device_that_leaves_or_trips_gets_nothing_more();
     a_device_that_is_not_ready_is_asked_at_the_start();

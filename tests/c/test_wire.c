@@ -100,7 +100,8 @@ static void frames_are_the_bytes_of_the_protocol_and_come_back(void)
 {
     for (uint32_t size = 0; size <= SP_WIRE_MAX_BODY; size++) {
         for (uint32_t zeros = 0; zeros < 4; zeros++) {
-            sp_wire_frame sent = {.type = SP_WIRE_TYPE_FORCE, .version = SP_WIRE_VERSION};
+            sp_wire_frame sent = {.type = zeros % 2 ? SP_WIRE_TYPE_FORCE : 0};
+            sent.version = SP_WIRE_VERSION;
             sent.sequence = 0x01020304u << zeros;
             sent.size = size;
             uint8_t plain[ROOM], line[ROOM], expected[ROOM];
@@ -109,6 +110,7 @@ static void frames_are_the_bytes_of_the_protocol_and_come_back(void)
                 sent.body[i] = i % 4 < zeros ? 0 : (uint8_t)(i + 100);
                 plain[6 + i] = sent.body[i];
             }
+            memset(line, 0xaa, sizeof line);
             const uint32_t count = sp_wire_encode(&sent, line);
             CHECK(count == on_line(plain, 6 + size, expected));
             CHECK(memcmp(line, expected, count) == 0);
@@ -120,9 +122,42 @@ static void frames_are_the_bytes_of_the_protocol_and_come_back(void)
             CHECK(frame.type == sent.type && frame.version == sent.version);
             CHECK(frame.sequence == sent.sequence && frame.size == size);
             CHECK(memcmp(frame.body, sent.body, size) == 0);
+            CHECK(size == SP_WIRE_MAX_BODY || frame.body[size] == 0xaa);
             CHECK(receiver.frames == 1 && receiver.crc_errors == 0 && receiver.gaps == 0);
         }
     }
+}
+
+/* Not a byte after them: the next field, or another's memory. */
+static void fields_are_as_long_as_they_are(void)
+{
+    uint8_t bytes[40];
+    sp_wire_hash hash, read;
+    memset(&hash, 0x11, sizeof hash);
+    memset(bytes, 0xaa, sizeof bytes);
+    CHECK(put_u32(bytes, 0x04030201u) == bytes + 4 && bytes[3] == 4 && bytes[4] == 0xaa);
+    CHECK(put_hash(bytes, hash) == bytes + 32 && bytes[31] == 0x11 && bytes[32] == 0xaa);
+    CHECK(get_hash(bytes, &read) == bytes + 32 && memcmp(&read, &hash, 32) == 0);
+}
+
+static void what_is_no_cobs_is_of_no_length(void)
+{
+    uint8_t too_far[] = {5, 1, 2}, ends_early[] = {2, 1, 2}, good[] = {3, 1, 2};
+    CHECK(uncobs(too_far, 3) == 0 && uncobs(ends_early, 3) == 0 && uncobs(good, 0) == 0);
+    CHECK(uncobs(good, 3) == 2 && good[0] == 1 && good[1] == 2);
+}
+
+static void no_more_is_kept_than_the_longest_frame(void)
+{
+    sp_wire_receiver receiver = {0};
+    sp_wire_frame frame;
+    for (uint32_t i = 1; i < 1000; i++) {
+        CHECK(sp_wire_receive(&receiver, 7, &frame) == SP_WIRE_NONE);
+        CHECK(receiver.used == (i < SP_WIRE_MAX_BYTES ? i : SP_WIRE_MAX_BYTES - 1));
+        CHECK(receiver.overlong == (i >= SP_WIRE_MAX_BYTES));
+    }
+    CHECK(sp_wire_receive(&receiver, 0, &frame) == SP_WIRE_NONE && receiver.crc_errors == 1);
+    CHECK(receiver.used == 0 && receiver.overlong == 0);
 }
 
 static void every_message_comes_back_as_it_was_sent(void)
@@ -232,11 +267,11 @@ static void the_newest_wins_and_what_is_missing_is_counted(void)
         uint32_t gaps;
     } cases[] = {{100, SP_WIRE_NEW, 0},  {101, SP_WIRE_NEW, 0},  {105, SP_WIRE_NEW, 3},
                  {103, SP_WIRE_OLD, 2},  {103, SP_WIRE_OLD, 2},  {102, SP_WIRE_OLD, 1},
-                 {104, SP_WIRE_OLD, 0},  {105, SP_WIRE_OLD, 0},  {100, SP_WIRE_OLD, 0},
-                 {99, SP_WIRE_OLD, 0},   {137, SP_WIRE_NEW, 31}, {106, SP_WIRE_OLD, 30},
-                 {105, SP_WIRE_OLD, 30}, {104, SP_WIRE_OLD, 30}, {168, SP_WIRE_NEW, 60},
-                 {137, SP_WIRE_OLD, 60}, {138, SP_WIRE_OLD, 59}, {136, SP_WIRE_OLD, 59},
-                 {167, SP_WIRE_OLD, 58}, {169, SP_WIRE_NEW, 58}};
+                 {104, SP_WIRE_OLD, 0},  {101, SP_WIRE_OLD, 0},  {105, SP_WIRE_OLD, 0},
+                 {100, SP_WIRE_OLD, 0},  {99, SP_WIRE_OLD, 0},   {137, SP_WIRE_NEW, 31},
+                 {106, SP_WIRE_OLD, 30}, {105, SP_WIRE_OLD, 30}, {104, SP_WIRE_OLD, 30},
+                 {168, SP_WIRE_NEW, 60}, {137, SP_WIRE_OLD, 60}, {138, SP_WIRE_OLD, 59},
+                 {136, SP_WIRE_OLD, 59}, {167, SP_WIRE_OLD, 58}, {169, SP_WIRE_NEW, 58}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         CHECK(arrives(&receiver, SP_WIRE_TYPE_FORCE, cases[i].sequence) == cases[i].kind);
         CHECK(receiver.gaps == cases[i].gaps);
@@ -313,6 +348,11 @@ static void a_restart_forgets_the_sequence_and_the_frame_under_way(void)
         sp_wire_restart(&receiver);
         CHECK(arrives(&receiver, SP_WIRE_TYPE_SAMPLE, 5) == SP_WIRE_NEW);
         CHECK(given(&receiver, torn, 3, &frame) == SP_WIRE_NONE && receiver.crc_errors == 2);
+        uint8_t plain[ROOM], line[ROOM]; /* the first bytes were a whole frame: no end of one */
+        const uint32_t size = on_line(plain, head(plain, 6, SP_WIRE_VERSION, 9), line);
+        sp_wire_restart(&receiver);
+        CHECK(given(&receiver, line + 1, size - 1, &frame) == SP_WIRE_NEW);
+        CHECK(given(&receiver, torn, 3, &frame) == SP_WIRE_NONE && receiver.crc_errors == 3);
     }
 }
 
@@ -321,6 +361,9 @@ int main(void)
     checksums_are_those_of_the_definition();
     the_layout_covers_the_table_to_its_last_field();
     frames_are_the_bytes_of_the_protocol_and_come_back();
+    fields_are_as_long_as_they_are();
+    what_is_no_cobs_is_of_no_length();
+    no_more_is_kept_than_the_longest_frame();
     every_message_comes_back_as_it_was_sent();
     only_lengths_that_a_frame_can_have_are_taken();
     damage_is_counted_and_never_a_frame();
