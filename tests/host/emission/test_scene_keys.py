@@ -1,4 +1,4 @@
-"""Every key of a scene: its default, the last value that it takes and the first that it does not."""
+"""Every key of a scene: its default, the last value that it takes, the first that it does not."""
 
 import dataclasses
 import json
@@ -164,8 +164,8 @@ def test_the_json_is_indented_and_ends_with_a_line(tmp_path: Path) -> None:
 def test_a_scene_of_python_is_checked_as_a_file_is(tmp_path: Path) -> None:
     wrong = dataclasses.replace(PLAIN, name="a\\b")
     for call in (checked_scene, lambda scene: write_scene(tmp_path / "x.toml", scene)):
-        with pytest.raises(UsageError, match="^scene: name: "):
+        with pytest.raises(UsageError, match=r"^scene: name: "):
             call(wrong)
-        with pytest.raises(UsageError, match="^scene: .*: give numbers, strings and booleans"):
+        with pytest.raises(UsageError, match=r"^scene: .*: give numbers, strings and booleans"):
             call(dataclasses.replace(PLAIN, name=b"x"))  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())

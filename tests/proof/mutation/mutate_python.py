@@ -17,7 +17,12 @@ from mutants_python import mutants_of_python, same_program
 from report import write_result
 
 _SCENE = ("tests/host/emission/test_scene_keys.py", "tests/host/emission/test_scene_file.py")
-_MODEL = ("tests/codegen/model/test_model_file.py", "tests/codegen/model/test_hostile_models.py")
+_MODEL = (
+    "tests/codegen/model/test_model_limits.py",
+    "tests/codegen/model/test_packed_arrays.py",
+    "tests/codegen/model/test_model_file.py",
+    "tests/codegen/model/test_hostile_models.py",
+)
 _RECORDING = (
     "tests/trainer/recordings/test_recording_bytes.py",
     "tests/trainer/recordings/test_recording_file.py",

@@ -165,8 +165,14 @@ def test_an_existing_file_is_kept_where_that_is_asked(tmp_path: Path) -> None:
         ({"dt_s": -1e-3}, "press: a time step of -0.001 s"),
         ({"dt_s": float("inf")}, "press: a time step of inf s"),
         ({"dt_s": float("nan")}, "press: a time step of nan s"),
-        ({"position_m": np.array([0.0, 1.0, np.nan])}, r"position is not finite at row 2 \(1 rows"),
-        ({"force_n": np.array([0.0, np.inf, -np.inf])}, r"force is not finite at row 1 \(2 rows"),
+        (
+            {"position_m": np.array([0.0, 1.0, np.nan])},
+            r"press: position is not finite at row 2 \(1 rows",
+        ),
+        (
+            {"force_n": np.array([0.0, np.inf, -np.inf])},
+            r"press: force is not finite at row 1 \(2 rows",
+        ),
         ({"name": "a/b"}, "a recording named"),
     ],
 )
