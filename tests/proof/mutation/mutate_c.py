@@ -15,7 +15,7 @@ from pathlib import Path
 
 from killing import ROOT, SURVIVED, UNCHANGED, try_all
 from mutants_c import mutants_of_c
-from report import write_result
+from survivors import write_result
 
 TIMEOUT_S = 3  # they end in a few ms
 FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", "-w"]
@@ -38,9 +38,8 @@ PROGRAMS = {
 
 def _includes(copy: Path, real: str) -> list[str]:
     runtime = copy / "runtime_c"
-    folders = [runtime / "include" / real, runtime / "include", runtime / "src", runtime / "sim",
-               runtime / "port" / "posix", runtime / "port" / "wire", copy / "tests" / "c"]  # fmt: skip
-    return [f"-I{folder}" for folder in folders]
+    own = (f"include/{real}", "include", "src", "sim", "port/posix", "port/wire")
+    return [*(f"-I{runtime / folder}" for folder in own), f"-I{copy / 'tests' / 'c'}"]
 
 
 def machine_code(copy: Path, file: str, real: str) -> str | None:

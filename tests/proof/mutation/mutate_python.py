@@ -14,7 +14,7 @@ from pathlib import Path
 
 from killing import ROOT, SURVIVED, UNCHANGED, try_all
 from mutants_python import mutants_of_python, same_program
-from report import write_result
+from survivors import write_result
 
 _SCENE = ("tests/host/emission/test_scene_keys.py", "tests/host/emission/test_scene_file.py")
 _MODEL = (
@@ -54,8 +54,10 @@ TESTS = {
     "host/devices/serial_port.py": _SERIAL,
     "host/devices/serial_device.py": _SERIAL,
 }
-_OPTIONS = ["-q", "-x", "--assert=plain", "-o", "addopts=", "-p", "no:xdist", "-p", "no:cacheprovider",
-            "-m", "not slow and not realtime and not board"]  # fmt: skip
+_OPTIONS = [
+    "-q", "-x", "--assert=plain", "-o", "addopts=", "-p", "no:xdist", "-p", "no:cacheprovider",
+    "-m", "not slow and not realtime and not board",
+]  # fmt: skip
 _servers: dict[Path, "subprocess.Popen[str]"] = {}
 
 
