@@ -24,7 +24,7 @@ import scipy.signal  # noqa: E402, F401
 import serial  # noqa: E402, F401
 import sklearn.ensemble  # noqa: E402, F401
 
-TIMEOUT_S = 120
+TIMEOUT_S = 60
 MEMORY_BYTES = 4 << 30
 
 

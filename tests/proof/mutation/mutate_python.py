@@ -29,17 +29,23 @@ _RECORDING = (
     "tests/trainer/recordings/test_recording_names.py",
 )
 _JOURNAL = ("tests/trainer/recordings/test_journal.py",)
-_ODRIVE = ("tests/host/devices/test_odrive.py",)
-_SERIAL = (
-    "tests/host/devices/test_wire.py",
-    "tests/host/devices/test_serial_link.py",
-    "tests/host/devices/test_devices.py",
+_DEVICES = "tests/host/devices/test_devices.py"
+_ODRIVE = (
+    "tests/host/devices/test_odrive_start.py",
+    "tests/host/devices/test_odrive.py::test_wrong_urls_are_one_line",
 )
-# Test files that may catch the mutants of a file, the likeliest first.
+_SERIAL = (
+    "tests/host/devices/test_serial_start.py",
+    f"{_DEVICES}::test_no_port_and_no_permission",
+    f"{_DEVICES}::test_the_latency_timer_of_an_adapter",
+    f"{_DEVICES}::test_a_port_in_use_names_the_process",
+)
+_URL = (f"{_DEVICES}::test_wrong_urls", *_SERIAL[:1], *_ODRIVE)
+# Test files, or tests, that may catch the mutants of a file, the likeliest first: quick ones.
 TESTS = {
     "codegen/scene.py": _SCENE,
     "host/emission/scene_file.py": _SCENE,
-    "host/devices/url.py": ("tests/host/devices/test_devices.py",),
+    "host/devices/url.py": _URL,
     "host/devices/sample_rate.py": ("tests/host/devices/test_sample_rate.py",),
     "trainer/recordings/recording.py": _RECORDING,
     "trainer/recordings/recording_file.py": _RECORDING,
