@@ -27,6 +27,7 @@ _RECORDING = (
     "tests/trainer/recordings/test_recording_bytes.py",
     "tests/trainer/recordings/test_recording_file.py",
     "tests/trainer/recordings/test_recording_names.py",
+    "tests/trainer/recordings/test_journal.py",
 )
 _JOURNAL = ("tests/trainer/recordings/test_journal.py",)
 _DEVICES = "tests/host/devices/test_devices.py"
@@ -64,6 +65,16 @@ _OPTIONS = [
     "-q", "-x", "--assert=plain", "-o", "addopts=", "-p", "no:xdist", "-p", "no:cacheprovider",
     "-m", "not slow and not realtime and not board",
 ]  # fmt: skip
+# Of files that are given whole: seconds each, and none that others do not catch sooner.
+_SLOW = (
+    "tests/trainer/recordings/test_journal.py::test_two_commands_at_once",
+    "tests/trainer/recordings/test_journal.py::test_killed_while_recording",
+    "tests/trainer/recordings/test_journal.py::test_a_full_file_system",
+    "tests/trainer/recordings/test_journal.py::test_two_writers",
+    "tests/trainer/recordings/test_recording_file.py::test_round_trip",
+    "tests/codegen/model/test_model_file.py::test_same_seed_and_recordings_give_the_same_hash",
+)
+_DESELECTED = [word for test in _SLOW for word in ("--deselect", test)]
 _servers: dict[Path, "subprocess.Popen[str]"] = {}
 
 
@@ -86,7 +97,7 @@ def passes(copy: Path, test: str) -> bool:
     """Whether a file of tests passes in a copy of the checkout."""
     server = _server(copy)
     assert server.stdin is not None and server.stdout is not None
-    server.stdin.write(json.dumps([*_OPTIONS, test]) + "\n")
+    server.stdin.write(json.dumps([*_OPTIONS, *_DESELECTED, test]) + "\n")
     server.stdin.flush()
     return server.stdout.readline().strip() == "0"
 

@@ -3,6 +3,7 @@
 import dataclasses
 import hashlib
 import json
+import os
 from pathlib import Path
 
 import h5py
@@ -142,6 +143,21 @@ def test_behind_the_file_stands_its_checksum(tmp_path: Path) -> None:
         path.write_bytes(short)
         assert has_checksum(path) == (short[:16] == MARK and len(short) <= 48)
         refused(path, "not a springpot recording")
+
+
+def test_the_checksum_covers_every_byte_of_a_file_of_any_length(tmp_path: Path) -> None:
+    path = tmp_path / "x.h5"
+    for length in (1, (1 << 20) + 1):  # a block of reading and one byte
+        body = bytes(length)
+        path.write_bytes(body + MARK + hashlib.sha256(body).digest())
+        refused(path, r"not a springpot recording \(.{10,}\)")  # undamaged, and none
+        path.write_bytes(body[:-1] + b"x" + MARK + hashlib.sha256(body).digest())
+        refused(path, "damaged")
+
+
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.h5")
+    refused(tmp_path / "pipe.h5", "a pipe or device, not a file")
 
 
 def test_an_existing_file_is_kept_where_that_is_asked(tmp_path: Path) -> None:
