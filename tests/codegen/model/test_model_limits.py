@@ -85,6 +85,7 @@ TAKEN: list[tuple[Any, dict[str, Any]]] = [
     (FIR, {"taps": ones((SAMPLES, 2))}),
     (FIR, {"taps": ones((1, 2))}),
     (bank(FIR, (0.0, 1.0)), {}),
+    (bank(FIR, (0.5,)), {}),
     (bank(FIR, (0.5,) * TERMS), {}),
     (FAST, {"length": 4}),
     (FAST, {"length": SAMPLES}),

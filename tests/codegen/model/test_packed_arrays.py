@@ -134,6 +134,11 @@ def test_a_long_header_is_told_shortened() -> None:
     assert told == f"{b'y' * 80!r} begins no array of numbers"
 
 
+def test_two_hundred_letters_of_a_reason_are_told() -> None:
+    told = refused(npz(("a" * 300, npy(described("<f8", "2,"), bytes(15)))))
+    assert told == "'" + "a" * 199
+
+
 def test_a_shape_of_eighty_letters_is_a_shape() -> None:
     shape = "1," + " " * 78
     assert unpacked(npz(("a.npy", npy(described("<f8", shape), bytes(8)))))["a"].shape == (1,)
