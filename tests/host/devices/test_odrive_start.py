@@ -1,5 +1,6 @@
 """How a drive is heard, armed and proved, frame by frame, on a simulated clock."""
 
+import dataclasses
 import math
 import struct
 import types
@@ -8,7 +9,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import odrive
+from springpot.host.devices import odrive, odrive_device, sample_rate
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.odrive import Drive, DriveLimits, Heartbeat, identifier, parse_heartbeat
 from springpot.host.devices.odrive_device import (
@@ -39,16 +40,26 @@ class SimulatedDrive:
     deaf: int = 0  # questions for its version that it misses
     heartbeat_s: float = 0.1
     others: tuple[tuple[int, bytes], ...] = ()  # frames that stand on the bus at the beginning
+    estimates_hz: float = 0.0
     now_s: float = 100.0
+    fd: int = 9
+    failure: str = "pulled out"
+    closed: int = 0
     state: int = IDLE
     code: int = 0
     fed_s: float = math.inf
     beat_s: float = 100.1
+    estimate_s: float = 100.0
     sent: list[tuple[int, bytes, bool]] = field(default_factory=list)
     waiting: list[tuple[int, bytes]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.waiting = list(self.others)
+        if not self.estimates_hz:
+            self.estimate_s = math.inf
+
+    def close(self) -> None:
+        self.closed += 1
 
     def monotonic(self) -> float:
         self.now_s += 1e-6
@@ -76,6 +87,10 @@ class SimulatedDrive:
         if off_s < min(self.beat_s, until_s):
             self.state = IDLE
             self.code = BITE[self.family] if self.bite is None else self.bite
+        if self.estimate_s < min(self.beat_s, until_s):
+            self.now_s = max(self.now_s, self.estimate_s)
+            self.estimate_s += 1 / self.estimates_hz
+            return identifier(NODE, 9), bytes(8)
         if self.beat_s < until_s:
             self.now_s = max(self.now_s, self.beat_s)
             self.beat_s += self.heartbeat_s
@@ -116,6 +131,10 @@ def test_heartbeats_are_read_by_family() -> None:
         assert parse_heartbeat(beat + flags, "0.5") == Heartbeat(0x01020304, 8, flagged)
         assert parse_heartbeat(beat + flags, "0.6") == Heartbeat(0x01020304, 8, False)
     assert identifier(3, 9) == 0x69
+    assert (odrive.ENCODER, odrive.TORQUES) == (0x09, 0x1C)
+    for fixed in (Heartbeat(0, 1, False), DriveLimits(1.0, 2.0), transmission()):
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            setattr(fixed, dataclasses.fields(fixed)[0].name, 3)
 
 
 def test_what_a_drive_is_told(drive_on) -> None:
@@ -192,8 +211,10 @@ def test_a_drive_that_is_heard_is_not_waited_for(drive_on) -> None:
 def test_a_drive_that_is_not_heard_for_two_seconds(drive_on, others, told: str) -> None:
     frames = tuple((identifier(node, 1), bytes(8)) for node in others)
     simulated = SimulatedDrive(others=frames, beats=False)
+    drive = drive_on(simulated, "")
+    assert Drive(simulated, NODE, "odrive://x", DriveLimits(40.0, 5.0)).family == ""
     with pytest.raises(DeviceError) as error:
-        drive_on(simulated)._hear()
+        drive.make_ready()
     assert str(error.value) == f"odrive://x: no heartbeat of node 5: {told}"
     assert simulated.now_s == pytest.approx(102.0, abs=1e-3)
 
@@ -255,7 +276,7 @@ def test_the_time_is_from_the_last_command_to_the_next_heartbeat(drive_on) -> No
 @pytest.mark.parametrize("family", ["0.5", "0.6"])
 def test_a_drive_that_switches_itself_off_otherwise_is_refused(drive_on, family: str) -> None:
     other = BITE["0.6" if family == "0.5" else "0.5"]
-    for bite in (0, 0x40, other):
+    for bite in (0, 1, 0x40, other):
         drive = drive_on(SimulatedDrive(family, bite=bite))
         with pytest.raises(DeviceError, match=f"switched itself off with error 0x{bite:x}: look"):
             drive._prove_watchdog()
@@ -347,3 +368,114 @@ def test_a_bus_carries_two_frames_a_tick() -> None:
 def test_settings_of_a_drive_are_checked_before_its_port_is_opened(query: str, told: str) -> None:
     with pytest.raises(UsageError, match=told):
         OdriveDevice(parse_device(f"odrive://slcan//dev/none?{ALL}&{query}"), NEEDS)
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch):
+    def made(simulated: SimulatedDrive, needs=NEEDS, url: str = "slcan//dev/x") -> OdriveDevice:
+        clock = types.SimpleNamespace(monotonic=simulated.monotonic)
+        for module in (odrive, odrive_device, sample_rate):
+            monkeypatch.setattr(module, "time", clock)
+        asked: list[tuple[str, int]] = []
+        monkeypatch.setattr(
+            odrive_device, "open_bus", lambda at, rate: (asked.append((at.url, rate)), simulated)[1]
+        )
+        try:
+            return OdriveDevice(parse_device(f"odrive://{url}?node=5&{ALL}"), needs)
+        finally:
+            assert asked == [(f"odrive://{url}?node=5&{ALL}", 1_000_000)]
+
+    return made
+
+
+@pytest.mark.parametrize(("url", "slcan"), [("slcan//dev/x", 1), ("socketcan/can0", 0)])
+@pytest.mark.parametrize("family", ["0.5", "0.6"])
+def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(
+    opened, family: str, url: str, slcan: int
+) -> None:
+    simulated = SimulatedDrive(family, estimates_hz=1000.0)
+    needs = dataclasses.replace(NEEDS, sign=-1, zero_turns=0.25, surface_m=0.003)
+    device = opened(simulated, needs, url)
+    assert device.comes_back and device.failure == "pulled out" and device.rendering_board() is None
+    given: list[object] = []
+    library = types.SimpleNamespace(
+        ffi=types.SimpleNamespace(new=lambda kind, values: (kind, values)),
+        memory=lambda size: ("memory", size),
+        c=types.SimpleNamespace(
+            sp_link_odrive_size=lambda: 77,
+            sp_link_odrive_init=lambda *arguments: (given.extend(arguments), "link")[1],
+        ),
+    )
+    assert device.link(library) == "link"
+    memory, descriptor, (kind, settings) = given
+    assert (memory, descriptor, kind) == (("memory", 77), 9, "sp_odrive *")
+    assert settings == {
+        "node": 5,
+        "slcan": slcan,
+        "with_torque": int(family == "0.6"),
+        "m_per_turn": 0.05,
+        "sign": -1,
+        "zero_turns": 0.25,
+        "surface_m": 0.003,
+        "max_torque_nm": 0.4,
+        "max_turns_per_s": pytest.approx(62.4),
+        "max_current_a": pytest.approx(10.5),
+    }
+    simulated.sent.clear()
+    device.stop()
+    assert simulated.sent == RESTING and simulated.closed == 0
+    device.close()
+    assert simulated.closed == 1
+
+    def gone(*_: object, **__: object) -> None:
+        raise DeviceError("gone")
+
+    simulated.send = gone
+    device.stop()  # its watchdog does it
+
+
+@pytest.mark.parametrize(
+    ("family", "rate_hz", "told"),
+    [
+        ("0.5", 500, "sends 250 samples a second, the scene runs at 500 Hz: set "
+         "`odrv0.axis0.config.can.encoder_rate_ms = 2` and save, or render a scene of its rate"),
+        ("0.6", 500, "set `odrv0.axis0.config.can.encoder_msg_rate_ms = 2` and save"),
+        ("0.6", 1000, "encoder_msg_rate_ms = 1` and save"),
+        ("0.6", 1001, "a drive sends at most 1000 a second: set runtime.rate_hz"),
+    ],
+)  # fmt: skip
+def test_a_drive_of_too_few_estimates_is_refused(opened, family, rate_hz, told: str) -> None:
+    simulated = SimulatedDrive(family, estimates_hz=250.0)
+    with pytest.raises(DeviceError) as error:
+        opened(simulated, dataclasses.replace(NEEDS, rate_hz=rate_hz))
+    assert told in str(error.value).replace("sends 249 ", "sends 250 ")
+    assert simulated.closed == 1
+
+
+def test_estimates_that_waited_are_no_measure(opened) -> None:
+    simulated = SimulatedDrive(estimates_hz=1000.0)
+    device = opened(simulated)
+    simulated.estimate_s = simulated.beat_s = math.inf
+    own, other = (identifier(NODE, 9), bytes(8)), (identifier(NODE, 1), bytes(8))
+    simulated.waiting = [own] * 50
+    assert device._estimates_until(simulated.now_s + 0.1) == 0
+    arriving = iter([None, own, other, own, None])
+    simulated.receive = lambda until_s: next(arriving)
+    assert device._estimates_until(simulated.now_s + 0.1) == 2
+
+
+def test_a_slow_adapter_is_refused_before_it_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, float]] = []
+
+    def refuse(place: str, rate_hz: float) -> None:
+        asked.append((place, rate_hz))
+        raise DeviceError("slow")
+
+    monkeypatch.setattr(odrive_device, "require_fast_adapter", refuse)
+    with pytest.raises(DeviceError, match="slow"):
+        OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}"), NEEDS)
+    assert asked == [("/dev/x", 1000)]
+    for query, told in (("bitrate=250000", "250 kbit/s"),):
+        with pytest.raises(DeviceError, match=told):
+            OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}&{query}"), NEEDS)
+    assert len(asked) == 1
