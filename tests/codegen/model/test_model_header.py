@@ -57,10 +57,12 @@ def test_the_first_line_is_magic_schema_and_checksum(tmp_path: Path) -> None:
     content = model_bytes(golden_forces.model(KIND))
     line, _, body = content.partition(b"\n")
     assert line == b"springpot-model 4 " + hashlib.sha256(body).hexdigest().encode()
-    assert (MODEL_MAGIC, MODEL_SCHEMA, MODEL_SUFFIX) == (b"springpot-model", 4, ".spm")
+    assert MODEL_MAGIC == b"springpot-model"
+    assert MODEL_SCHEMA == 4
+    assert MODEL_SUFFIX == ".spm"
     digest = line.split()[2]
-    for wrong in (b"springpot-model 4", line + b" x", b"springpot-modes 4 " + digest,
-                  b"springpot-model x " + digest, b"", b"springpot-model -4 " + digest):  # fmt: skip
+    beginnings = (b"springpot-modes 4 ", b"springpot-model x ", b"springpot-model -4 ")
+    for wrong in (b"springpot-model 4", line + b" x", b"", *(b + digest for b in beginnings)):
         told = refused(tmp_path, wrong + b"\n" + body)
         assert told == "not a springpot model: `springpot train --out FILE.spm` makes one"
     told = refused(tmp_path, b"springpot-model 5 " + digest + b"\n" + body)

@@ -37,9 +37,7 @@ _ODRIVE = (
 )
 _SERIAL = (
     "tests/host/devices/test_serial_start.py",
-    f"{_DEVICES}::test_no_port_and_no_permission",
-    f"{_DEVICES}::test_the_latency_timer_of_an_adapter",
-    f"{_DEVICES}::test_a_port_in_use_names_the_process",
+    "tests/host/devices/test_serial_port.py",
 )
 _URL = (f"{_DEVICES}::test_wrong_urls", *_SERIAL[:1], *_ODRIVE)
 # Test files, or tests, that may catch the mutants of a file, the likeliest first: quick ones.
