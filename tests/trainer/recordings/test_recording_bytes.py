@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings import recording_file
 from springpot.trainer.recordings.recording import SIGN_RULE, Recording
 from springpot.trainer.recordings.recording_file import (
     has_checksum,
@@ -260,6 +261,15 @@ def test_what_is_not_there_is_named(tmp_path: Path) -> None:
         recording_files([tmp_path])
     (tmp_path / "a.h5").mkdir()
     refused(tmp_path / "a.h5", "not a|is a|folder")
+
+
+def test_what_is_still_being_recorded_is_not_read(tmp_path: Path, monkeypatch) -> None:
+    journal = tmp_path / "a.journal"
+    journal.touch()
+    monkeypatch.setattr(recording_file, "is_being_recorded", lambda path: path == journal)
+    refused(journal, "still being recorded: wait until that ends")
+    with pytest.raises(DataError, match="still being recorded"):
+        read_recording(tmp_path / "a.h5")
 
 
 def test_files_and_folders_are_taken_in_order(tmp_path: Path) -> None:
