@@ -5,6 +5,7 @@ import hashlib
 import io
 import json
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -217,6 +218,9 @@ def test_what_stands_at_its_default_is_not_written(tmp_path: Path) -> None:
         assert found == written
         (tmp_path / "x.spm").write_bytes(content)
         assert read_model(tmp_path / "x.spm").hammerstein.stretch == changes["stretch"]
+    fixed = dataclasses.replace(model, provenance=MappingProxyType({"seed": 3}))
+    (tmp_path / "x.spm").write_bytes(model_bytes(fixed))
+    assert read_model(tmp_path / "x.spm").provenance == {"seed": 3}
     plain = dataclasses.replace(model, provenance={})
     content = model_bytes(plain)
     (tmp_path / "x.spm").write_bytes(content)
