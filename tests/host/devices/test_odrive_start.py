@@ -475,6 +475,11 @@ def test_a_slow_adapter_is_refused_before_it_is_opened(monkeypatch: pytest.Monke
     with pytest.raises(DeviceError, match="slow"):
         OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}"), NEEDS)
     assert asked == [("/dev/x", 1000)]
+    device = OdriveDevice.__new__(OdriveDevice)
+    with pytest.raises(DeviceError, match="slow"):
+        device.__init__(parse_device(f"odrive://slcan//dev/x?{ALL}"), NEEDS)
+    assert device.node == 0  # where the address names none
+    del asked[1:]
     for query, told in (("bitrate=250000", "250 kbit/s"),):
         with pytest.raises(DeviceError, match=told):
             OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}&{query}"), NEEDS)

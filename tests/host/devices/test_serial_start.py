@@ -161,6 +161,8 @@ def test_a_device_is_asked_started_and_proved(opened: Opened) -> None:
     assert simulated.closed == 0
     assert device.rendering_board() is None
     assert not device.renders
+    assert device.comes_back
+    assert device.failure == ""
     device.stop()
     assert simulated.names[4:] == ["ask", "STOP"]
     device.close()
@@ -334,6 +336,15 @@ def test_a_line_carries_one_frame_a_tick(opened: Opened) -> None:
 def test_settings_are_checked_before_the_port_is_opened(query: str, told: str) -> None:
     with pytest.raises(UsageError, match=told):
         SerialDevice(parse_device(f"serial:///dev/none?{query}"), NEEDS)
+
+
+def test_a_slow_adapter_is_refused_before_it_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(place: str, rate_hz: float) -> None:
+        raise DeviceError(f"{place} is slow at {rate_hz}")
+
+    monkeypatch.setattr(serial_device, "require_fast_adapter", refuse)
+    with pytest.raises(DeviceError, match="/dev/none is slow at 1000"):
+        SerialDevice(parse_device("serial:///dev/none"), NEEDS)
 
 
 def test_the_link_gets_what_was_agreed(opened: Opened) -> None:

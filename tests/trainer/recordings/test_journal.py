@@ -287,3 +287,7 @@ def test_long_facts_take_several_blocks(tmp_path: Path) -> None:
         writer.append(POSITION_M, POSITION_M)
         writer.finish()
     assert read_recording(tmp_path / "a.h5").details == json.loads(json.dumps(details))
+
+
+def test_blocks_are_as_long_as_in_the_journals_that_are_there() -> None:
+    assert BLOCK_BYTES == 4096
