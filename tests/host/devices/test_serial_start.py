@@ -165,6 +165,7 @@ def test_a_device_is_asked_started_and_proved(opened: Opened) -> None:
     assert device.failure == ""
     device.stop()
     assert simulated.names[4:] == ["ask", "STOP"]
+    assert simulated._receiver.crc_errors == simulated._receiver.gaps == 0
     device.close()
     assert simulated.closed == 1
 

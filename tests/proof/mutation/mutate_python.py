@@ -30,7 +30,6 @@ _RECORDING = (
     "tests/trainer/recordings/test_journal.py",
 )
 _JOURNAL = ("tests/trainer/recordings/test_journal.py",)
-_DEVICES = "tests/host/devices/test_devices.py"
 _ODRIVE = (
     "tests/host/devices/test_odrive_start.py",
     "tests/host/devices/test_odrive.py::test_wrong_urls_are_one_line",
@@ -39,7 +38,7 @@ _SERIAL = (
     "tests/host/devices/test_serial_start.py",
     "tests/host/devices/test_serial_port.py",
 )
-_URL = (f"{_DEVICES}::test_wrong_urls", *_SERIAL[:1], *_ODRIVE)
+_URL = ("tests/host/devices/test_device_url.py",)
 # Test files, or tests, that may catch the mutants of a file, the likeliest first: quick ones.
 TESTS = {
     "codegen/scene.py": _SCENE,
