@@ -318,6 +318,7 @@ def test_a_transmission_is_that_of_the_address_or_the_scene() -> None:
         (f"{ALL}&sign=0.5", "sign=0.5: give 1 or -1"),
         (f"{ALL}&sign=2", "sign=2: give a number between -1 and 1"),
         (f"{ALL}&zero_turns=1000001", "zero_turns=1000001: give a number between -1e.06 and 1e"),
+        (f"{ALL}&surface_mm=100001", "surface_mm=100001: give a number between -100000 and"),
         (f"{ALL}&surface_mm=-100001", "surface_mm=-100001: give a number between -100000 and"),
     ],
 )

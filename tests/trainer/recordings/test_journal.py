@@ -16,7 +16,13 @@ import pytest
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal import JournalWriter
-from springpot.trainer.recordings.journal_blocks import BLOCK_BYTES, PAIRS
+from springpot.trainer.recordings.journal_blocks import (
+    BLOCK_BYTES,
+    LAST_METADATA,
+    METADATA,
+    PAIRS,
+    SAMPLES,
+)
 from springpot.trainer.recordings.recording_file import read_recording, read_recordings
 
 N = 3000
@@ -291,3 +297,4 @@ def test_long_facts_take_several_blocks(tmp_path: Path) -> None:
 
 def test_blocks_are_as_long_as_in_the_journals_that_are_there() -> None:
     assert BLOCK_BYTES == 4096
+    assert (METADATA, LAST_METADATA, SAMPLES) == (0, 1, 2)
