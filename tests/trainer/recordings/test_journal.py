@@ -1,5 +1,6 @@
 """Crash safety: each fault by a real process; what is left reads, or is refused in one line."""
 
+import dataclasses
 import json
 import os
 import random
@@ -304,7 +305,10 @@ def test_blocks_are_as_long_as_in_the_journals_that_are_there() -> None:
 
 def test_a_block_with_a_right_checksum_and_a_wrong_head_is_none() -> None:
     good = journal_blocks.encode(1, 2, SAMPLES, bytes(32))
-    assert journal_blocks.decode(good).rows(2).shape == (2, 2)
+    block = journal_blocks.decode(good)
+    assert block.rows(2).shape == (2, 2)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        block.kind = 0
     too_long = (journal_blocks.PAYLOAD_BYTES // 8 + 1) * 8  # whole numbers, but too many
     for at, value in ((0, b"x"), (good.index(b"\x20"), too_long.to_bytes(2, "little"))):
         body = good[:at] + value + good[at + len(value) : -4]
