@@ -3,7 +3,6 @@
 #include "check.h"
 #include "sp_guard.h"
 #include "sp_guard_velocity.h"
-#include "sp_range.h"
 
 static const sp_guard_config config = {
     .jump_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
@@ -97,16 +96,86 @@ static void only_believable_device_velocities_are_taken(void)
     }
 }
 
-static void depth_is_clipped_to_the_trained_range(void)
+/* Numbers that float holds exactly: at a border, not near it. */
+static const sp_guard_config exact = {
+    .jump_m = (sp_real)0.25, .min_m = (sp_real)-8, .max_m = (sp_real)8, .resync_ticks = 3};
+enum { OTHER_NOTE = SP_NOTE_RAMPED }; /* said before by another unit: it stays */
+
+/* Takes a sample one tick after the last; whether position and notes are these. */
+static int gives(sp_guard_state *state, double x, double expected_m, int expected_notes)
 {
-    const sp_range_config range = {.min_m = (sp_real)0, .max_m = (sp_real)0.01};
-    int notes = 0;
-    CHECK(sp_range_clip(&range, (sp_real)0.01, &notes) == (sp_real)0.01 && notes == 0);
-    CHECK(sp_range_clip(&range, (sp_real)0.011, &notes) == (sp_real)0.01);
-    CHECK(notes == SP_NOTE_OUTSIDE);
-    notes = 0;
-    CHECK(sp_range_clip(&range, (sp_real)-1, &notes) == (sp_real)0);
-    CHECK(notes == SP_NOTE_OUTSIDE);
+    int notes = OTHER_NOTE;
+    const sp_real position_m = sp_guard_position(&exact, state, (sp_real)1, (sp_real)x, &notes);
+    return position_m == (sp_real)expected_m && notes == (OTHER_NOTE | expected_notes);
+}
+
+static void borders_themselves_are_believable(void)
+{
+    const double borders[] = {-8, 8};
+    for (int i = 0; i < 2; i++) {
+        sp_guard_state state = {0};
+        CHECK(gives(&state, borders[i] * 1.001, 0, SP_NOTE_HELD));
+        CHECK(gives(&state, borders[i], borders[i], SP_NOTE_RESYNC));
+    }
+}
+
+static void a_step_as_long_as_the_longest_is_taken(void)
+{
+    sp_guard_state state = {0};
+    CHECK(gives(&state, 0, 0, SP_NOTE_RESYNC));
+    for (int i = 1; i <= 8; i++) {
+        CHECK(gives(&state, 0.25 * i, 0.25 * i, 0));
+    }
+    CHECK(gives(&state, (double)NAN, 2, SP_NOTE_HELD));
+    CHECK(gives(&state, 4, 2, SP_NOTE_HELD));
+    CHECK(gives(&state, 4.25, 2, SP_NOTE_HELD));
+    CHECK(gives(&state, 4, 4, SP_NOTE_RESYNC));
+    CHECK(gives(&state, (double)NAN, 4, SP_NOTE_HELD));
+    CHECK(gives(&state, 4.25, 4.25, 0));
+}
+
+/* What has just become true is no suspect: a step that is too long for half a tick begins at one.
+ */
+static void after_a_new_position_suspects_are_counted_anew(void)
+{
+    sp_guard_state state = {0};
+    CHECK(gives(&state, 0, 0, SP_NOTE_RESYNC));
+    CHECK(gives(&state, 4, 0, SP_NOTE_HELD));
+    CHECK(gives(&state, 4, 0, SP_NOTE_HELD));
+    CHECK(gives(&state, 4, 4, SP_NOTE_RESYNC));
+    for (int i = 1; i <= 3; i++) {
+        int notes = 0;
+        const sp_real x = (sp_real)(4 + 0.1875 * i);
+        const sp_real position_m = sp_guard_position(&exact, &state, (sp_real)0.5, x, &notes);
+        CHECK(position_m == (i < 3 ? (sp_real)4 : x));
+        CHECK(notes == (i < 3 ? SP_NOTE_HELD : SP_NOTE_RESYNC));
+    }
+}
+
+/* Between samples that agree, a good one or one that cannot be: they begin again. */
+static void only_samples_in_a_row_agree(void)
+{
+    const double between[] = {0.125, (double)NAN, 9};
+    for (int i = 0; i < 3; i++) {
+        sp_guard_state state = {0};
+        CHECK(gives(&state, 0, 0, SP_NOTE_RESYNC));
+        CHECK(gives(&state, 4, 0, SP_NOTE_HELD));
+        CHECK(gives(&state, 4, 0, SP_NOTE_HELD));
+        const double held = i == 0 ? 0.125 : 0;
+        CHECK(gives(&state, between[i], held, i == 0 ? 0 : SP_NOTE_HELD));
+        CHECK(gives(&state, 4, held, SP_NOTE_HELD));
+        CHECK(gives(&state, 4, held, SP_NOTE_HELD));
+        CHECK(gives(&state, 4, 4, SP_NOTE_RESYNC));
+    }
+}
+
+static void a_share_is_zero_at_the_surface_and_one_without_depth(void)
+{
+    const sp_guard_state deep = {.good_m = (sp_real)0.008, .started = 1};
+    const sp_guard_state surface = {.started = 1};
+    CHECK(sp_guard_share(&config, &deep, (sp_real)1e-31) == (sp_real)0);
+    CHECK(sp_guard_share(&config, &deep, (sp_real)0) == (sp_real)0);
+    CHECK(sp_guard_share(&config, &surface, (sp_real)-0.002) == (sp_real)1);
 }
 
 int main(void)
@@ -118,6 +187,10 @@ int main(void)
     a_tool_may_have_moved_in_every_tick_without_a_sample();
     a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth();
     only_believable_device_velocities_are_taken();
-    depth_is_clipped_to_the_trained_range();
+    borders_themselves_are_believable();
+    a_step_as_long_as_the_longest_is_taken();
+    only_samples_in_a_row_agree();
+    after_a_new_position_suspects_are_counted_anew();
+    a_share_is_zero_at_the_surface_and_one_without_depth();
     return failed;
 }

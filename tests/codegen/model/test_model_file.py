@@ -6,7 +6,7 @@ import pytest
 from support.small import model_file, small_model, training
 
 from springpot.codegen.errors import DataError
-from springpot.codegen.model.model_file import model_hash, read_model, write_model
+from springpot.codegen.model.model_file import MODEL_SUFFIX, model_hash, read_model, write_model
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -56,6 +56,10 @@ def test_a_file_of_the_schema_before_is_read_and_keeps_its_hash(tmp_path: Path) 
     assert b"stretch" not in header  # what stands at its default is not written
     path.write_bytes(content.replace(b"springpot-model 4", b"springpot-model 3", 1))
     assert model_hash(read_model(path)) == model_hash(small_model())
+
+
+def test_the_suffix_is_what_other_programs_look_for() -> None:
+    assert MODEL_SUFFIX == ".spm"
 
 
 def test_a_missing_file_is_named(tmp_path: Path) -> None:

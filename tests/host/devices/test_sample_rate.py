@@ -1,5 +1,7 @@
 """A device that sends at another rate than the scene's: refused before it is armed, or stopped."""
 
+import types
+
 import pytest
 from support.peer import peer, wait_until
 from support.small import model_file, scene
@@ -95,3 +97,10 @@ def test_a_rate_that_falls_in_a_session(tmp_path):
     assert "set its firmware to 1000 Hz" in session.line
     assert session.error is not None
     assert exit_status(session.error) == 5
+
+
+def test_nine_tenths_are_enough(monkeypatch):
+    times = iter([0.0, 0.1])
+    clock = types.SimpleNamespace(monotonic=lambda: next(times))
+    monkeypatch.setattr(sample_rate, "time", clock)
+    require_sample_rate("x", 1000, lambda until_s: 90, "")

@@ -1,5 +1,6 @@
 """Crash safety: each fault by a real process; what is left reads, or is refused in one line."""
 
+import dataclasses
 import json
 import os
 import random
@@ -8,15 +9,23 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings import journal_blocks
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal import JournalWriter
-from springpot.trainer.recordings.journal_blocks import BLOCK_BYTES, PAIRS
+from springpot.trainer.recordings.journal_blocks import (
+    BLOCK_BYTES,
+    LAST_METADATA,
+    METADATA,
+    PAIRS,
+    SAMPLES,
+)
 from springpot.trainer.recordings.recording_file import read_recording, read_recordings
 
 N = 3000
@@ -287,3 +296,20 @@ def test_long_facts_take_several_blocks(tmp_path: Path) -> None:
         writer.append(POSITION_M, POSITION_M)
         writer.finish()
     assert read_recording(tmp_path / "a.h5").details == json.loads(json.dumps(details))
+
+
+def test_blocks_are_as_long_as_in_the_journals_that_are_there() -> None:
+    assert BLOCK_BYTES == 4096
+    assert (METADATA, LAST_METADATA, SAMPLES) == (0, 1, 2)
+
+
+def test_a_block_with_a_right_checksum_and_a_wrong_head_is_none() -> None:
+    good = journal_blocks.encode(1, 2, SAMPLES, bytes(32))
+    block = journal_blocks.decode(good)
+    assert block.rows(2).shape == (2, 2)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        block.kind = 0
+    too_long = (journal_blocks.PAYLOAD_BYTES // 8 + 1) * 8  # whole numbers, but too many
+    for at, value in ((0, b"x"), (good.index(b"\x20"), too_long.to_bytes(2, "little"))):
+        body = good[:at] + value + good[at + len(value) : -4]
+        assert journal_blocks.decode(body + journal_blocks._CHECKSUM.pack(zlib.crc32(body))) is None

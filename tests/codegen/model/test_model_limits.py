@@ -1,0 +1,302 @@
+"""What a model's parts must be, each rule at its border: the last value taken, the first not."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from springpot.codegen.errors import DataError
+from springpot.codegen.model.features import (
+    FastFirBank,
+    FirBank,
+    Lags,
+    PositionVelocity,
+    RecursiveBank,
+)
+from springpot.codegen.model.field_types import MAX_NUMBER, require_types
+from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
+from springpot.codegen.model.validity import require_valid
+
+ones = np.ones
+PASSIVE = Hammerstein(
+    basis="powers", origin_m=0.0, span_m=0.01, elastic_n=ones(3), tau_s=ones(2),
+    branch_n=ones((2, 3)), radius_m=ones(1), stop_n=ones((1, 3)), bias_n=0.0,
+)  # fmt: skip
+RANGE = TrainedRange(min_m=0.0, max_m=0.01, max_mps=0.1, min_n=0.0, max_n=3.0)
+FIR = FirBank((0.25, 0.5), ones((4, 2)))
+FAST = FastFirBank((0.25, 0.5), ones(3), length=10, weights=ones((6, 2)))  # two direct taps
+RECURSIVE = RecursiveBank((0.25, 0.5), ones(3), ones((3, 2)))
+LEAF = Forest(
+    feature=np.full(1, -1, np.int32), threshold=np.zeros(1), left=np.zeros(1, np.int32),
+    right=np.zeros(1, np.int32), value_n=ones(1), roots=np.zeros(1, np.int32), weight=1.0,
+    bias_n=0.0,
+)  # fmt: skip
+BINS = Quantisation(np.zeros(2), ones(2))
+RBF = Rbf(ones(2), ones(2), -ones(2), ones(2), ones((3, 2)), ones(3), ones(3))
+MODEL = Model("rf-fd", "x", 1e-3, "surface", RANGE, FIR, LEAF, PASSIVE, False)
+LAW = dict.fromkeys(("stiffness_npm", "coefficient", "order"), (1.0, None))  # and half widths
+TERMS = 1000
+SAMPLES = 1_000_000
+
+
+def bank(part: Any, orders: tuple[float, ...]) -> Any:
+    """The bank with a column for each order."""
+    table = np.ones((len(getattr(part, part.table)), len(orders)))
+    return dataclasses.replace(part, orders=orders, **{part.table: table})
+
+
+def terms(branches: int, stops: int) -> dict[str, Any]:
+    return {
+        "tau_s": ones(branches), "branch_n": ones((branches, 3)),
+        "radius_m": ones(stops), "stop_n": ones((stops, 3)),
+    }  # fmt: skip
+
+
+TAKEN: list[tuple[Any, dict[str, Any]]] = [
+    (MODEL, {"dt_s": 1e-6}),
+    (MODEL, {"dt_s": 1e2}),
+    (MODEL, {"kind": "A"}),
+    (MODEL, {"kind": "9_.+-" + "z" * 59}),
+    (MODEL, {"hammerstein_adds": True}),
+    (MODEL, {"hammerstein": None}),
+    (MODEL, {"features": None, "regressor": None, "hammerstein_adds": True}),
+    (MODEL, {"provenance": {"material": LAW}, "hammerstein": None}),
+    (RANGE, {"min_m": -100.0, "max_m": 100.0}),
+    (RANGE, {"min_n": -1e4, "max_n": 1e4}),
+    (RANGE, {"max_mps": 1e4}),
+    (RANGE, {"max_mps": 0.0}),
+    (RANGE, {"min_m": 0.01}),
+    (PASSIVE, {"span_m": 100.0}),
+    (PASSIVE, {"span_m": 1e-9}),
+    (PASSIVE, {"origin_m": 100.0}),
+    (PASSIVE, {"origin_m": -100.0}),
+    (PASSIVE, {"n_by_depth": 2}),
+    (PASSIVE, {"rate_ratio": 1e4}),
+    (PASSIVE, {"rate_ratio": 1e-4}),
+    (PASSIVE, {"stretch": 30.0}),
+    (PASSIVE, {"elastic_n": np.zeros(3)}),
+    (PASSIVE, terms(TERMS, TERMS)),
+    (PASSIVE, terms(0, 0)),
+    (FIR, {"taps": ones((SAMPLES, 2))}),
+    (FIR, {"taps": ones((1, 2))}),
+    (bank(FIR, (0.0, 1.0)), {}),
+    (bank(FIR, (0.5,)), {}),
+    (bank(FIR, (0.5,) * TERMS), {}),
+    (FAST, {"length": 4}),
+    (FAST, {"length": SAMPLES}),
+    (FAST, {"weights": ones((5, 2)), "length": 3}),  # one direct tap
+    (FAST, {"tau_ticks": ones(TERMS), "weights": ones((TERMS + 2, 2))}),
+    (RECURSIVE, {"tau_s": ones(TERMS), "weights": ones((TERMS, 2))}),
+    (RECURSIVE, {"tau_s": ones(1), "weights": ones((1, 2))}),
+    (Lags((0,), False), {}),
+    (Lags((0, 1, SAMPLES), False), {}),
+    (PositionVelocity(1, 0.0), {}),
+    (PositionVelocity(SAMPLES, 100.0), {}),
+    (LEAF, {"weight": 1e-9}),
+    (LEAF, {"quantisation": BINS}),
+    (BINS, {"bins_per_unit": np.array([1e-9, 1.0])}),
+    (RBF, {"feature_min": ones(2)}),
+    (RBF, {"centers": ones((1, 2)), "weights_n": ones(1)}),
+]
+
+REFUSED: list[tuple[Any, dict[str, Any], str]] = [
+    (MODEL, {"dt_s": 0.999e-6}, "dt_s: 9.99e-07 s is no time step"),
+    (MODEL, {"dt_s": 100.1}, "dt_s: 100.1 s is no time step"),
+    (MODEL, {"kind": ""}, "kind: '' is no name of a kind"),
+    (MODEL, {"kind": "-a"}, "kind: '-a' is no name of a kind"),
+    (MODEL, {"kind": "a/b"}, "kind: 'a/b' is no name of a kind"),
+    (MODEL, {"kind": "z" * 65}, "kind: "),
+    (MODEL, {"features": None}, "features, regressor: one without the other"),
+    (MODEL, {"regressor": None}, "features, regressor: one without the other"),
+    (MODEL, {"features": None, "regressor": None}, "regressor, hammerstein: no force"),
+    (MODEL, {"hammerstein": None, "hammerstein_adds": True}, "hammerstein_adds: nothing to add"),
+    (MODEL, {"kind": "springpot", "hammerstein": None, "provenance": {"material": LAW}},
+     "provenance.material: of no passive model"),
+    (MODEL, {"provenance": {"seed": -1}}, "provenance"),
+    (MODEL, {"trained": dataclasses.replace(RANGE, min_m=1.0)}, "trained.min_m, max_m: 1 to 0.01"),
+    (MODEL, {"features": dataclasses.replace(FIR, taps=ones((0, 2)))}, "features.taps: "),
+    (MODEL, {"regressor": dataclasses.replace(LEAF, weight=0.0)}, "regressor.weight: 0 is not"),
+    (MODEL, {"hammerstein": dataclasses.replace(PASSIVE, span_m=0.0)}, "hammerstein.span_m: 0 m"),
+    (RANGE, {"min_m": -100.1}, "min_m, max_m: -100.1 to 0.01 is no range within -100 .. 100"),
+    (RANGE, {"max_m": 100.1}, "min_m, max_m: 0 to 100.1 is no range within -100 .. 100"),
+    (RANGE, {"min_n": -1.001e4}, "min_n, max_n: -10010 to 3 is no range within -10000 .. 10000"),
+    (RANGE, {"max_n": 1.001e4}, "min_n, max_n: 0 to 10010 is no range within -10000 .. 10000"),
+    (RANGE, {"max_mps": 1.001e4}, "max_mps: 0 to 10010 is no range within -10000 .. 10000"),
+    (RANGE, {"max_mps": -1e-9}, "max_mps: 0 to -1e-09 is no range"),
+    (RANGE, {"min_m": math.nan}, "min_m, max_m: nan"),
+    (PASSIVE, {"span_m": 0.0}, "span_m: 0 m is no depth above 0"),
+    (PASSIVE, {"span_m": 100.1}, "span_m: 100.1 m is no depth above 0"),
+    (PASSIVE, {"origin_m": 100.1}, "origin_m: 100.1 m"),
+    (PASSIVE, {"origin_m": -100.1}, "origin_m: -100.1 m"),
+    (PASSIVE, {"elastic_n": ones(4)}, "elastic_n: shape (4,), not (3,)"),
+    (PASSIVE, {"basis": "ramps"}, "elastic_n: shape (3,), not (8,)"),
+    (PASSIVE, {"tau_s": ones((2, 1))}, "tau_s: shape (2, 1), not (2,)"),
+    (PASSIVE, {"branch_n": ones((1, 3))}, "branch_n: shape (1, 3), not (2, 3)"),
+    (PASSIVE, {"radius_m": ones((1, 1))}, "radius_m: shape (1, 1), not (1,)"),
+    (PASSIVE, {"stop_n": ones((2, 3))}, "stop_n: shape (2, 3), not (1, 3)"),
+    (PASSIVE, terms(TERMS + 1, 0), "tau_s, radius_m: more than 1000"),
+    (PASSIVE, terms(0, TERMS + 1), "tau_s, radius_m: more than 1000"),
+    (PASSIVE, {"tau_s": np.array([1.0, 0.0])}, "tau_s: 0 is not above 0"),
+    (PASSIVE, {"radius_m": np.zeros(1)}, "radius_m: 0 is not above 0"),
+    (PASSIVE, {"n_by_depth": 3}, "n_by_depth: 3 branches"),
+    (PASSIVE, {"n_by_depth": -1}, "n_by_depth: -1 branches"),
+    (PASSIVE, {"rate_ratio": 1.001e4}, "rate_ratio: 10010 is not within 1/10000 .. 10000"),
+    (PASSIVE, {"rate_ratio": 0.999e-4}, "rate_ratio: 9.99e-05 is not within 1/10000 .. 10000"),
+    (PASSIVE, {"stretch": 30.1}, "stretch: 30.1 is not within 0 .. 30"),
+    (PASSIVE, {"stretch": -1e-9}, "stretch: -1e-09 is not within 0 .. 30"),
+    *[
+        (PASSIVE, {name: -1e-9 * np.ones_like(getattr(PASSIVE, name))},
+         f"{name}: -1e-09 is negative: it would not be passive")
+        for name in ("elastic_n", "branch_n", "stop_n")
+    ],
+    (FIR, {"taps": ones((0, 2))}, "taps: (0,) samples"),
+    (FIR, {"taps": ones((SAMPLES + 1, 2))}, "taps: (1000001,) samples"),
+    (FIR, {"taps": ones((4, 3))}, "taps: shape (4, 3), not (4, 2)"),
+    *[(bank(part, ()), {}, "orders: () are not within 0 .. 1") for part in (FIR, FAST, RECURSIVE)],
+    (bank(FIR, (0.5,) * (TERMS + 1)), {}, "orders: (0.5, 0.5, "),
+    (bank(FIR, (0.5, 1.001)), {}, "orders: (0.5, 1.001) are not within 0 .. 1"),
+    (bank(FIR, (-0.001, 0.5)), {}, "orders: (-0.001, 0.5) are not within 0 .. 1"),
+    (FAST, {"tau_ticks": ones((3, 1))}, "tau_ticks: shape (3, 1), not (3,)"),
+    (FAST, {"tau_ticks": np.zeros(3)}, "tau_ticks: 0 is not above 0"),
+    (FAST, {"tau_ticks": ones(0)}, "tau_ticks: 0 poles"),
+    (FAST, {"tau_ticks": ones(TERMS + 1)}, "tau_ticks: 1001 poles"),
+    (FAST, {"tau_ticks": ones(5)}, "weights: 6 rows for 5 poles"),
+    (FAST, {"weights": ones((6, 3))}, "weights: shape (6, 3), not (6, 2)"),
+    (FAST, {"length": 3}, "length: 3 samples"),
+    (FAST, {"length": SAMPLES + 1}, "length: 1000001 samples"),
+    (RECURSIVE, {"tau_s": ones(TERMS + 1)}, "tau_s: 1001 poles"),
+    (RECURSIVE, {"tau_s": np.array([1.0, -1.0, 1.0])}, "tau_s: -1 is not above 0"),
+    (RECURSIVE, {"weights": ones((2, 2))}, "weights: shape (2, 2), not (3, 2)"),
+    (Lags((0, 2, 2), False), {}, "samples: (0, 2, 2) do not ascend from 0 to at most 1000000"),
+    (Lags((1, 2), False), {}, "samples: (1, 2) do not ascend from 0"),
+    (Lags((0, SAMPLES + 1), False), {}, "samples: (0, 1000001) do not ascend from 0"),
+    (Lags((), False), {}, "samples: () do not ascend from 0"),
+    (PositionVelocity(0, 0.0), {}, "length: 0 steps"),
+    (PositionVelocity(SAMPLES + 1, 0.0), {}, "length: 1000001 steps"),
+    (PositionVelocity(1, -1e-9), {}, "band_m: -1e-09 m"),
+    (PositionVelocity(1, 100.1), {}, "band_m: 100.1 m"),
+    (LEAF, {"weight": 0.0}, "weight: 0 is not above 0"),
+    (LEAF, {"roots": np.zeros(0, np.int32)}, "roots: no list of trees"),
+    (LEAF, {"quantisation": Quantisation(np.zeros(1), ones(2))},
+     "quantisation.feature_min: shape (1,), not (2,)"),
+    (BINS, {"bins_per_unit": ones(3)}, "bins_per_unit: shape (3,), not (2,)"),
+    (BINS, {"bins_per_unit": np.zeros(2)}, "bins_per_unit: 0 is not above 0"),
+    *[(RBF, {name: ones(1)}, f"{name}: shape (1,), not (2,)")
+      for name in ("mean", "scale", "feature_min", "feature_max")],
+    (RBF, {"scale": np.array([1.0, 0.0])}, "scale: 0 is not above 0"),
+    (RBF, {"feature_min": np.array([0.0, 1.1])}, "feature_min: above feature_max"),
+    (RBF, {"centers": ones((0, 2)), "weights_n": ones(0)}, "centers: none"),
+    (RBF, {"centers": ones((3, 1))}, "centers: shape (3, 1), not (3, 2)"),
+    (RBF, {"weights_n": ones(2)}, "weights_n: shape (2,), not (3,)"),
+    (RBF, {"tail_n": ones(2)}, "tail_n: shape (2,), not (3,)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("part", "changes"), TAKEN)
+def test_a_part_at_its_border_is_taken(part: Any, changes: dict[str, Any]) -> None:
+    require_valid(dataclasses.replace(part, **changes), 2)
+
+
+@pytest.mark.parametrize(("part", "changes", "told"), REFUSED)
+def test_a_part_beyond_its_border_is_refused(part: Any, changes: dict[str, Any], told: str) -> None:
+    with pytest.raises(DataError) as error:
+        require_valid(dataclasses.replace(part, **changes), 2)
+    assert str(error.value).startswith(told)
+
+
+@dataclass(frozen=True)
+class Inner:
+    number: float
+
+
+@dataclass(frozen=True)
+class Outer:
+    word: Literal["one", "two"]
+    text: str
+    whole: int
+    number: float
+    yes: bool
+    items: tuple[int, ...]
+    reals: NDArray[np.float64]
+    rows: NDArray[np.int32]
+    inner: Inner | None
+    more: int = 0
+    made: tuple[int, ...] = dataclasses.field(default_factory=tuple)
+
+
+FITS: dict[str, list[Any]] = {
+    "word": ["one", "two"],
+    "text": ["x", "é" * 200],
+    "whole": [0, -(10**30), 10**30],
+    "number": [0.0, 1, -MAX_NUMBER, MAX_NUMBER],
+    "yes": [True, False],
+    "items": [(), (1, 2), (0,) * 10_000],
+    "reals": [np.zeros(0), np.array([-MAX_NUMBER, MAX_NUMBER]), np.zeros((2, 2))],
+    "rows": [np.zeros(2, np.int32)],
+    "inner": [None, Inner(1.0)],
+    "more": [5],
+    "made": [(3,)],
+}
+LONG = "x" * 58  # its repr is as long as is shown
+DOES_NOT: list[tuple[str, Any, str]] = [
+    ("word", "three", "'three' is none of one, two"),
+    ("word", 1, "1 is none of one, two"),
+    ("word", ["one"], "list is none of one, two"),
+    ("text", "", "'' is no printable text"),
+    ("text", "é" * 201, f"'{'é' * 56}... is no printable text"),
+    ("text", "a\n", r"'a\n' is no printable text"),
+    ("text", 1, "1 is no printable text"),
+    ("word", LONG, f"'{LONG}' is none of one, two"),
+    ("word", LONG + "x", f"'{LONG[:56]}... is none of one, two"),
+    ("whole", 1.0, "1.0 is no whole number"),
+    ("whole", True, "True is no whole number"),
+    ("whole", 2 * 10**30, f"{2 * 10**30} is no whole number"),
+    ("whole", None, "None is no whole number"),
+    ("number", True, "True is no finite number"),
+    ("number", 1.1 * MAX_NUMBER, f"{1.1 * MAX_NUMBER} is no finite number"),
+    ("number", -1.1 * MAX_NUMBER, f"{-1.1 * MAX_NUMBER} is no finite number"),
+    ("number", math.nan, "nan is no finite number"),
+    ("number", "1", "'1' is no finite number"),
+    ("yes", 1, "1 is no bool"),
+    ("items", [1], "list is no list of at most 10000"),
+    ("items", (0,) * 10_001, "tuple is no list of at most 10000"),
+    ("items", (1, 2.5), "2.5 is no whole number"),
+    ("reals", [1.0], "list is no array"),
+    ("reals", np.zeros(2, np.float32), "an array of float32, not of float64"),
+    ("rows", np.zeros(2, np.int64), "an array of int64, not of int32"),
+    ("reals", np.array([0.0, math.nan]), "a number that is not finite, or above 1e+30"),
+    ("reals", np.array([0.0, 1.1 * MAX_NUMBER]), "a number that is not finite, or above 1e+30"),
+    ("reals", np.array([0.0, -1.1 * MAX_NUMBER]), "a number that is not finite, or above 1e+30"),
+    ("inner", Outer, "type is no Inner"),
+    ("inner", 1, "1 is no Inner"),
+]
+
+
+def test_fields_of_their_types_are_taken() -> None:
+    plain = {name: values[0] for name, values in FITS.items()}
+    require_types(Outer, {n: v for n, v in plain.items() if n not in ("more", "made")}, "outer")
+    for name, values in FITS.items():
+        for value in values:
+            require_types(Outer, {**plain, name: value}, "outer")
+
+
+@pytest.mark.parametrize(("name", "value", "told"), DOES_NOT)
+def test_a_field_of_another_type_is_told(name: str, value: Any, told: str) -> None:
+    plain = {field: values[0] for field, values in FITS.items()}
+    with pytest.raises(DataError) as error:
+        require_types(Outer, {**plain, name: value}, "outer")
+    assert str(error.value) == f"outer.{name}: {told}"
+
+
+def test_fields_that_are_missing_or_unknown_are_told() -> None:
+    plain = {field: values[0] for field, values in FITS.items()}
+    with pytest.raises(DataError, match=r"^outer: unknown Outer field 'a'$"):
+        require_types(Outer, {**plain, "b": 1, "a": 1}, "outer")
+    del plain["word"], plain["text"]
+    with pytest.raises(DataError, match=r"^outer\.text: missing$"):
+        require_types(Outer, plain, "outer")

@@ -1,0 +1,68 @@
+"""Device addresses taken apart, and their settings as numbers."""
+
+import dataclasses
+
+import pytest
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.url import SCHEMES, Address, parse_device
+
+
+@pytest.mark.parametrize(
+    ("url", "parts"),
+    [
+        ("sim://ecoflex-00-30?hand=mid", ("sim", "", "ecoflex-00-30", {"hand": "mid"})),
+        ("replay:///a/b%20c.h5", ("replay", "", "/a/b c.h5", {})),
+        ("replay://a/b.h5", ("replay", "", "a/b.h5", {})),
+        ("serial:///dev/x?baud=9600&feed=", ("serial", "", "/dev/x", {"baud": "9600", "feed": ""})),
+        ("odrive://slcan//dev/x?node=1", ("odrive", "slcan", "/dev/x", {"node": "1"})),
+        ("odrive://socketcan/can0", ("odrive", "socketcan", "can0", {})),
+    ],
+)
+def test_an_address_has_scheme_interface_place_and_settings(url: str, parts: tuple) -> None:
+    assert parse_device(url) == Address(url, *parts)
+
+
+def test_schemes_that_there_are_are_told() -> None:
+    assert list(SCHEMES) == ["sim", "replay", "serial", "odrive"]
+    for url, named in (("usb://x", "'usb'"), ("x", "'a device without a scheme'")):
+        with pytest.raises(DeviceError) as error:
+            parse_device(url)
+        assert str(error.value) == (
+            f"{url}: no driver for {named}: use sim://OBJECT, for example "
+            "sim://ecoflex-00-30?hand=mid; replay://FILE, a recording; "
+            "serial:///dev/ttyACM0?baud=921600; odrive://slcan//dev/ttyACM0?node=0, "
+            "odrive://socketcan/can0?node=0, or odrive://INTERFACE/CHANNEL?node=0 for another "
+            "interface of python-can"
+        )
+
+
+@pytest.mark.parametrize("url", ["sim://", "replay://", "serial://?baud=1", "odrive://slcan",
+                                 "odrive:///dev/x", "odrive://slcan/"])  # fmt: skip
+def test_an_address_without_a_place_is_told_with_what_it_looks_like(url: str) -> None:
+    with pytest.raises(UsageError) as error:
+        parse_device(url)
+    assert str(error.value) == f"{url}: not complete: use {SCHEMES[url.partition(':')[0]]}"
+
+
+def test_settings_are_numbers_within_their_limits() -> None:
+    address = parse_device("sim://x?a=1&b=2&c=nan&d=x&e=1.5&f=inf")
+    assert address.number("none", 7.0, 1, 2) == 7.0
+    assert [address.number(key, 7.0, 1, 2) for key in "abe"] == [1.0, 2.0, 1.5]
+    for key, text in (("c", "nan"), ("d", "x"), ("f", "inf")):
+        with pytest.raises(UsageError) as error:
+            address.number(key, 7.0, 1, 2)
+        assert str(error.value) == f"{address.url}: {key}={text}: give a number between 1 and 2"
+    for low, high in ((1.001, 2), (0, 0.999)):
+        with pytest.raises(UsageError):
+            address.number("a", 7.0, low, high)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        address.place = "y"  # type: ignore[misc]
+
+
+def test_settings_that_there_are_none_of_are_told() -> None:
+    address = parse_device("sim://x?hand=mid&speed=1")
+    address.require_known(("speed", "hand"))
+    with pytest.raises(UsageError) as error:
+        address.require_known(("hand", "object"))
+    assert str(error.value) == f"{address.url}: no setting 'speed': use hand, object"

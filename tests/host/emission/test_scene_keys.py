@@ -1,0 +1,171 @@
+"""Every key of a scene: its default, the last value that it takes, the first that it does not."""
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.scene import Scene
+from springpot.host.emission.scene_file import (
+    checked_scene,
+    read_scene,
+    scene_from_json,
+    scene_to_json,
+    write_scene,
+)
+
+PLAIN = Scene(schema=1, name="x", model="x.spm")
+SECTIONS = ("runtime", "coupling", "smoothing", "guard", "device", "budget")
+# section.key: default, values at the borders, values beyond them
+NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
+    "runtime.rate_hz": (None, [10, 8000], [9.99, 8000.5]),
+    "coupling.stiffness_npm": (1500.0, [1e-3, 1e7], [0.999e-3, 1.001e7]),
+    "coupling.damping_nspm": (20.0, [1e-6, 1e7], [0.999e-6, 1.001e7]),
+    "coupling.mass_kg": (0.05, [1e-6, 1e3], [0.999e-6, 1.001e3]),
+    "smoothing.time_constant_s": (0.0, [0.0, 1.0], [-1e-9, 1.001]),
+    "guard.max_force_n": (None, [1e-9, 1e4], [0.0, 1.001e4]),
+    "guard.watchdog_ms": (None, [1e-9, 1000], [0.0, 1000.1]),
+    "guard.onset_mm": (None, [1e-4, 100], [0.999e-4, 100.1]),
+    "device.delay_samples": (0, [0, 10], [-1, 11]),
+    "device.surface_mm": (0.0, [-1e9, 1e9], []),
+    "device.m_per_turn": (None, [1e-9, 100], [0.0, 100.1]),
+    "device.zero_turns": (0.0, [-1e9, 1e9], []),
+    "device.max_torque_nm": (None, [1e-9, 1e9], [0.0]),
+    "device.nm_per_a": (None, [1e-9, 1e9], [0.0]),
+    "budget.flash_bytes": (None, [1, 10**12], [0]),
+    "budget.ram_bytes": (None, [1, 10**12], [0]),
+    "budget.stack_bytes": (None, [1, 10**12], [0]),
+    "budget.tick_instructions": (None, [1, 10**12], [0]),
+    "budget.tick_us": (None, [1e-9, 1e12], [0.0]),
+}
+WORDS: dict[str, tuple[Any, list[Any]]] = {
+    "runtime.number": ("float32", ["float32", "float64"]),
+    "runtime.target": ("host", ["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
+    "runtime.prefix": ("sp", ["sp", "s", "a" * 31, "z9_"]),
+    "runtime.forest": ("table", ["table", "m2cgen"]),
+    "runtime.measured_step": (None, [True, False]),
+    "coupling.mode": ("auto", ["auto", "off", "tool", "proxy"]),
+    "guard.outside": ("fallback", ["fallback", "hold", "zero"]),
+    "guard.contact": (None, ["surface", "always"]),
+    "device.velocity": ("estimate", ["estimate", "device"]),
+    "device.sign": (1, [1, -1]),
+}
+
+
+def with_key(name: str, value: object) -> str:
+    """The JSON of a plain scene with one key set."""
+    section, _, key = name.rpartition(".")
+    content = json.loads(scene_to_json(PLAIN))
+    (content[section] if section else content)[key] = value
+    return json.dumps(content)
+
+
+def refused(name: str, value: object) -> None:
+    with pytest.raises(UsageError, match=rf"^scene\.toml: {name}") as error:
+        scene_from_json(with_key(name, value), "scene.toml")
+    assert "\n" not in str(error.value)
+
+
+def test_the_tables_name_every_key() -> None:
+    keys = {
+        f"{section}.{field.name}"
+        for section in SECTIONS
+        for field in dataclasses.fields(getattr(PLAIN, section))
+    }
+    assert keys == {*NUMBERS, *WORDS}
+
+
+@pytest.mark.parametrize("name", [*NUMBERS, *WORDS])
+def test_a_key_takes_its_values_and_no_others(name: str) -> None:
+    default, fits = NUMBERS[name][:2] if name in NUMBERS else WORDS[name]
+    section, key = name.split(".")
+    assert getattr(getattr(PLAIN, section), key) == default
+    for value in fits:
+        scene = scene_from_json(with_key(name, value), "")
+        assert getattr(getattr(scene, section), key) == value
+    for value in [[], {}, "junk!", *(NUMBERS[name][2] if name in NUMBERS else [3.5])]:
+        refused(name, value)
+    if name in NUMBERS:
+        for other in (str(fits[0]), True, math.inf, -math.inf, math.nan):
+            refused(name, other)
+
+
+@pytest.mark.parametrize("section", ["", *SECTIONS])
+def test_a_key_that_there_is_none_of_is_told_with_those_that_there_are(section: str) -> None:
+    name = f"{section}.colour" if section else "colour"
+    place = getattr(PLAIN, section) if section else PLAIN
+    known = ", ".join(field.name for field in dataclasses.fields(place))
+    with pytest.raises(UsageError) as error:
+        scene_from_json(with_key(name, 1), "scene.toml")
+    assert str(error.value) == f"scene.toml: {name}: no such key: known here are {known}"
+
+
+@pytest.mark.parametrize("section", ["", *SECTIONS])
+def test_a_scene_is_not_changed_once_it_is_checked(section: str) -> None:
+    place = getattr(PLAIN, section) if section else PLAIN
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        setattr(place, dataclasses.fields(place)[0].name, None)
+
+
+@pytest.mark.parametrize("prefix", ["", "9a", "_a", "A", "a" * 32, "a-b", "sp_", "sp_x", "int",
+                                    "stdint", "math"])  # fmt: skip
+def test_a_prefix_that_cannot_begin_c_names_is_refused(prefix: str) -> None:
+    refused("runtime.prefix", prefix)
+
+
+@pytest.mark.parametrize("name", ["", "a\nb", "a\0b", "a/*b", "a*/b", "a??b", "a\\b", "\x7f"])
+def test_a_name_that_would_end_a_comment_is_refused(name: str) -> None:
+    refused("name", name)
+
+
+def test_names_and_paths_are_texts_of_any_language() -> None:
+    assert scene_from_json(with_key("name", "Grün * / ? 软"), "").name == "Grün * / ? 软"
+    refused("model", "a\0b")
+    refused("schema", 2)
+    refused("schema", 0)
+
+
+def whole() -> Scene:
+    """A scene without a key at its default."""
+    content = json.loads(scene_to_json(PLAIN))
+    content["name"], content["model"] = "Grün", "folder/a\x7f b.spm"
+    for name, (_, fits, *_rest) in {**NUMBERS, **WORDS}.items():
+        section, key = name.split(".")
+        content[section][key] = fits[-1]
+    return scene_from_json(json.dumps(content), "")
+
+
+def test_a_scene_comes_back_as_it_was_written(tmp_path: Path) -> None:
+    for scene in (PLAIN, whole()):
+        write_scene(tmp_path / "scene.toml", scene)
+        assert read_scene(tmp_path / "scene.toml") == scene
+        assert scene_from_json(scene_to_json(scene), "") == checked_scene(scene) == scene
+
+
+def test_only_what_differs_is_written_section_by_section(tmp_path: Path) -> None:
+    guard = dataclasses.replace(PLAIN.guard, max_force_n=12.5, contact="always")
+    scene = dataclasses.replace(PLAIN, name="Grün", guard=guard)
+    write_scene(tmp_path / "scene.toml", scene)
+    assert (tmp_path / "scene.toml").read_bytes().decode() == (
+        'schema = 1\nname = "Grün"\nmodel = "x.spm"\n\n'
+        '[guard]\nmax_force_n = 12.5\ncontact = "always"\n'
+    )
+
+
+def test_the_json_is_indented_and_ends_with_a_line(tmp_path: Path) -> None:
+    assert scene_to_json(PLAIN) == json.dumps(dataclasses.asdict(PLAIN), indent=2) + "\n"
+    assert scene_to_json(PLAIN).startswith('{\n  "schema": 1,\n')
+
+
+def test_a_scene_of_python_is_checked_as_a_file_is(tmp_path: Path) -> None:
+    wrong = dataclasses.replace(PLAIN, name="a\\b")
+    for call in (checked_scene, lambda scene: write_scene(tmp_path / "x.toml", scene)):
+        with pytest.raises(UsageError, match=r"^scene: name: "):
+            call(wrong)
+        with pytest.raises(UsageError, match=r"^scene: .*: give numbers, strings and booleans"):
+            call(dataclasses.replace(PLAIN, name=b"x"))  # type: ignore[arg-type]
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,122 @@
+"""The mutators change what they say, once each; and every reason for a survivor names real code."""
+
+from pathlib import Path
+
+import pytest
+from killing import ROOT, SURVIVED, Tried
+from mutants_c import mutants_of_c
+from mutants_python import mutants_of_python, same_program
+from mutate_c import PROGRAMS
+from mutate_python import TESTS
+from survivors import Reason, read_reasons, stale
+
+C_TEXT = """#define LIMIT (2 * 3) /* a < b */
+static int f(const int *a, double x)
+{
+    int n = -1; // n = 7
+    n += *a & LIMIT;
+    if (x <= 0.5 && !n) {
+        return n;
+    }
+    return 0x10;
+}
+"""
+C_CHANGES = [
+    "#define LIMIT (3 * 3) /* a < b */",
+    "#define LIMIT (1 * 3) /* a < b */",
+    "#define LIMIT (2 / 3) /* a < b */",
+    "#define LIMIT (2 * 4) /* a < b */",
+    "#define LIMIT (2 * 2) /* a < b */",
+    "static int f(const int /a, double x)",  # no C: found by the compiler
+    "; // n = 7",
+    "int n = 0; // n = 7",
+    "int n = 1; // n = 7",
+    "int n = -2; // n = 7",
+    "int n = -0; // n = 7",
+    ";",
+    "n -= *a & LIMIT;",
+    "n = *a & LIMIT;",
+    "n += *a | LIMIT;",
+    "n += *a & (LIMIT + 1);",
+    "if (x < 0.5 && !n) {",
+    "if (x > 0.5 && !n) {",
+    "if (x <= (2 * 0.5) && !n) {",
+    "if (x <= (0.5 * 0.5) && !n) {",
+    "if (x <= 0.5 || !n) {",
+    "if (x <= 0.5 && n) {",
+    "return 0;",
+    "return 0;",
+    "return 0x11;",
+]
+PYTHON_TEXT = '''"""Of a < b."""
+LIMIT = 2 * 3.0
+
+
+def f(a: int, b: str = "two words") -> int:
+    """1 + 1."""
+    if a is not None and not a <= 0:  # not in
+        raise ValueError(f"{a + 1}")
+    call(a)
+    return -a
+'''
+PYTHON_CHANGES = [
+    "LIMIT = None",
+    "LIMIT = 3 * 3.0",
+    "LIMIT = 1 * 3.0",
+    "LIMIT = 2 / 3.0",
+    "LIMIT = 2 * (2 * 3.0)",
+    "LIMIT = 2 * (0.5 * 3.0)",
+    "if a is None and not a <= 0: # not in",
+    "if a is not None or not a <= 0: # not in",
+    "if a is not None and a <= 0: # not in",
+    "if a is not None and not a < 0: # not in",
+    "if a is not None and not a > 0: # not in",
+    "if a is not None and not a <= 1: # not in",
+    "...",
+    "...",
+    "return None",
+    "return a",
+]
+
+
+def test_every_single_change_of_c_is_made_once() -> None:
+    changes = [mutant.lines(C_TEXT)[1] for mutant in mutants_of_c(C_TEXT)]
+    assert sorted(changes) == sorted(C_CHANGES)
+
+
+def test_every_single_change_of_python_is_made_once() -> None:
+    changes = [mutant.lines(PYTHON_TEXT)[1] for mutant in mutants_of_python(PYTHON_TEXT)]
+    assert sorted(changes) == sorted(PYTHON_CHANGES)
+
+
+def test_what_is_the_same_bytecode_or_none_is_not_counted() -> None:
+    assert same_program("a = 1 + 1\n", "a = 2  # or 3\n")
+    assert same_program("a = 1\n", "a = = 1\n")
+    assert not same_program("a = 1\n", "a = 1.0\n")
+    assert not same_program("def f():\n    return 1\n", "def f():\n    return 2\n")
+
+
+def test_a_reason_without_a_survivor_is_told() -> None:
+    row = Tried("a.c", "", 3, "x < 1;", "x <= 1;", SURVIVED)
+    reason = Reason("a.c", "x < 1;", "x <= 1;", "equal")
+    assert stale([reason], [row]) == []
+    caught = Tried("a.c", "", 3, "x < 1;", "x <= 1;", "test_a")
+    assert len(stale([reason], [caught])) == 1
+    other = Tried("b.c", "", 3, "x < 1;", "x <= 1;", "test_a")
+    assert stale([reason], [other]) == []  # of a file that was not tried
+
+
+@pytest.mark.parametrize("file", sorted({reason.file for reason in read_reasons()}))
+def test_reasons_name_changes_of_code_that_is_there(file: str) -> None:
+    text = (ROOT / file).read_text()
+    mutants = mutants_of_c(text) if Path(file).suffix in (".c", ".h") else mutants_of_python(text)
+    there = {mutant.lines(text) for mutant in mutants}
+    gone = [r for r in read_reasons() if r.file == file and (r.line, r.change) not in there]
+    assert not gone, "survivors.toml: mend or remove these"
+
+
+def test_files_and_their_tests_are_there() -> None:
+    programs = [f"tests/c/{name}.c" for names in PROGRAMS.values() for name in names]
+    tests = [test for named in TESTS.values() for test in named]
+    for name in [*PROGRAMS, *programs, *TESTS, *tests]:
+        assert (ROOT / name.partition("::")[0]).is_file(), name
