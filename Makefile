@@ -13,7 +13,7 @@ include runtime_c/flags.mk
 MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf \
   picolibc-riscv64-unknown-elf qemu-system-misc
 
-.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host check format lint types ns test-c clean
+.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -45,6 +45,11 @@ test-mcu: $(STAMP)
 # make firmware BOARD=mps2-an386 SCENE=scene.toml: build/firmware/BOARD/firmware.elf and its sources.
 firmware: $(STAMP)
 	$(BIN)/springpot firmware --scene $(SCENE) --board $(BOARD) --out build/firmware/$(BOARD)
+
+# Frama-C's Eva over the emitted C, the protocol and the links; then planted defects, each of which it
+# must see. Needs frama-c-base.
+prove: $(STAMP) ns
+	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects $(if $(JSON),--out $(JSON))
 
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a

@@ -59,7 +59,7 @@ def _bend(plan: Plan) -> list[str]:
 
 def _at(plan: Plan) -> list[str]:
     if plan.velocity is None:
-        return ["const sp_real at = position - (sp_real)left * step;"]
+        return ["const sp_real at = sp_guard_within(&guard, position - (sp_real)left * step);"]
     return [
         "const sp_real curve = bend * (ticks - (sp_real)left);",
         "const sp_real way = (sp_real)left * (step + curve);",

@@ -137,7 +137,8 @@ def _proxy(plan: Plan) -> list[str]:
     """Where the model sees the proxy: that, from contact on."""
     if not plan.at_proxy:
         return []
-    placed = f"sp_couple_place(&state->couple, position, {_velocity(plan)})"
+    proxy = f"sp_couple_place(&state->couple, position, {_velocity(plan)})"
+    placed = f"sp_guard_within(&guard, {proxy})"
     return ["const sp_real proxy =", f"    {_in_contact(plan)} ? {placed} : position;"]
 
 

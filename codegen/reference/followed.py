@@ -89,6 +89,4 @@ def _fill(plan: Plan, position: Reals, end: int, since: int, begin: Reals | None
     if begin is not None:
         step = step + (step - begin) / real(since) * (real(since) - left)
     way = position[end] - left * step
-    if begin is not None:
-        way = np.clip(way, plan.guard.min_m, plan.guard.max_m)
-    position[end - since + 1 : end] = way
+    position[end - since + 1 : end] = np.clip(way, plan.guard.min_m, plan.guard.max_m)

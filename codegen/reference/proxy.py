@@ -82,6 +82,7 @@ class _Stepper:
     def __init__(self, plan: Plan, trace: ContactTrace) -> None:
         assert plan.couple is not None
         self._coupled = Coupled(plan.couple)
+        self._guard = plan.guard
         self._trace = trace
         self._placed = trace.placed
 
@@ -108,7 +109,7 @@ class _Stepper:
         if not trace.contact[i]:
             return False
         x, v = trace.motion.position[i], trace.motion.velocity[i]
-        at = self._coupled.place(x, v)
+        at = np.clip(self._coupled.place(x, v), self._guard.min_m, self._guard.max_m)
         # A NaN that was predicted is right: two of them are the same motion.
         wrong = bool(at != pressed[i]) and not (np.isnan(at) and np.isnan(pressed[i]))
         pressed[i] = at

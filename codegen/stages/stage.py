@@ -22,7 +22,7 @@ Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample
 REAL, U32, DOUBLE = "real", "u32", "double"
 VECTOR_WIDTH = 4  # SP_VECTOR_WIDTH of sp_weighted_sum.h
 SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
-LARGEST = 1e9  # SP_LARGEST
+LARGEST = 1e6  # SP_LARGEST
 
 
 @dataclass(frozen=True)

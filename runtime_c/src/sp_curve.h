@@ -22,7 +22,8 @@ static inline sp_curve_place sp_curve_at(sp_real u, uint32_t n_pieces)
     const sp_real pieces = (sp_real)n_pieces;
     const sp_real v = u > (sp_real)0 ? u : (sp_real)0;
     const sp_real last = (sp_real)(n_pieces - 1);
-    const sp_real found = v * pieces < last ? v * pieces : last;
+    const sp_real passed = v * pieces;
+    const sp_real found = passed < last ? passed : last;
     sp_curve_place place;
     place.piece = (uint32_t)found;
     place.way = v - (sp_real)place.piece / pieces;

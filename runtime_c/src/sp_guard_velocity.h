@@ -7,7 +7,7 @@
 
 static inline int sp_guard_velocity(sp_real max_mps, sp_real v)
 {
-    return sp_abs(v) <= max_mps; /* a NaN is not */
+    return v == v && v >= -max_mps && v <= max_mps; /* a NaN is not itself */
 }
 
 #endif

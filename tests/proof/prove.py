@@ -16,18 +16,20 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
+sys.path.insert(0, str(Path(__file__).parents[1]))  # where pytest looks, too
 
-from eva.analysis import Analysis, analyse_scene, frama_c  # noqa: E402
-from eva.defects import DEFECTS, Defect, analyse_defect  # noqa: E402
-from eva.scenes import ProvedScene, emit_scene, proved_scenes  # noqa: E402
+from proof.eva.analysis import Analysis, frama_c
+from proof.eva.defects import DEFECTS, Defect, analyse_defect
+from proof.eva.ports import PORT_DRIVERS, Port, analyse_port
+from proof.eva.scene_analysis import analyse_scene
+from proof.eva.scenes import ProvedScene, emit_scene, proved_scenes
 
 ASSUMPTIONS = (
     "IEEE 754 arithmetic, round to nearest, no contraction, no extended precision: flags.mk",
     "a state is changed by the functions of its scene alone, and begins with sp_init or sp_reset",
     "pointers are those of objects of the stated sizes; calls for one state do not overlap",
     "the portable C: vector units (AVX2, AVX-512) do not run here: tests compare bits",
+    "an index beyond an array of the state that stays within the state is no alarm of the analyser",
     "fabs and sqrt are those of the C standard",
     "models as small as these tests make them: other tables are other C, and are analysed alone "
     "with `python tests/proof/prove.py --folder DIR`",
@@ -48,12 +50,14 @@ def main() -> int:
         folder = Path(where)
         emitted = [emit_scene(one, folder) for one in wanted]
         rows = list(pool.map(_said(_scene_row), wanted, emitted))
+        ports = [one for one in PORT_DRIVERS if options.only in one.name]
+        rows += pool.map(_said(_port_row), ports, [folder] * len(ports))
         planted = [one for one in DEFECTS if options.defects]
         defects = list(pool.map(_said(_defect_row), planted, [folder] * len(planted)))
     seconds = time.monotonic() - began
     left = sum(row["alarms"] for row in rows)
     missed = [row["defect"] for row in defects if not row["alarms"]]
-    print(f"{len(rows)} scenes, {left} alarms; {seconds:.0f} s in all")
+    print(f"{len(rows)} programs, {left} alarms; {seconds:.0f} s in all")
     print(f"{len(defects)} defects planted, not seen: {', '.join(missed) or 'none'}")
     if options.out:
         _write(options.out, rows, defects, seconds)
@@ -82,6 +86,15 @@ def _scene_row(scene: ProvedScene, folder: Path) -> tuple[dict[str, Any], Analys
     row = {
         "scene": scene.name, "kind": scene.kind, "coupling": scene.coupling,
         "number": scene.number, "alarms": len(found.alarms), "seconds": round(found.seconds, 1),
+    }  # fmt: skip
+    return row, found
+
+
+def _port_row(port: Port, folder: Path) -> tuple[dict[str, Any], Analysis]:
+    found = analyse_port(port, folder)
+    row = {
+        "scene": port.name, "kind": "port", "coupling": "", "number": "",
+        "alarms": len(found.alarms), "seconds": round(found.seconds, 1),
     }  # fmt: skip
     return row, found
 

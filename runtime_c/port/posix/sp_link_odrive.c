@@ -115,7 +115,7 @@ static int nibble(char text)
  * a time stamp. Other lines are its answers. */
 static void take_line(odrive *self)
 {
-    uint8_t data[BYTES];
+    uint8_t data[BYTES] = {0};
     uint32_t id = 0;
     if (self->used == 0 || self->line[0] != 't') {
         return;
@@ -135,7 +135,8 @@ static void take_line(odrive *self)
         id = id << 4 | (uint32_t)nibble(self->line[i]);
     }
     for (uint32_t i = 0; i < size; i++) {
-        data[i] = (uint8_t)(nibble(self->line[5 + 2 * i]) << 4 | nibble(self->line[6 + 2 * i]));
+        const uint32_t high = (uint32_t)nibble(self->line[5 + 2 * i]);
+        data[i] = (uint8_t)(high << 4 | (uint32_t)nibble(self->line[6 + 2 * i]));
     }
     take_frame(self, id, data, size);
 }
@@ -190,7 +191,7 @@ static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
 static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
 {
     static const char digits[] = "0123456789ABCDEF";
-    uint8_t text[2 * LINE];
+    uint8_t text[2 * LINE] = {0};
     uint32_t used = self->left;
     /* What was cut off is ended as it began: some adapters take a shorter line for a frame. */
     memcpy(text, self->rest, used);
@@ -211,8 +212,10 @@ static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t si
     const uint32_t sent = (uint32_t)put;
     /* A line that was not begun is dropped: the next force is newer. */
     const uint32_t end = sent > self->left ? used : self->left;
-    memcpy(self->rest, text + sent, end - sent);
-    self->left = end - sent;
+    self->left = 0;
+    for (uint32_t i = sent; i < end && self->left < LINE; i++) {
+        self->rest[self->left++] = text[i];
+    }
     return sent < used;
 }
 

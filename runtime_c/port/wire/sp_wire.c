@@ -170,6 +170,7 @@ static int whole(sp_wire_receiver *receiver, sp_wire_frame *frame)
     const uint8_t *at = get_u8(get_u8(plain, &frame->type), &frame->version);
     at = get_u32(at, &frame->sequence);
     frame->size = covered - SP_WIRE_HEAD;
+    //@ split frame->size;
     for (uint32_t i = 0; i < frame->size; i++) {
         frame->body[i] = at[i];
     }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7453446d12fb8072c33aa6ffe3495358091461e63c5326a37e4f58f841d46acb */
+/* springpot 0.1.0 f980a26300ad090c8c0753f2ef739607fce63f99ab1c57786a01cada1fa70a84 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

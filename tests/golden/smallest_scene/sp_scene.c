@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7453446d12fb8072c33aa6ffe3495358091461e63c5326a37e4f58f841d46acb */
+/* springpot 0.1.0 f980a26300ad090c8c0753f2ef739607fce63f99ab1c57786a01cada1fa70a84 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -87,7 +87,7 @@ SP_RARE void make_up(sp_state *state, sp_real before, sp_real position, sp_real 
 {
     const sp_real step = (position - before) / ticks;
     for (; left > 0; left--) {
-        const sp_real at = position - (sp_real)left * step;
+        const sp_real at = sp_guard_within(&guard, position - (sp_real)left * step);
         int ignored = 0;
         (void)tick(state, at, &ignored);
     }
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"7453446d12fb8072c33aa6ffe3495358091461e63c5326a37e4f58f841d46acb\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"f980a26300ad090c8c0753f2ef739607fce63f99ab1c57786a01cada1fa70a84\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,33 +1,16 @@
-"""Frama-C's Eva over one emitted folder: every input, any number of ticks.
+"""Frama-C's Eva: intervals of all variables that hold for every input, after any number of calls.
 
-Eva computes intervals of all variables that hold at every pass of the driver's loop. What it cannot
-bound becomes an alarm; a state that may be infinite or no number is counted as one.
+What it cannot bound becomes an alarm; a state that may be infinite or no number is one too.
 """
 
-import json
 import os
 import re
 import shutil
 import subprocess
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-
-DRIVER = Path(__file__).with_name("driver.c")
-# Where the analysis keeps the ways through a function apart, and how many of them.
-_APART = {
-    "sp_guard_position": 60, "sp_guard_plausible": 10, "sp_guard_velocity": 10,
-    "sp_guard_share": 20, "sp_is_finite": 10, "sp_idle": 10, "sp_step_dt": 10,
-    "sp_forest_traverse": 4000, "sp_forest_sum": 200, "sp_bins_search": 20,
-}  # fmt: skip
-_BY_RESULT = ("sp_guard_plausible", "sp_guard_velocity", "sp_is_finite")
-# Where a number stands twice in an expression: its interval is cut into so many parts.
-_PARTS = {
-    "sp_poles_next": 30, "sp_slow_poles": 30, "sp_depth_poles": 30, "sp_depth_slow_poles": 30,
-    "sp_smooth": 30, "sp_tool_velocity": 30, "sp_rbf_force": 4,
-}  # fmt: skip
-# Bounds that the analysis tries, one after the other, for a number that grows in the loop.
-_BOUNDS = tuple(8.0**power for power in range(-3, 14))
 
 
 @dataclass(frozen=True)
@@ -38,58 +21,56 @@ class Analysis:
     seconds: float
 
 
+class EvaFailedError(Exception):
+    """Eva did not end, or refused the C."""
+
+
+@dataclass(frozen=True)
+class Precision:
+    """What costs time, by function, where there is such a function.
+
+    apart: how many ways through it are kept apart. by_result: kept apart by what it returns.
+    parts: into how many pieces the interval of a number is cut that stands twice in an expression.
+    """
+
+    apart: dict[str, int]
+    by_result: tuple[str, ...]
+    parts: dict[str, int]
+
+    def options(self, text: str) -> list[str]:
+        """For the C of `text`: Eva refuses names of functions that it does not find."""
+        parts = {name: str(n) for name, n in self.parts.items()}
+        settings = (
+            ("-eva-slevel-function", {name: str(ways) for name, ways in self.apart.items()}),
+            ("-eva-split-return-function", dict.fromkeys(self.by_result, "full")),
+            ("-eva-subdivide-non-linear-function", parts),
+        )
+        options = []
+        for option, by_name in settings:
+            found = [f"{k}:{v}" for k, v in by_name.items() if re.search(rf"\b{k}\(", text)]
+            options += [option, ",".join(found)] if found else []
+        return options
+
+
 def frama_c() -> str | None:
     """Path of the analyser, None where it is not installed."""
     return shutil.which("frama-c")
 
 
-def analyse_scene(folder: Path, timeout_s: float = 600.0) -> Analysis:
-    """Analyse the emitted C in a folder; writes the driver and Eva's log beside it."""
-    manifest = json.loads((folder / "manifest.json").read_text())
-    prefix = next(folder.glob("*_scene.c")).name.removesuffix("_scene.c")
-    if prefix != "sp":
-        raise ValueError(f"{folder}: the driver calls sp_step: emit the scene with the prefix sp")
-    text = "".join(path.read_text() for path in sorted(folder.glob("sp_*.[ch]")))
-    limits = manifest["limits"]
-    floats = [limits["min_n"], limits["max_n"], *_BOUNDS, *(-bound for bound in _BOUNDS)]
-    whole = sorted(_sizes(text))
-    driver = DRIVER.read_text()
-    for mark, value in (
-        ("@SCENE@", f"{prefix}_scene"),
-        ("@FLOATS@", ", ".join(repr(float(bound)) for bound in floats)),
-        ("@WHOLE@", ", ".join(map(str, whole))),
-        ("@CALLS@", "2" if "sp_step_dt(" in text else "1"),
-    ):
-        driver = driver.replace(mark, value)
-    (folder / "prove.c").write_text(driver)
-    return analyse(folder, "prove.c", text, timeout_s)
+def run_eva(
+    folder: Path, source: Path, flags: Iterable[str], options: Iterable[str], timeout_s: float
+) -> tuple[str, float]:
+    """Analyse `source` from its function `prove`; flags: of the compiler.
 
-
-def _sizes(text: str) -> set[int]:
-    """Last indices of the arrays in the state: where a ring's place ends."""
-    return {int(size) - 1 for size in re.findall(r"sp_real \w+\[(?:2 \* )?(\d+)\];", text)}
-
-
-def analyse(folder: Path, source: str, text: str, timeout_s: float = 600.0) -> Analysis:
-    """Run Eva on folder/source from `prove`; text: all of the C, to see which functions exist."""
-    share = subprocess.run(
-        ["frama-c", "-print-share-path"], capture_output=True, text=True, check=True
-    ).stdout.strip()
+    Returns Eva's log, which stays in the folder, and seconds of wall time. Raises EvaFailedError.
+    """
+    share = _said_by("frama-c", "-print-share-path")
     command = [
-        "frama-c", "-machdep", "gcc_x86_64",
-        # The portable traversal of a forest: no vector units.
-        f"-cpp-extra-args=-I. -U__x86_64__ -DSP_FOREST_X86_H -I{share}/libc",
-        source, "-eva", "-main", "prove", "-warn-special-float", "none",
-        "-eva-msg-key=-initial-state", "-eva-auto-loop-unroll", "32",
-        "-eva-split-limit", "10000", "-eva-widening-delay", "8", "-eva-widening-period", "1",
+        "frama-c", "-c11", "-machdep", "gcc_x86_64",
+        f"-cpp-extra-args={' '.join(flags)} -I{share}/libc", str(source),
+        "-eva", "-main", "prove", "-warn-special-float", "none", "-eva-msg-key=-initial-state",
+        *options,
     ]  # fmt: skip
-    for option, settings in (
-        ("-eva-slevel-function", [f"{name}:{ways}" for name, ways in _APART.items()]),
-        ("-eva-subdivide-non-linear-function", [f"{name}:{n}" for name, n in _PARTS.items()]),
-        ("-eva-split-return-function", [f"{name}:full" for name in _BY_RESULT]),
-    ):
-        found = [one for one in settings if re.search(rf"\b{one.split(':')[0]}\(", text)]
-        command += [option, ",".join(found)] if found else []
     began = time.monotonic()
     log = folder / "eva.log"
     with log.open("w") as out:
@@ -104,21 +85,29 @@ def analyse(folder: Path, source: str, text: str, timeout_s: float = 600.0) -> A
                 check=False,
             )
         except subprocess.TimeoutExpired:
-            return Analysis((f"no end within {timeout_s:.0f} s",), time.monotonic() - began)
+            raise EvaFailedError(f"{source}: no end within {timeout_s:.0f} s") from None
     said = log.read_text()
-    seconds = time.monotonic() - began
     if ended.returncode:
-        return Analysis((f"Frama-C failed, see {log}",), seconds)
-    return Analysis((*_alarms(said), *_unbounded(said)), seconds)
+        raise EvaFailedError(f"{source}: {_why(said)}, see {log}")
+    return said, time.monotonic() - began
 
 
-def _alarms(said: str) -> tuple[str, ...]:
+def _said_by(*command: str) -> str:
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def _why(said: str) -> str:
+    return next((line for line in said.splitlines() if "rror" in line), said[-200:])
+
+
+def alarms_in(said: str) -> tuple[str, ...]:
+    """Alarms of Eva's log, each once."""
     found = re.findall(r"^\[eva:alarm\] (.*?)(?=^\[|\Z)", said, re.MULTILINE | re.DOTALL)
     return tuple(dict.fromkeys(" ".join(one.split()) for one in found))
 
 
-def _unbounded(said: str) -> tuple[str, ...]:
-    """States that are not finite after any number of ticks, as Eva prints them."""
+def unbounded_in(said: str) -> tuple[str, ...]:
+    """Of Eva's log: states that may not be finite after some number of calls."""
     end = re.search(r"Values at end of function prove:\n(.*?)(?=^\[eva|\Z)", said, re.M | re.S)
     if end is None:
         return ("the driver's loop does not end: nothing is known of its states",)

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from eva.analysis import Analysis, analyse_scene
-from eva.scenes import ProvedScene, emit_scene
+from proof.eva.analysis import Analysis
+from proof.eva.scene_analysis import analyse_scene
+from proof.eva.scenes import ProvedScene, emit_scene
 
 
 @dataclass(frozen=True)
@@ -26,10 +27,10 @@ _RADIAL = ProvedScene("rbf-fd", "off", "float32")
 DEFECTS = (
     Defect(
         "an index one too far",
-        _RADIAL,
-        "sp_window.h",
-        "samples[at + length] = x;",
-        "samples[at + length + 1] = x;",
+        _PASSIVE,
+        "sp_curve.h",
+        "terms + place.piece * (degree + 1)",
+        "terms + (place.piece + 1) * (degree + 1)",
     ),
     Defect(
         "a forest's step one too far",
@@ -101,9 +102,9 @@ DEFECTS = (
     Defect(
         "a proxy without a bound",
         _TOOL,
-        "sp_couple.h",
-        "state->proxy_mps = sp_bounded(v + (phi[2] * from_rest + phi[3] * w));",
-        "state->proxy_mps = v + (phi[2] * from_rest + phi[3] * w);",
+        "sp_number.h",
+        "x < (sp_real)SP_LARGEST ? x : (sp_real)SP_LARGEST",
+        "x",
     ),
 )
 

@@ -15,7 +15,7 @@ static double any_fabs(double x)
 #define fabsf any_fabsf
 #define fabs any_fabs
 
-#include "@SCENE@.c"
+#include "sp_scene.c"
 
 static sp_state state;
 

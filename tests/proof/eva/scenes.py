@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, cast
+from unittest import mock
 
 import numpy as np
 from support.small import scene, training
@@ -13,6 +14,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.trainer.kinds import KINDS, fit_model
+from springpot.trainer.models import hammerstein
 from springpot.trainer.models.fit import FitOptions
 
 # Small: what an analysis costs is nodes, taps and ticks that are made up; code is the same.
@@ -80,7 +82,8 @@ def _model(kind: str) -> Model:
     if kind == "fir-fast":
         return fit_model("rbf-fd", "x", training(), replace(_OPTIONS, engine="fir-fast")).model
     if kind != "by-depth":
-        return fit_model(kind, "x", training(), _options(kind)).model
+        with mock.patch.multiple(hammerstein, HYBRID_TREES=4, HYBRID_LEAF=300):
+            return fit_model(kind, "x", training(), _OPTIONS).model
     model = _model("hammerstein")
     passive = model.hammerstein
     assert passive is not None
@@ -88,8 +91,3 @@ def _model(kind: str) -> Model:
     branch_n = np.linspace(0.1, 0.4, len(_LAWS["tau_s"]))[:, None] * curve
     special = replace(passive, branch_n=branch_n, stop_n=0.1 * curve[None, :], **_LAWS)
     return replace(model, hammerstein=special)
-
-
-def _options(kind: str) -> FitOptions:
-    """As small as the kind can be."""
-    return FitOptions(leaf=200, trees=4) if kind == "hybrid" else _OPTIONS

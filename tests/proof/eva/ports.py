@@ -1,0 +1,63 @@
+"""The protocol, the ring of bytes and the links: any bytes, no invalid access."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from proof.eva.analysis import Analysis, Precision, alarms_in, run_eva
+
+from springpot.runtime_c.paths import INCLUDE
+
+PORTS = Path(__file__).with_name("ports")
+_RUNTIME = INCLUDE.parent
+_FLAGS = (
+    f"-I{PORTS}",
+    *(f"-I{_RUNTIME / 'port' / part}" for part in ("wire", "posix", "mcu")),
+    f"-I{INCLUDE}",
+)
+# A count of frames in one reading does not wrap: a reading ends where no more bytes wait.
+_OPTIONS = ("-eva-auto-loop-unroll", "64", "-no-warn-signed-overflow")
+
+_PLAIN = Precision({}, (), {})
+
+
+@dataclass(frozen=True)
+class Port:
+    """A driver in ports/, and what its analysis needs."""
+
+    name: str
+    precision: Precision
+    options: tuple[str, ...] = ()
+
+
+PORT_DRIVERS = (
+    Port(
+        "wire",
+        Precision(
+            {"whole": 200, "sp_wire_receive": 400, "receive": 400},
+            ("whole", "sp_wire_receive"),
+            {},
+        ),
+        ("-eva-min-loop-unroll", "64", "-eva-interprocedural-splits"),
+    ),
+    Port("bytes", _PLAIN),
+    Port(
+        "serial",
+        Precision(
+            {"take_frame": 400, "sp_wire_get_ack": 5, "sp_wire_get_sample": 5},
+            ("sp_wire_get_ack", "sp_wire_get_sample"),
+            {},
+        ),
+        ("-eva-interprocedural-splits",),
+    ),
+    Port("odrive", _PLAIN),
+)
+
+
+def analyse_port(port: Port, folder: Path, timeout_s: float = 600.0) -> Analysis:
+    """Analyse one of PORT_DRIVERS; Eva's log goes to a folder of its own in `folder`."""
+    out = folder / f"port-{port.name}"
+    out.mkdir(parents=True, exist_ok=True)
+    named = " ".join(f"{name}(" for name in port.precision.apart)
+    options = (*_OPTIONS, *port.options, *port.precision.options(named))
+    said, seconds = run_eva(out, PORTS / f"{port.name}.c", _FLAGS, options, timeout_s)
+    return Analysis(alarms_in(said), seconds)

@@ -1,0 +1,54 @@
+/* The link of a device: whatever bytes come, however many are taken of what is sent. */
+#include "anything.h"
+
+#include "sp_link_odrive.c"
+
+/* As sp_link_bytes.c, without a file. */
+sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
+{
+    (void)count;
+    return &motions[Frama_C_interval(0, (int)capacity - 1)];
+}
+
+int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity)
+{
+    (void)fd;
+    Frama_C_make_unknown((char *)bytes, capacity);
+    return Frama_C_interval(SP_LINK_GONE, (int)capacity);
+}
+
+int sp_link_put(int fd, const uint8_t *bytes, uint32_t count)
+{
+    (void)fd;
+    (void)bytes;
+    return Frama_C_interval(SP_LINK_GONE, (int)count);
+}
+
+enum { MOTIONS = 4 };
+
+void prove(void)
+{
+    static odrive memory;
+    sp_motion motions[MOTIONS];
+    const sp_odrive drive = {
+        .node = (uint32_t)Frama_C_interval(0, 63),
+        .slcan = Frama_C_interval_split(0, 1),
+        .with_torque = Frama_C_interval_split(0, 1),
+        .m_per_turn = 0.02,
+        .sign = -1.0,
+        .max_torque_nm = 0.5,
+        .max_turns_per_s = 10.0,
+        .max_current_a = 10.0,
+    };
+    sp_link *link = sp_link_odrive_init(&memory, 0, &drive);
+    //@ loop unroll 0;
+    while (Frama_C_interval(0, 1)) {
+        ANY(uint64_t, now_ns);
+        ANY(double, force_n);
+        (void)link->read(link, now_ns, motions, MOTIONS);
+        (void)link->write(link, now_ns, force_n);
+        if (Frama_C_interval(0, 1)) {
+            link->reset(link, now_ns);
+        }
+    }
+}

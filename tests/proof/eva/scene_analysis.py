@@ -1,0 +1,59 @@
+"""The emitted C of a scene, or of any folder that `springpot emit` wrote."""
+
+import json
+import re
+from pathlib import Path
+
+from proof.eva.analysis import Analysis, Precision, alarms_in, run_eva, unbounded_in
+
+DRIVER = Path(__file__).with_name("driver.c")
+_PRECISION = Precision(
+    apart={
+        "sp_guard_position": 60, "sp_guard_plausible": 10, "sp_guard_velocity": 10,
+        "sp_guard_share": 20, "sp_is_finite": 10, "sp_idle": 10, "sp_step": 8, "sp_step_dt": 10,
+        "sp_hammerstein_still": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200, "sp_bins_search": 20,
+    },
+    by_result=("sp_guard_plausible", "sp_guard_velocity", "sp_is_finite"),
+    parts={
+        "sp_poles_next": 30, "sp_slow_poles": 30, "sp_depth_poles": 30, "sp_depth_slow_poles": 30,
+        "sp_smooth": 30, "sp_tool_velocity": 30, "sp_rbf_force": 4,
+    },
+)  # fmt: skip
+_OPTIONS = (
+    "-eva-auto-loop-unroll", "32", "-eva-split-limit", "10000",
+    # Longer than the force takes from 0 to its maximum in steps of the slew limit.
+    "-eva-widening-delay", "8", "-eva-widening-period", "1",
+)  # fmt: skip
+# The portable traversal of a forest: no vector units.
+_FLAGS = ("-I.", "-U__x86_64__", "-DSP_FOREST_X86_H")
+# Bounds that the analysis tries, one after the other, for a number that grows in the loop.
+_BOUNDS = tuple(8.0**power for power in range(-3, 19))
+
+
+def analyse_scene(folder: Path, timeout_s: float = 600.0) -> Analysis:
+    """Analyse the C in a folder; writes the driver and Eva's log beside it.
+
+    Raises ValueError where its names do not begin with sp_, as the driver's do.
+    """
+    if not (folder / "sp_scene.c").exists():
+        raise ValueError(f"{folder}: no sp_scene.c: emit the scene with the prefix sp")
+    limits = json.loads((folder / "manifest.json").read_text())["limits"]
+    text = "".join(path.read_text() for path in sorted(folder.glob("sp_*.[ch]")))
+    floats = [limits["min_n"], limits["max_n"], *_BOUNDS, *(-bound for bound in _BOUNDS)]
+    driver = DRIVER.read_text()
+    for mark, value in (
+        ("@FLOATS@", ", ".join(repr(float(bound)) for bound in floats)),
+        ("@WHOLE@", ", ".join(map(str, sorted(_last_places(text))))),
+        ("@CALLS@", "2" if "sp_step_dt(" in text else "1"),
+    ):
+        driver = driver.replace(mark, value)
+    (folder / "prove.c").write_text(driver)
+    options = (*_OPTIONS, *_PRECISION.options(text))
+    said, seconds = run_eva(folder, Path("prove.c"), _FLAGS, options, timeout_s)
+    return Analysis((*alarms_in(said), *unbounded_in(said)), seconds)
+
+
+def _last_places(text: str) -> set[int]:
+    """Last indices of the arrays in the state: where a ring's place ends."""
+    sizes = re.findall(r"sp_real \w+\[(?:2 \* )?(\d+)\];", text)
+    return {int(size) - 1 for size in sizes} | {1}
