@@ -20,7 +20,7 @@ class Defect:
 
 
 _PASSIVE = ProvedScene("hammerstein", "off", "float32")
-_TOOL = ProvedScene("hammerstein", "tool", "float32")
+_DEVICE = ProvedScene("hammerstein", "proxy", "float32", contact="always", velocity="device")
 _FOREST = ProvedScene("rf-history", "off", "float32")
 _RADIAL = ProvedScene("rbf-fd", "off", "float32")
 
@@ -100,11 +100,11 @@ DEFECTS = (
         "(sp_real)(n_pieces + 1)",
     ),
     Defect(
-        "a proxy without a bound",
-        _TOOL,
-        "sp_number.h",
-        "x < (sp_real)SP_LARGEST ? x : (sp_real)SP_LARGEST",
-        "x",
+        "a device's velocity that is no number let through",
+        _DEVICE,
+        "sp_guard_velocity.h",
+        "return v == v &&",
+        "return v != v ||",
     ),
 )
 

@@ -11,7 +11,8 @@ _PRECISION = Precision(
     apart={
         "sp_guard_position": 60, "sp_guard_plausible": 10, "sp_guard_velocity": 10,
         "sp_guard_share": 20, "sp_is_finite": 10, "sp_idle": 10, "sp_step": 8, "sp_step_dt": 10,
-        "sp_hammerstein_still": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200, "sp_bins_search": 20,
+        "sp_hammerstein_still": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200,
+        "sp_bins_search": 20,
     },
     by_result=("sp_guard_plausible", "sp_guard_velocity", "sp_is_finite"),
     parts={
