@@ -178,8 +178,19 @@ static void a_share_is_zero_at_the_surface_and_one_without_depth(void)
     CHECK(sp_guard_share(&config, &surface, (sp_real)-0.002) == (sp_real)1);
 }
 
+static void a_way_stays_within_the_believable_positions(void)
+{
+    const sp_real inside[] = {config.min_m, (sp_real)0.05, config.max_m};
+    for (int i = 0; i < 3; i++) {
+        CHECK(sp_guard_within(&config, inside[i]) == inside[i]);
+    }
+    CHECK(sp_guard_within(&config, config.max_m + (sp_real)1) == config.max_m);
+    CHECK(sp_guard_within(&config, config.min_m - (sp_real)1) == config.min_m);
+}
+
 int main(void)
 {
+    a_way_stays_within_the_believable_positions();
     first_believable_sample_is_taken();
     unbelievable_samples_hold_the_last_good_one();
     agreeing_samples_become_true();

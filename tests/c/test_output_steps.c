@@ -59,6 +59,9 @@ static void a_latched_force_falls_for_as_many_ticks_as_passed(void)
         CHECK(!signbit(force_n) == !signbit(cases[i].from));
         CHECK(notes == (OTHER_NOTE | SP_NOTE_LATCHED));
     }
+    sp_output_state pulling = {.force_n = (sp_real)-1};
+    int ignored = 0;
+    CHECK(sp_output_fall(&config, &pulling, (sp_real)1, &ignored) == (sp_real)0);
 }
 
 static void a_pulling_force_has_a_limit_of_its_own(void)
@@ -96,6 +99,10 @@ static void a_step_of_the_way_back_has_either_sign_and_arrives(void)
     exact.aim_n = (sp_real)1.2 * exact.pace_n + config.return_n;
     sp_output_return(&config, &exact);
     CHECK(exact.force_n == exact.aim_n && exact.pace_n == (sp_real)0);
+    sp_output_state down = {.force_n = (sp_real)0, .pace_n = (sp_real)1};
+    down.aim_n = -exact.aim_n;
+    sp_output_return(&config, &down);
+    CHECK(down.force_n == down.aim_n && down.pace_n == (sp_real)0);
 }
 
 /* pace: the greater of the model's change before and in the silence; on the way it hurries by 3 %
