@@ -35,14 +35,14 @@ static inline void sp_bins(const float *thresholds, const uint32_t *starts, uint
         const float feature = (float)features[i];
         const float *own = thresholds + starts[i];
         const uint32_t n = starts[i + 1] - starts[i];
-        const uint32_t width = n < 2 * SP_BINS_NEAR ? n : 2 * SP_BINS_NEAR;
         const uint32_t from = last[i] > SP_BINS_NEAR ? last[i] - SP_BINS_NEAR : 0;
-        const uint32_t begin = from < n - width ? from : n - width;
-        const uint32_t end = begin + width;
+        const uint32_t begin_max = n > 2 * SP_BINS_NEAR ? n - 2 * SP_BINS_NEAR : 0;
+        const uint32_t begin = from < begin_max ? from : begin_max;
+        const uint32_t end = begin + (n - begin_max);
         const int near =
             (begin == 0 || own[begin - 1] < feature) && (end == n || !(own[end] < feature));
-        last[i] =
-            near ? sp_bins_search(own, begin, width, feature) : sp_bins_search(own, 0, n, feature);
+        last[i] = near ? sp_bins_search(own, begin, n - begin_max, feature)
+                       : sp_bins_search(own, 0, n, feature);
     }
 }
 

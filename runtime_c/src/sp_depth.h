@@ -39,7 +39,8 @@ static inline void sp_depth_poles(const sp_real *loss, uint32_t n_poles, sp_curv
     for (uint32_t i = 0; i < n_poles; i++) {
         const sp_real lost = term[i] * place.way + term[n_poles + i];
         const sp_real rise = g[i] - before[i];
-        h[i] = sp_flushed(sp_bounded(h[i] + (rise - lost * (h[i] + (sp_real)0.5 * rise))));
+        const sp_real held = sp_bounded(h[i]);
+        h[i] = sp_flushed(held + (rise - lost * (held + (sp_real)0.5 * rise)));
         before[i] = g[i];
     }
 }
@@ -52,7 +53,8 @@ static inline void sp_depth_slow_poles(const sp_real *loss, uint32_t n_poles, sp
     for (uint32_t i = 0; i < n_poles; i++) {
         const double lost = (double)(term[i] * place.way + term[n_poles + i]);
         const double rise = (double)(g[i] - before[i]);
-        h[i] = sp_flushed_double(sp_bounded_double(h[i] + (rise - lost * (h[i] + 0.5 * rise))));
+        const double held = sp_bounded_double(h[i]);
+        h[i] = sp_flushed_double(held + (rise - lost * (held + 0.5 * rise)));
         out[i] = (sp_real)h[i];
         before[i] = g[i];
     }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f980a26300ad090c8c0753f2ef739607fce63f99ab1c57786a01cada1fa70a84 */
+/* springpot 0.1.0 9ced59655d204f261b645159d54732ba8c8d2aabf2b2597a0e8ce33a8077d179 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f980a26300ad090c8c0753f2ef739607fce63f99ab1c57786a01cada1fa70a84\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"9ced59655d204f261b645159d54732ba8c8d2aabf2b2597a0e8ce33a8077d179\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f980a26300ad090c8c0753f2ef739607fce63f99ab1c57786a01cada1fa70a84 */
+/* springpot 0.1.0 9ced59655d204f261b645159d54732ba8c8d2aabf2b2597a0e8ce33a8077d179 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 

@@ -43,7 +43,7 @@ DEFECTS = (
         "a bin looked for one too far",
         _FOREST,
         "sp_bins.h",
-        "from < n - width ? from : n - width",
+        "from < begin_max ? from : begin_max",
         "from < n ? from : n",
     ),
     Defect(
