@@ -23,7 +23,7 @@ def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
     mutation = {"title": "Of C", "rows": [row], "survivors": [survivor]}
     (tmp_path / "mutation.json").write_text(json.dumps(mutation))
     scene = {"scene": "s", "kind": "rf-fd", "coupling": "off", "number": "float32", "alarms": 0,
-             "ticks": "any", "seconds": 2}  # fmt: skip
+             "seconds": 2}  # fmt: skip
     prove = {"command": "make prove", "version": "v", "seconds": 3, "rows": [scene],
              "defects": [{"defect": "no clamp", "caught_by": "Eva"}],
              "assumptions": ["IEEE"]}  # fmt: skip
@@ -31,7 +31,7 @@ def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
     made = page(tmp_path)
     assert "| a.c | 11 | 9 | 1 | 1 | 90.0 |" in made
     assert "- `a.c`, `7` as `x > 1`: of no matter" in made
-    assert "| s | rf-fd | off | float32 | 0 | any | 2 |" in made
+    assert "| s | rf-fd | off | float32 | 0 | 2 |" in made
     assert "- no clamp: Eva" in made
 
 
