@@ -66,7 +66,7 @@ class Device:
     """What loop checks assume and drivers need.
 
     m_per_turn, sign, zero_turns, max_torque_nm: the transmission of a motor drive;
-    nm_per_a: its motor's torque constant.
+    nm_per_a: its motor's torque constant. resolution_um: the smallest step of its position.
     """
 
     __pydantic_config__ = _CLOSED
@@ -78,6 +78,7 @@ class Device:
     zero_turns: float = 0.0
     max_torque_nm: Annotated[float, Gt(0)] | None = None
     nm_per_a: Annotated[float, Gt(0)] | None = None
+    resolution_um: Annotated[float, Interval(gt=0, le=1e4)] = 10.0
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from springpot.codegen.emit.golden import golden_positions, golden_velocities, p
 from springpot.codegen.emit.project import example_main, example_makefile, selftest_source
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model.model_file import model_hash
+from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import measured_tables, planned_headers, stages, state_bytes
@@ -67,6 +68,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "outside": plan.outside,
         "accept_unsafe": plan.accept_unsafe,
         **_model_metadata(plan),
+        **force_facts(plan),
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
         "limits": {

@@ -46,6 +46,7 @@ class Emission:
             "left_out": manifest["left_out"],
             "orders": manifest["orders"],
             "coupling": manifest["coupling"],
+            "forest": manifest.get("forest"),
             "outside": manifest["outside"],
             "accept_unsafe": manifest["accept_unsafe"],
             "stability": self.check.as_dict() if self.check else None,
