@@ -107,10 +107,8 @@ def test_float32_stays_beside_float64(kind: str) -> None:
 def test_scales_of_a_micrometre_to_a_metre(
     stiffness_npm: float, depth_m: float, dt_s: float
 ) -> None:
-    """A spring of any size: forces from 10 uN to 100 kN are exact to float32."""
+    """A spring of any size: forces from 10 uN on are exact to float32, up to a scene's 10 kN."""
     peak_n = stiffness_npm * depth_m
-    if not 1e-5 <= peak_n <= 1e4:
-        pytest.skip("outside 10 uN to 10 kN")
     spring = Hammerstein(
         basis="powers", origin_m=0.0, span_m=depth_m, elastic_n=np.array([peak_n, 0.0, 0.0]),
         tau_s=np.array([20 * dt_s]), branch_n=np.array([[0.5 * peak_n, 0.0, 0.0]]),
@@ -126,7 +124,8 @@ def test_scales_of_a_micrometre_to_a_metre(
         plan = make_plan(model, dataclasses.replace(options, guard=guard))
         forces.append(run_reference(plan, motion).force_n.astype(np.float64))
     np.testing.assert_allclose(forces[0], forces[1], atol=2e-5 * peak_n)
-    assert forces[1].max() > 0.9 * peak_n
+    assert forces[1].max() > 0.9 * min(peak_n, 1e4)
+    assert forces[1].max() <= min(2.0 * peak_n, 1e4)
 
 
 @pytest.mark.parametrize("hand", HAND_NAMES)
