@@ -95,7 +95,7 @@ def step_dt(plan: Plan) -> str:
     """C function sp_step_dt: what is longer than a tick is silence before it."""
     lines = [
         *_REFUSE_NULL,
-        "if (!(sp_is_finite(dt_s) && dt_s > (sp_real)0)) {",
+        "if (!sp_is_time(dt_s)) {",
         "    return SP_ERROR_TIME_STEP;",
         "}",
         "const sp_real tick_s = dt_s < silence.dt_s ? dt_s : silence.dt_s;",

@@ -19,10 +19,10 @@
 #define SP_APART static
 #endif
 
-/* Not NaN and not infinite, without libm. */
-static inline int sp_is_finite(sp_real x)
+/* A length of time: positive, not infinite and not NaN, without libm. */
+static inline int sp_is_time(sp_real x)
 {
-    return x == x && x >= -SP_REAL_MAX && x <= SP_REAL_MAX;
+    return x == x && x > (sp_real)0 && x <= SP_REAL_MAX;
 }
 
 /* Values below this are 0: a denormal costs a hundred times a number's time on some processors. */

@@ -1,7 +1,7 @@
 """Metadata beside the samples of recordings and journals, checked before anything uses it."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -53,13 +53,23 @@ def metadata_of_json(where: str, text: str | bytes) -> dict[str, Any]:
     return found
 
 
-def checked_metadata(where: str, values: Mapping[str, Any]) -> RecordingMetadata:
-    """Metadata with every field of its type. Raises DataError, which begins with `where`."""
+def checked_metadata(
+    where: str, values: Mapping[str, Any], required: Iterable[str] = ()
+) -> RecordingMetadata:
+    """Metadata with every field of its type. Raises DataError, which begins with `where`.
+
+    required: fields that have to be there although they have a default.
+    """
     schema = values.get("schema")
     if isinstance(schema, int) and schema > RECORDING_SCHEMA:
         raise DataError(
             f"{where}: recording schema {schema}, this springpot reads up to {RECORDING_SCHEMA}: "
             "upgrade springpot"
+        )
+    if missing := [name for name in required if name not in values]:
+        raise DataError(
+            f"{where}: not a springpot recording (its {missing[0]} is missing): make one with "
+            "`springpot import`"
         )
     try:
         found = _ADAPTER.validate_python(values)

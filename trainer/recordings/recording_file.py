@@ -37,6 +37,7 @@ from springpot.trainer.recordings.recording_process import read_unsealed
 _CHECKSUM = b"springpot sha256"
 _CHECKSUM_BYTES = len(_CHECKSUM) + hashlib.sha256().digest_size
 _CHANNEL_UNITS = {"position_m": "m", "force_n": "N"}
+_WRITTEN = ("zero", "position_delay_s", "force_delay_s")  # by every springpot
 _MORE = "channels"  # group of the channels beside these two
 _CHUNK_SAMPLES = 1 << 17
 
@@ -148,7 +149,7 @@ def read_hdf5(path: Path) -> Recording:
 def _recording(path: Path, file: h5py.File) -> Recording:
     attributes = {name: _plain(value) for name, value in file.attrs.items()}
     attributes["details"] = metadata_of_json(str(path), attributes.get("details", ""))
-    metadata = checked_metadata(str(path), attributes)
+    metadata = checked_metadata(str(path), attributes, required=_WRITTEN)
     sets = {channel: file[channel] for channel in _CHANNEL_UNITS}
     for channel, unit in _CHANNEL_UNITS.items():
         found = sets[channel].attrs["unit"]

@@ -16,7 +16,7 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (!(sp_is_finite(dt_s) && dt_s > (sp_real)0)) {
+    if (!sp_is_time(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
     return hold(state, dt_s, (sp_real)1, force_n);

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 9ced59655d204f261b645159d54732ba8c8d2aabf2b2597a0e8ce33a8077d179 */
+/* springpot 0.1.0 d701f52809312ea262e7f287319a7fa845ca2239e758179779ab1426a5178672 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 9ced59655d204f261b645159d54732ba8c8d2aabf2b2597a0e8ce33a8077d179 */
+/* springpot 0.1.0 d701f52809312ea262e7f287319a7fa845ca2239e758179779ab1426a5178672 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -147,7 +147,7 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (!(sp_is_finite(dt_s) && dt_s > (sp_real)0)) {
+    if (!sp_is_time(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
     return hold(state, dt_s, (sp_real)1, force_n);
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"9ced59655d204f261b645159d54732ba8c8d2aabf2b2597a0e8ce33a8077d179\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"d701f52809312ea262e7f287319a7fa845ca2239e758179779ab1426a5178672\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -72,8 +72,8 @@ DEFECTS = (
         "a time that is not finite let through",
         _PASSIVE,
         "sp_number.h",
-        "return x == x && x >= -SP_REAL_MAX && x <= SP_REAL_MAX;",
-        "return x > 0 || x <= 0;",
+        "return x == x && x > (sp_real)0 && x <= SP_REAL_MAX;",
+        "return x > (sp_real)0;",
     ),
     Defect(
         "a curve left without a value", _PASSIVE, "sp_curve.h", "        values[i] = value;\n", ""

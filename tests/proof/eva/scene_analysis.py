@@ -10,11 +10,11 @@ DRIVER = Path(__file__).with_name("driver.c")
 _PRECISION = Precision(
     apart={
         "sp_guard_position": 60, "sp_guard_plausible": 10, "sp_guard_velocity": 10,
-        "sp_guard_share": 20, "sp_is_finite": 10, "sp_idle": 10, "sp_step": 8, "sp_step_dt": 10,
+        "sp_guard_share": 20, "sp_is_time": 10, "sp_idle": 10, "sp_step": 8, "sp_step_dt": 10,
         "sp_hammerstein_still": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200,
         "sp_bins_search": 20,
     },
-    by_result=("sp_guard_plausible", "sp_guard_velocity", "sp_is_finite"),
+    by_result=("sp_guard_plausible", "sp_guard_velocity", "sp_is_time"),
     parts={
         "sp_poles_next": 30, "sp_slow_poles": 30, "sp_depth_poles": 30, "sp_depth_slow_poles": 30,
         "sp_smooth": 30, "sp_tool_velocity": 30, "sp_rbf_force": 4,
