@@ -36,6 +36,7 @@ NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
     "device.zero_turns": (0.0, [-1e9, 1e9], []),
     "device.max_torque_nm": (None, [1e-9, 1e9], [0.0]),
     "device.nm_per_a": (None, [1e-9, 1e9], [0.0]),
+    "device.resolution_um": (10.0, [1e-3, 1e4], [0.0, 1.001e4]),
     "budget.flash_bytes": (None, [1, 10**12], [0]),
     "budget.ram_bytes": (None, [1, 10**12], [0]),
     "budget.stack_bytes": (None, [1, 10**12], [0]),
