@@ -16,7 +16,7 @@ from springpot.codegen.scene import Scene
 PAGE = ROOT / "docs" / "scene.md"
 UNITS = {"_hz": "Hz", "_npm": "N/m", "_nspm": "N s/m", "_kg": "kg", "_s": "s", "_n": "N",
          "_ms": "ms", "_mm": "mm", "_nm": "N m", "_per_a": "N m/A", "_bytes": "bytes", "_us": "µs",
-         "m_per_turn": "m", "_turns": "turns", "_samples": "ticks"}  # fmt: skip
+         "_um": "um", "m_per_turn": "m", "_turns": "turns", "_samples": "ticks"}  # fmt: skip
 
 
 def page_rows() -> dict[str, list[str]]:
