@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
@@ -14,7 +14,6 @@ from springpot.codegen.emit.golden import golden_positions, golden_velocities, p
 from springpot.codegen.emit.project import example_main, example_makefile, selftest_source
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model.model_file import model_hash
-from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import measured_tables, planned_headers, stages, state_bytes
@@ -25,10 +24,12 @@ from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
 _HASH = "@manifest-hash@"
 
 
-def emit_files(plan: Plan) -> dict[str, str]:
+def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, str]:
     """Return file name -> text of everything that is emitted.
 
     Generated files begin with the version and the manifest's hash, which covers every file here.
+    facts: for the manifest, of `force_facts`, a search of up to a second: a build that no user
+    keeps goes without.
     """
     prefix = plan.scene.runtime.prefix
     files = {
@@ -49,14 +50,16 @@ def emit_files(plan: Plan) -> dict[str, str]:
         files[header] = (folder / header).read_text()
     files["sp_real.h"] = (INCLUDE / plan.real / "sp_real.h").read_text()
     files["flags.mk"] = FLAGS_FILE.read_text()
-    files["manifest.json"] = json.dumps(manifest(plan), indent=2, sort_keys=True) + "\n"
+    files["manifest.json"] = (
+        json.dumps(manifest(plan, facts or {}), indent=2, sort_keys=True) + "\n"
+    )
     digest = hashlib.sha256()
     for name in sorted(files):
         digest.update(f"{name}\n{files[name]}".encode())
     return {name: text.replace(_HASH, digest.hexdigest()) for name, text in files.items()}
 
 
-def manifest(plan: Plan) -> dict[str, Any]:
+def manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
     """All metadata of the emission, for people and tools."""
     return {
         **_short_manifest(plan),
@@ -68,7 +71,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "outside": plan.outside,
         "accept_unsafe": plan.accept_unsafe,
         **_model_metadata(plan),
-        **force_facts(plan),
+        **facts,
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
         "limits": {

@@ -1,10 +1,11 @@
 """What is true of a model's force for every motion: of a forest, its extremes and its steps.
 
 The passive part is smooth: what one step of the position adds is its stiffness times that step. A
-forest's leaf is left for another one at once.
+forest's leaf is left for another one at once. Leaves here are not yet rounded to the scene's number
+type, and a step is of exactly one resolution.
 """
 
-from functools import lru_cache, singledispatch
+from functools import singledispatch
 from typing import Any
 
 import numpy as np
@@ -32,16 +33,9 @@ def regressor_facts(regressor: Regressor, plan: Plan, resolution_m: float) -> di
 
 @regressor_facts.register
 def _(regressor: Forest, plan: Plan, resolution_m: float) -> dict[str, Any]:
-    change = tuple(resolution_m * _newest_share(plan, regressor))
-    return dict(_forest_facts(regressor, change, resolution_m))
-
-
-@lru_cache(maxsize=32)
-def _forest_facts(
-    forest: Forest, change: tuple[float, ...], resolution_m: float
-) -> tuple[tuple[str, Any], ...]:
-    smallest, largest = forest_extremes(forest, len(change))
-    step = forest_step(forest, np.array(change))
+    change = resolution_m * _newest_share(plan, regressor)
+    smallest, largest = forest_extremes(regressor, len(change))
+    step = forest_step(regressor, change)
     facts = {
         "min_n": smallest.force_n,
         "max_n": largest.force_n,
@@ -50,7 +44,7 @@ def _forest_facts(
         "step_n": None if step is None else step.force_n,
         "step_exact": step is not None and step.exact,
     }
-    return (("forest", facts),)
+    return {"forest": facts}
 
 
 def _newest_share(plan: Plan, forest: Forest) -> NDArray[np.float64]:

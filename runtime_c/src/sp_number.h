@@ -41,8 +41,8 @@ static inline double sp_flushed_double(double x)
 }
 
 /* Far above every state of a model in its units. Where bounds of one step do not add up to a bound
- * of the state (a measured time step, a mass on a spring), it is stated;
- * what is no number becomes the largest. */
+ * of the state (a measured time step, a mass on a spring), it is stated. The analysis shows that no
+ * NaN comes here; one would become the largest. */
 #define SP_LARGEST 1e6
 
 static inline double sp_bounded_double(double x)

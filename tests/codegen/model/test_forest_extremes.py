@@ -9,6 +9,7 @@ from support.small import scene, small_model
 from springpot.codegen.emit.files import manifest
 from springpot.codegen.model.forest_extremes import forest_extremes, forest_step
 from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.plan import make_plan
 
 GRID = 8  # thresholds lie between its lines
@@ -93,7 +94,8 @@ def test_a_search_that_is_cut_short_still_bounds() -> None:
 
 
 def test_the_manifest_has_them_with_the_devices_step() -> None:
-    facts = manifest(make_plan(small_model(), scene()))["forest"]
+    plan = make_plan(small_model(), scene())
+    facts = manifest(plan, force_facts(plan))["forest"]
     assert facts["exact"]
     assert facts["min_n"] <= 0.01 < facts["max_n"]
     assert facts["resolution_m"] == pytest.approx(1e-5)

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 d701f52809312ea262e7f287319a7fa845ca2239e758179779ab1426a5178672 */
+/* springpot 0.1.0 719269b771b3dbaad2fd3d1777e1433474574f3afc9f8468cce8c26130cc3e9d */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
