@@ -2,11 +2,9 @@
 #ifndef SIM_DEVICE_H
 #define SIM_DEVICE_H
 
+#include "sim_hand.h"
 #include "sim_noise.h"
 #include "sim_object.h"
-
-#define SIM_DEVICE_MASS_KG 0.3
-#define SIM_DEVICE_DAMPING_NSPM 4.0
 
 /* What the encoder reads for a true position, m. */
 double sim_device_encoder_m(sim_noise *noise, double position_m);

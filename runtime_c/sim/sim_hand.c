@@ -1,18 +1,18 @@
-#include "sim_device.h"
+#include "sim_hand.h"
 
 #include <math.h>
 #include <stddef.h>
 
-/* Masses, springs and dampers of grasping hands, from a firm grip to two fingertips. */
+#include "sim_device.h"
+
+/* Grasping hands, from a firm grip to two fingertips. */
 static const struct {
     const char *name;
-    double mass_kg;
-    double stiffness_npm;
-    double damping_nspm;
+    sim_hand hand;
 } hands[] = {
-    {"mid", 0.25, 400.0, 6.0},
-    {"firm", 0.30, 1000.0, 10.0},
-    {"light", 0.12, 300.0, 2.0},
+    {"mid", {0.25, 400.0, 6.0}},
+    {"firm", {0.30, 1000.0, 10.0}},
+    {"light", {0.12, 300.0, 2.0}},
 };
 enum { HANDS = sizeof hands / sizeof hands[0] };
 
@@ -25,8 +25,7 @@ struct sim_tool {
     uint32_t noisy;
     sim_noise noise;
 
-    double position_m;
-    double velocity_mps;
+    sim_motion motion;
     double intended_m;        /* m, at the end of the last tick */
     double late_n;            /* N, rendered but not yet acting, with delay_samples 1 */
     double encoder_m;         /* m, last reading */
@@ -63,27 +62,13 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t del
     tool->delay_samples = delay_samples;
     tool->noisy = noisy;
     sim_noise_init(&tool->noise, seed);
-    tool->position_m = position_m;
-    tool->velocity_mps = 0.0;
+    tool->motion.position_m = position_m;
+    tool->motion.velocity_mps = 0.0;
     tool->intended_m = position_m;
     tool->late_n = 0.0;
     tool->encoder_m = position_m;
     tool->encoder_speed_mps = 0.0;
     return SIM_OK;
-}
-
-/* Hand and device are one mass. */
-static void push(sim_tool *tool, double step_s, double hand_n, double force_n)
-{
-    double mass_kg = hands[tool->hand].mass_kg + SIM_DEVICE_MASS_KG;
-    double damping_nspm = hands[tool->hand].damping_nspm + SIM_DEVICE_DAMPING_NSPM;
-    double sum_n = hand_n - damping_nspm * tool->velocity_mps - force_n;
-    tool->velocity_mps += step_s * sum_n / mass_kg;
-}
-
-static void kick(sim_tool *tool, double step_s, double intended_m, double force_n)
-{
-    push(tool, step_s, hands[tool->hand].stiffness_npm * (intended_m - tool->position_m), force_n);
 }
 
 /* Where the hand intends to be after so many substeps of a tick that ends at intended_m. */
@@ -96,11 +81,11 @@ static double intended_at(const sim_tool *tool, uint32_t substeps, double intend
 static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double *velocity_mps)
 {
     if (tool->noisy == 0) {
-        *position_m = tool->position_m;
-        *velocity_mps = tool->velocity_mps;
+        *position_m = tool->motion.position_m;
+        *velocity_mps = tool->motion.velocity_mps;
         return;
     }
-    double encoder_m = sim_device_encoder_m(&tool->noise, tool->position_m);
+    double encoder_m = sim_device_encoder_m(&tool->noise, tool->motion.position_m);
     double difference_mps = (encoder_m - tool->encoder_m) / dt_s;
     double weight = dt_s / (dt_s + velocity_time_s);
     tool->encoder_speed_mps += weight * (difference_mps - tool->encoder_speed_mps);
@@ -136,22 +121,23 @@ int sim_tool_push(sim_tool *tool, double dt_s, double push_n, double force_n, do
     if (status != SIM_OK) {
         return status;
     }
+    const sim_hand *hand = &hands[tool->hand].hand;
     double acting_n = acting(tool, force_n);
     double step_s = dt_s / tool->substeps;
     for (uint32_t i = 0; i < tool->substeps; i++) {
-        push(tool, 0.5 * step_s, push_n, acting_n);
-        tool->position_m += step_s * tool->velocity_mps;
-        push(tool, 0.5 * step_s, push_n, acting_n);
+        sim_hand_push(hand, &tool->motion, 0.5 * step_s, push_n, acting_n);
+        tool->motion.position_m += step_s * tool->motion.velocity_mps;
+        sim_hand_push(hand, &tool->motion, 0.5 * step_s, push_n, acting_n);
     }
-    tool->intended_m = tool->position_m;
+    tool->intended_m = tool->motion.position_m;
     read_sensors(tool, dt_s, position_m, velocity_mps);
     return SIM_OK;
 }
 
 void sim_tool_truth(const sim_tool *tool, double *position_m, double *velocity_mps)
 {
-    *position_m = tool->position_m;
-    *velocity_mps = tool->velocity_mps;
+    *position_m = tool->motion.position_m;
+    *velocity_mps = tool->motion.velocity_mps;
 }
 
 int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n,
@@ -161,12 +147,15 @@ int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n
     if (status != SIM_OK) {
         return status;
     }
+    const sim_hand *hand = &hands[tool->hand].hand;
     double acting_n = acting(tool, force_n);
     double step_s = dt_s / tool->substeps;
     for (uint32_t i = 0; i < tool->substeps; i++) {
-        kick(tool, 0.5 * step_s, intended_at(tool, i, intended_m), acting_n);
-        tool->position_m += step_s * tool->velocity_mps;
-        kick(tool, 0.5 * step_s, intended_at(tool, i + 1, intended_m), acting_n);
+        sim_hand_pull(hand, &tool->motion, 0.5 * step_s, intended_at(tool, i, intended_m),
+                      acting_n);
+        tool->motion.position_m += step_s * tool->motion.velocity_mps;
+        sim_hand_pull(hand, &tool->motion, 0.5 * step_s, intended_at(tool, i + 1, intended_m),
+                      acting_n);
     }
     tool->intended_m = intended_m;
     read_sensors(tool, dt_s, position_m, velocity_mps);
@@ -186,17 +175,20 @@ int sim_tool_press(sim_tool *tool, sim_object *object, uint32_t n, const double 
     if (!sim_all_finite(n, intended_m)) {
         return SIM_RANGE;
     }
+    const sim_hand *hand = &hands[tool->hand].hand;
     double velocity_mps;
     double step_s = object->step_s;
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = 0; k < tool->substeps; k++) {
-            kick(tool, 0.5 * step_s, intended_at(tool, k, intended_m[i]), object->force_n);
-            tool->position_m += step_s * tool->velocity_mps;
-            sim_object_substep(object, tool->position_m);
-            kick(tool, 0.5 * step_s, intended_at(tool, k + 1, intended_m[i]), object->force_n);
+            sim_hand_pull(hand, &tool->motion, 0.5 * step_s, intended_at(tool, k, intended_m[i]),
+                          object->force_n);
+            tool->motion.position_m += step_s * tool->motion.velocity_mps;
+            sim_object_substep(object, tool->motion.position_m);
+            sim_hand_pull(hand, &tool->motion, 0.5 * step_s,
+                          intended_at(tool, k + 1, intended_m[i]), object->force_n);
         }
         tool->intended_m = intended_m[i];
-        object->tool_m = tool->position_m;
+        object->tool_m = tool->motion.position_m;
         read_sensors(tool, object->dt_s, &position_m[i], &velocity_mps);
         force_n[i] = object->force_n;
     }

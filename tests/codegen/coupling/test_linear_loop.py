@@ -91,11 +91,11 @@ def test_the_formula_is_the_one_that_judges() -> None:
 
 def test_hands_are_the_simulated_ones() -> None:
     text = (SIM / "sim_hand.c").read_text()
-    found = re.findall(r'\{"(\w+)", ([\d.]+), ([\d.]+), ([\d.]+)\}', text)
+    found = re.findall(r'\{"(\w+)", \{([\d.]+), ([\d.]+), ([\d.]+)\}\}', text)
     assert [(h.name, h.mass_kg, h.stiffness_npm, h.damping_nspm) for h in HAND_MODELS] == [
         (name, *map(float, rest)) for name, *rest in found
     ]
-    device = (SIM / "sim_device.h").read_text()
+    device = (SIM / "sim_hand.h").read_text()
     assert f"SIM_DEVICE_MASS_KG {DEVICE_MASS_KG}" in device
     assert f"SIM_DEVICE_DAMPING_NSPM {DEVICE_DAMPING_NSPM}" in device
 
