@@ -1,4 +1,4 @@
-/* springpot 0.1.0 d701f52809312ea262e7f287319a7fa845ca2239e758179779ab1426a5178672 */
+/* springpot 0.1.0 bc08af428a398c84ccd6f6b448feff8a61598b8094c3fb05903e49e42f1ec114 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"d701f52809312ea262e7f287319a7fa845ca2239e758179779ab1426a5178672\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"bc08af428a398c84ccd6f6b448feff8a61598b8094c3fb05903e49e42f1ec114\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

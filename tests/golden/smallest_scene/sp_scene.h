@@ -1,4 +1,4 @@
-/* springpot 0.1.0 d701f52809312ea262e7f287319a7fa845ca2239e758179779ab1426a5178672 */
+/* springpot 0.1.0 bc08af428a398c84ccd6f6b448feff8a61598b8094c3fb05903e49e42f1ec114 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
