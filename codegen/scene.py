@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from annotated_types import Gt, Interval
 
 Number = Literal["float32", "float64"]
-Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"]
+Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc", "wasm32"]
 _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 

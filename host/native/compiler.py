@@ -71,9 +71,13 @@ def run_compiler(arguments: Sequence[str]) -> None:
     name = " ".join(compiler)
     result = subprocess.run([*compiler, *arguments], capture_output=True, text=True, check=False)
     if result.returncode != 0:
-        lines = [line for line in result.stderr.splitlines() if "error" in line]
-        first = lines[0] if lines else result.stderr.strip()[-300:]
-        raise CompilerError(f"{name} refused the sources: {first}")
+        raise CompilerError(f"{name} refused the sources: {first_error(result.stderr)}")
+
+
+def first_error(said: str) -> str:
+    """First line of what a compiler said that tells of an error; else the end of it."""
+    lines = [line for line in said.splitlines() if "error" in line]
+    return lines[0] if lines else said.strip()[-300:]
 
 
 def shared_library(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.toolchain import Toolchain
+from springpot.host.native.wasm_module import scene_functions, wasm_module
 from springpot.runtime_c.paths import flags
 
 _FLASH_SECTIONS = re.compile(r"^\.(text|rodata|data)")
@@ -19,7 +20,7 @@ _EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 class Footprint:
     """Bytes of the scene's translation unit; stack_bytes is None where unreported.
 
-    flash_bytes: code, constants and initialised data.
+    flash_bytes: code, constants and initialised data; of a wasm module all of it.
     """
 
     flash_bytes: int
@@ -28,6 +29,9 @@ class Footprint:
 
 def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
     """Compile folder/source for the target and read the sizes. Raises CompilerError."""
+    if tools.size is None:
+        functions = [name for name in scene_functions(folder) if not name.endswith("_selftest")]
+        return Footprint(len(wasm_module([folder / source], [folder], functions)), None)
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
         command = [

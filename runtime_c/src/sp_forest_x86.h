@@ -7,6 +7,9 @@
 #ifndef SP_FOREST_X86_H
 #define SP_FOREST_X86_H
 
+/* Emitted C lists this header for every processor of a PC: for others it holds nothing. */
+#if defined(__x86_64__) && defined(__GNUC__)
+
 #include <immintrin.h>
 
 #include "sp_forest.h"
@@ -174,5 +177,7 @@ SP_TARGET_AVX2 static inline uint32_t sp_forest_avx2(const sp_forest *forest, co
     return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
            ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
 }
+
+#endif
 
 #endif

@@ -50,9 +50,9 @@ def motion_m() -> np.ndarray:
     return position_m
 
 
-def force_hash(name: str, number: str, mode: str) -> str:
-    """SHA-256 of the forces and notes of one model in one scene, built here."""
-    scene = Scene(
+def scene(name: str, number: str, mode: str) -> Scene:
+    """One model's scene of SETTINGS."""
+    return Scene(
         schema=1,
         name="golden",
         model=f"{name}.spm",
@@ -61,7 +61,11 @@ def force_hash(name: str, number: str, mode: str) -> str:
         smoothing=Smoothing(time_constant_s=0.00083 if mode == "tool" else 0.0),
         guard=Guard(outside="zero" if mode == "tool" else "fallback"),
     )
-    plan = make_plan(model(name), scene, accept_unsafe=True)
+
+
+def force_hash(name: str, number: str, mode: str) -> str:
+    """SHA-256 of the forces and notes of one model in one scene, built here."""
+    plan = make_plan(model(name), scene(name, number, mode), accept_unsafe=True)
     position = motion_m().astype(plan.dtype)
     with built(plan) as library:
         force_n, notes = Replay(library).run(position, backward_velocity(position, plan.dt_s))

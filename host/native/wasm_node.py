@@ -1,0 +1,64 @@
+"""A scene's wasm module in node: the same ticks as on this machine, and the time they take."""
+
+import json
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from importlib.resources import as_file, files
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.errors import SpringpotError, UsageError
+
+_LONGEST_S = 600.0
+
+
+@dataclass(frozen=True, eq=False)
+class WasmTicks:
+    """Of each tick force_n and notes, shapes (n,); what the self-test returned; ns a tick."""
+
+    force_n: Reals
+    notes: NDArray[np.int32]
+    selftest: int
+    tick_ns: float
+
+
+def missing_node() -> str:
+    """What to install where node is not found; nothing where it is."""
+    return "" if shutil.which("node") else "no node on PATH: `apt-get install nodejs`"
+
+
+def run_in_node(module: bytes, prefix: str, position: Reals, velocity: Reals) -> WasmTicks:
+    """Self-test, then ticks from a fresh state, in the number type of `position`.
+
+    tick_ns: of all ticks at once, the lowest of five. Raises UsageError without node.
+    """
+    node = shutil.which("node")
+    if node is None:
+        raise UsageError(missing_node())
+    script = files("springpot.host") / "templates" / "wasm_ticks.mjs"
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch, as_file(script) as program:
+        place = Path(scratch)
+        (place / "module.wasm").write_bytes(module)
+        given = np.concatenate([position, velocity.astype(position.dtype)])
+        (place / "calls.bin").write_bytes(given.tobytes())
+        command = [node, str(program), "module.wasm", prefix, position.dtype.name, "calls.bin",
+                   "returns.bin"]  # fmt: skip
+        result = subprocess.run(
+            command, cwd=place, capture_output=True, text=True, check=False, timeout=_LONGEST_S
+        )
+        if result.returncode != 0:
+            raise SpringpotError(f"node could not run the module: {result.stderr.strip()[-300:]}")
+        returned = (place / "returns.bin").read_bytes()
+    told = json.loads(result.stdout)
+    force_bytes = len(position) * position.itemsize
+    return WasmTicks(
+        force_n=np.frombuffer(returned[:force_bytes], dtype=position.dtype),
+        notes=np.frombuffer(returned[force_bytes:], dtype=np.int32),
+        selftest=int(told["selftest"]),
+        tick_ns=float(told["tick_ns"]),
+    )

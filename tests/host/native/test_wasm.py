@@ -1,0 +1,70 @@
+"""Every stored model as WebAssembly: its self-test in node, and the forces of this machine."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from support import golden_forces
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.plan.plan import make_plan
+from springpot.host.native.compiler import CompilerError
+from springpot.host.native.toolchain import missing_tools
+from springpot.host.native.wasm_module import scene_functions, scene_module
+from springpot.host.native.wasm_node import missing_node, run_in_node
+from springpot.runtime_c.paths import PORT_WIRE, SIM
+
+pytestmark = [pytest.mark.board, pytest.mark.slow]
+
+
+def need(node: bool = True) -> None:
+    if lacking := missing_tools("wasm32") or (node and missing_node()):
+        pytest.skip(lacking)
+
+
+def emitted(folder: Path, name: str, number: str, mode: str, target: str) -> Path:
+    scene = golden_forces.scene(name, number, mode)
+    scene = replace(scene, runtime=replace(scene.runtime, target=target))  # type: ignore[arg-type]
+    folder.mkdir()
+    plan = make_plan(golden_forces.model(name), scene, accept_unsafe=True)
+    for file, text in emit_files(plan).items():
+        (folder / file).write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize(("number", "mode"), golden_forces.SETTINGS)
+@pytest.mark.parametrize("name", golden_forces.models())
+def test_the_same_forces_in_node(tmp_path: Path, name: str, number: str, mode: str) -> None:
+    need()
+    position = golden_forces.motion_m().astype(number)
+    velocity = backward_velocity(position, 1e-3)
+    wanted = golden_forces.force_hash(name, number, mode)
+    for target in ("wasm32", "host"):
+        folder = emitted(tmp_path / target, name, number, mode, target)
+        ticks = run_in_node(scene_module(folder), "sp", position, velocity)
+        assert ticks.selftest == 0
+        found = hashlib.sha256(ticks.force_n.tobytes() + ticks.notes.tobytes()).hexdigest()
+        assert found == wanted, target
+
+
+def test_the_hand_and_the_wire_fit_beside_a_scene(tmp_path: Path) -> None:
+    """What they call that nobody gives is named: the noise of sensors needs a C library."""
+    need(node=False)
+    folder = emitted(tmp_path / "c", "hammerstein", "float32", "off", "wasm32")
+    hand = [SIM / f"sim_{name}.c" for name in ("hand", "device", "object")]
+    exports = ["sim_tool_init", "sim_tool_step", "sp_wire_crc32c"]
+    beside = {"include": [SIM, PORT_WIRE], "exports": exports}
+    with pytest.raises(CompilerError, match=r"undefined symbol: (log|cos)"):
+        scene_module(folder, [*hand, SIM / "sim_noise.c", PORT_WIRE / "sp_wire.c"], **beside)
+    quiet = tmp_path / "quiet.c"
+    quiet.write_text(
+        '#include "sim_noise.h"\n'
+        "void sim_noise_init(sim_noise *noise, uint64_t seed) { noise->counter = seed; }\n"
+        "double sim_noise_normal(sim_noise *noise) { return 0.0 * (double)noise->counter; }\n"
+    )
+    found = scene_module(folder, [*hand, quiet, PORT_WIRE / "sp_wire.c"], **beside)
+    assert all(name.encode() in found for name in (*exports, *scene_functions(folder)))
+    with pytest.raises(CompilerError, match="nowhere"):
+        scene_module(folder, exports=["nowhere"])
