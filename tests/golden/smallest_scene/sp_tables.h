@@ -1,4 +1,4 @@
-/* springpot 0.1.0 719269b771b3dbaad2fd3d1777e1433474574f3afc9f8468cce8c26130cc3e9d */
+/* springpot 0.1.0 6da96ac3259700c558a2939fdec8c8fbca455b229af03e1590a8d92310c75de1 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 
