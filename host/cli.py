@@ -53,6 +53,8 @@ _COMMANDS = {
         "Measure every kind and size of model on your recordings; mark the front; pick."),
     "report": _Command("scenes.report:report",
         "Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."),
+    "page": _Command("scenes.page:page",
+        "Write one HTML file in which people press the emitted FOLDERS, in a browser."),
     "reproduce": _Command("models.reproduce:reproduce",
         "Repeat the paper's tables and figures, and say which of its claims hold here."),
     "material": _Command("models.material:material",

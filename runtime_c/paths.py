@@ -11,6 +11,7 @@ PORT_TESTBENCH = ROOT / "port" / "testbench"
 PORT_POSIX = ROOT / "port" / "posix"
 PORT_WIRE = ROOT / "port" / "wire"
 PORT_MCU = ROOT / "port" / "mcu"
+PORT_BROWSER = ROOT / "port" / "browser"
 PORT_WASM = ROOT / "port" / "wasm"
 FLAGS_FILE = ROOT / "flags.mk"
 

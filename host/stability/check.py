@@ -41,7 +41,7 @@ class Check:
     @property
     def stable(self) -> bool:
         """Whether `emit` would take it."""
-        return self.spectral_radius < 1.0 and not is_unit_error(self.plan.coupling.coupling)
+        return is_stable(self.plan, self.spectral_radius)
 
     def as_dict(self) -> dict[str, Any]:
         return {
@@ -87,6 +87,18 @@ def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
     smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
     delay = plan.scene.device.delay_samples + more_delay
     return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, delay, smoothing)
+
+
+def is_stable(plan: Plan, radius: float) -> bool:
+    """Whether a linear loop of that spectral radius may be held."""
+    return radius < 1.0 and not is_unit_error(plan.coupling.coupling)
+
+
+def loop_words(stable: bool, radius: float) -> str:
+    """What the linear loop means for a hand, in a sentence."""
+    if not stable:
+        return "Unstable: do not hold the device with this scene."
+    return f"The linear loop is stable (radius {radius:.4f})."
 
 
 def limits(plan: Plan) -> dict[str, Any]:
@@ -178,10 +190,7 @@ def recommendation(result: Stability) -> str:
 def _verdict(result: Stability) -> Iterator[str]:
     checked, plan = result.check, result.check.plan
     judged = [judge(item) for item in result.outcomes]
-    if not checked.stable:
-        yield "Unstable: do not hold the device with this scene."
-    else:
-        yield f"The linear loop is stable (radius {checked.spectral_radius:.4f})."
+    yield loop_words(checked.stable, checked.spectral_radius)
     kicks = [item for item in judged if item.kicks]
     grave = [item for item in kicks if item.grade == Grade.BAD]
     found = {

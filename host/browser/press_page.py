@@ -1,0 +1,62 @@
+"""`springpot page`: one self-contained file in which people press what was emitted."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from markupsafe import Markup
+
+from springpot.codegen.atomic_write import write_file
+from springpot.codegen.coupling.linear_loop import (
+    DESIGN_HAND,
+    DEVICE_DAMPING_NSPM,
+    DEVICE_MASS_KG,
+)
+from springpot.host.browser.hands import MASS_KG, STIFFNESS_NPM, added_delays
+from springpot.host.browser.scene_entry import scene_entry
+from springpot.host.page import page_text, plain
+
+# In the order in which they use each other.
+_SCRIPTS = ("scene.js", "intent.js", "trace.js", "canvas.js", "object_view.js", "plots.js",
+            "sources.js", "main.js")  # fmt: skip
+
+
+def write_press_page(
+    folders: Sequence[Path], out: Path, accept_edited: bool = False
+) -> list[dict[str, Any]]:
+    """Write the page of one emitted folder or several; returns their entries.
+
+    Raises DataError for no emission, UsageError without the compiler for WebAssembly.
+    """
+    entries = [scene_entry(folder, accept_edited) for folder in folders]
+    names = [entry["name"] for entry in entries]
+    for entry, folder in zip(entries, folders, strict=True):
+        if names.count(entry["name"]) > 1:
+            entry["name"] = f"{entry['name']} ({folder.name})"
+    write_file(out, press_page(entries, "hand").encode())
+    return entries
+
+
+def press_page(entries: Sequence[dict[str, Any]], source: Literal["hand", "session"]) -> str:
+    """The page's text. source: a hand on the page, or a session of `springpot run`."""
+    first = entries[0]
+    context = {
+        "title": first["name"],
+        "source": source,
+        "entries": entries,
+        "rate_hz": plain(1 / first["dt_s"]),
+        "min_mm": plain(1e3 * first["free_m"]),
+        "max_mm": plain(1.3e3 * first["depth_m"]),
+        "stiffnesses": len(STIFFNESS_NPM),
+        "stiffness_at": STIFFNESS_NPM.index(DESIGN_HAND.stiffness_npm),
+        "masses": len(MASS_KG),
+        "mass_at": MASS_KG.index(DESIGN_HAND.mass_kg),
+        "delays": len(added_delays()),
+        "damping_nspm": plain(DESIGN_HAND.damping_nspm),
+        "device_mass_kg": plain(DEVICE_MASS_KG),
+        "device_damping_nspm": plain(DEVICE_DAMPING_NSPM),
+        "scenes": Markup(json.dumps(entries).replace("<", "\\u003c")),
+        "scripts": _SCRIPTS,
+    }
+    return page_text("press.html", context)
