@@ -38,6 +38,11 @@ def write_press_page(
     return entries
 
 
+def session_page(folder: Path, accept_edited: bool = False) -> str:
+    """Text of the page that shows a session with an emitted folder; raises as write_press_page."""
+    return press_page([scene_entry(folder, accept_edited)], "session")
+
+
 def press_page(entries: Sequence[dict[str, Any]], source: Literal["hand", "session"]) -> str:
     """The page's text. source: a hand on the page, or a session of `springpot run`."""
     first = entries[0]

@@ -1,6 +1,7 @@
 """What the page holds of one emitted scene: its C as WebAssembly, and what to compare it with."""
 
 import base64
+import json
 import re
 import tempfile
 import zlib
@@ -42,7 +43,7 @@ NOTE_WORDS = {
     HELD: "no sample: the last one was held",
     RESYNC: "history begins anew here",
     OUTSIDE: "deeper than was recorded",
-    CLAMPED: "force cut to the limit",
+    CLAMPED: "force kept within its limits",
     RAMPED: "force rising from zero",
     LATCHED: "watchdog: no force until a reset",
     LIMITED: "force held back: faster than a touch",
@@ -72,7 +73,7 @@ def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
         "baud": BAUD,
         "golden_ticks": len(golden_positions(plan)),
         "notes": list(NOTE_WORDS.items()),
-        "hands": hands_entry(plan),
+        "hands": packed(json.dumps(hands_entry(plan)).encode()),
         "wasm": packed(module),
         "wasm_bytes": len(module),
         "recording": _recording(folder, plan),

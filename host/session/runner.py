@@ -59,10 +59,12 @@ class SessionRunner:
         requirements: DeviceRequirements,
         settings: LoopSettings,
         log: RowTaker | None = None,
+        viewer: RowTaker | None = None,
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = say,
     ) -> None:
         self._settings, self._log, self._report = settings, log, report
+        self._viewer = viewer
         device = open_device(url, requirements)
         self._loop = _loop_for(device, steps, settings)
         self._supervisor = DeviceSupervisor(
@@ -99,6 +101,10 @@ class SessionRunner:
         """Sleep until the loop has ended by itself, or for so many seconds at most."""
         if self._drain_thread is not None:
             self._drain_thread.join(seconds)
+
+    def ask_stop(self) -> None:
+        """End with zero force; returns at once, from any thread."""
+        self._loop.ask_stop()
 
     def stop(self) -> None:
         """End with zero force, and wait for that."""
@@ -203,6 +209,8 @@ class SessionRunner:
             self._supervisor.saw_sample()
         if self._log is not None and self.error is None:
             self._log.append(rows)
+        if self._viewer is not None:
+            self._viewer.append(rows)
 
     def _fail(self, error: SpringpotError) -> None:
         if self.error is None:

@@ -20,7 +20,7 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.outcome import spread_us, steal_ms
-from springpot.host.session.runner import SessionRunner
+from springpot.host.session.runner import RowTaker, SessionRunner
 from springpot.host.session.step_functions import scene_step_functions
 from springpot.trainer.recordings.recording import Zero
 
@@ -31,7 +31,8 @@ class Session:
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
     them the session ends. accept_edited: C that is not as emitted is no refusal, log and result
-    name its files. Raises DeviceError where the device cannot be used as the scene wants.
+    name its files. viewer: takes every row too, and never waits. Raises DeviceError where the
+    device cannot be used as the scene wants.
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class Session:
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = say,
         accept_edited: bool = False,
+        viewer: RowTaker | None = None,
     ) -> None:
         emitted = read_emission(Path(folder), accept_edited)
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
@@ -69,7 +71,11 @@ class Session:
         self._file, self._url = None if log is None else Path(log), url
         self._log: SessionLog | None = None
         self._args = (scene_step_functions(self._scene), url, requirements, settings)
-        self._options: dict[str, Any] = {"reconnect_s": reconnect_s, "report": report}
+        self._options: dict[str, Any] = {
+            "reconnect_s": reconnect_s,
+            "report": report,
+            "viewer": viewer,
+        }
         self._run: SessionRunner | None = None
         self._steal_ms = steal_ms()
         self.line = ""

@@ -1,8 +1,12 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
+from __future__ import annotations
+
 import contextlib
+from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -10,6 +14,9 @@ from springpot.codegen.errors import UsageError
 from springpot.host.console.options import POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
+
+if TYPE_CHECKING:
+    from springpot.host.browser.live import LivePage
 
 
 @click.command()
@@ -32,6 +39,7 @@ from springpot.host.devices.device import RECONNECT_S
     show_default=True,
     help="How long to wait for a device that was unplugged.",
 )
+@click.option("--page", "with_page", is_flag=True, help="Show it in a browser, with a STOP button.")
 @accept_edited_option
 @json_option
 def run(
@@ -42,6 +50,7 @@ def run(
     max_force_n: float | None,
     max_depth_mm: float | None,
     reconnect_s: float,
+    with_page: bool,
     accept_edited: bool,
     as_json: bool,
 ) -> None:
@@ -60,7 +69,11 @@ def run(
         if line != session.line:  # why it ended is printed once: in the table, or as the error
             _say_above(line)
 
-    with emitted_folder(scene) as folder, stopping_on_sigterm():
+    with (
+        emitted_folder(scene) as folder,
+        _opened_page(folder, accept_edited) if with_page else nullcontext() as page,
+        stopping_on_sigterm(),
+    ):
         session = Session(
             folder,
             url,
@@ -71,10 +84,15 @@ def run(
             reconnect_s=reconnect_s,
             report=report,
             accept_edited=accept_edited,
+            viewer=page,
         )
         with contextlib.suppress(KeyboardInterrupt), session:  # the session says that and why
+            if page is not None:
+                page.actions = {"stop": session.runner.ask_stop, "reset": session.reset}
             session.start()
             watch(session.runner)
+        if page is not None:
+            page.end(session.line)
         result = session.result()
     rows = _rows(result)
     if session.error is not None:
@@ -82,6 +100,16 @@ def run(
     print_result(result, as_json, rows)
     if session.error is not None:
         raise session.error
+
+
+@contextlib.contextmanager
+def _opened_page(folder: Path, accept_edited: bool) -> Iterator[LivePage]:
+    from springpot.host.browser.live import LivePage
+    from springpot.host.browser.press_page import session_page
+
+    with LivePage(session_page(folder, accept_edited)) as page:
+        _say_above(f"page: {page.address}")
+        yield page
 
 
 def _say_above(line: str) -> None:

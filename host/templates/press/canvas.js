@@ -1,6 +1,13 @@
 // Canvases in the page's own colours and in the screen's own pixels.
 
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+// Colours of the style sheet, looked up once for light or dark.
+const palette = new Map();
+
+function colour(name) {
+  if (!palette.has(name))
+    palette.set(name, getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+  return palette.get(name);
+}
 
 // The context, in CSS pixels, cleared; and its size.
 function cleared(canvas) {

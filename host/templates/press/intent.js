@@ -1,6 +1,7 @@
 // Where the hand intends to be: points in time from pointer, finger or keys, even in between.
 
 const LET_GO_MS = 150;
+const EVEN_MS = 25; // an event's place is reached so much later: the next one is mostly known then
 const KEY_RANGE_S = 0.8; // an arrow key goes through the whole range in this time
 
 class Intent {
@@ -18,7 +19,7 @@ class Intent {
   }
 
   add(time_ms, to_m) {
-    this.points.push([Math.max(time_ms, this.at_ms), this.limited(to_m)]);
+    this.points.push([Math.max(time_ms + EVEN_MS, this.at_ms), this.limited(to_m)]);
   }
 
   let_go(time_ms) {

@@ -63,7 +63,7 @@ class ObjectView {
 
   body(context, width, height, surface, middle, tip, depth) {
     const layer = (z) => {
-      for (let x = 0; x <= width; x += 4)
+      for (let x = 0; x <= width; x += 6)
         context.lineTo(x, surface + z + this.sunk(Math.abs(x - middle), z, tip, depth));
     };
     context.fillStyle = colour("--object");

@@ -1,6 +1,7 @@
 // The emitted C as WebAssembly: one scene, its buffers, and what it proves of itself.
 
 const TIMED_TICKS = 10000; // at once: a page's clock has steps of up to 100 us
+const TIMED_RUNS = 5;
 
 async function inflated(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -12,6 +13,7 @@ class Scene {
   static async load(entry) {
     const module = await WebAssembly.instantiate(await inflated(entry.wasm), {});
     const scene = new Scene(entry, module.instance.exports);
+    scene.hands = JSON.parse(new TextDecoder().decode(await inflated(entry.hands)));
     if (entry.recording !== null) {
       scene.recorded_m = new scene.Real(await inflated(entry.recording.position_m));
       const share = new Int16Array(await inflated(entry.recording.measured));
@@ -53,15 +55,18 @@ class Scene {
     return (this.c.sp_page_force_crc(n) >>> 0).toString(16).padStart(8, "0");
   }
 
-  // Ticks of a press, timed at once; us a tick.
+  // Ticks of a press, timed at once; us a tick, the least of a few: a browser compiles well late.
   tick_us() {
     const peak_m = this.entry.depth_m;
     for (let i = 0; i < TIMED_TICKS; i++)
       this.position_m[i] = (peak_m * (1 - Math.cos((2 * Math.PI * i) / 1000))) / 2;
     this.velocity_mps.fill(0);
-    this.c.sp_page_replay(TIMED_TICKS); // compiled, and in the caches
-    const began_ms = performance.now();
-    this.c.sp_page_replay(TIMED_TICKS);
-    return (1e3 * (performance.now() - began_ms)) / TIMED_TICKS;
+    let least_ms = Infinity;
+    for (let run = 0; run < TIMED_RUNS; run++) {
+      const began_ms = performance.now();
+      this.c.sp_page_replay(TIMED_TICKS);
+      least_ms = Math.min(least_ms, performance.now() - began_ms);
+    }
+    return (1e3 * least_ms) / TIMED_TICKS;
   }
 }
