@@ -1,6 +1,7 @@
 """What the page holds of one emitted scene: its C as WebAssembly, and what to compare it with."""
 
 import base64
+import hashlib
 import json
 import re
 import tempfile
@@ -73,6 +74,7 @@ def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
         "baud": BAUD,
         "golden_ticks": len(golden_positions(plan)),
         "notes": list(NOTE_WORDS.items()),
+        "port": port_hash(),
         "hands": packed(json.dumps(hands_entry(plan)).encode()),
         "wasm": packed(module),
         "wasm_bytes": len(module),
@@ -94,6 +96,13 @@ def page_module(folder: Path, plan: Plan) -> bytes:
             include=[PORT_BROWSER, PORT_WIRE, SIM],
             exports=re.findall(r"\b(sp_page_\w+)\(", declared),
         )
+
+
+def port_hash() -> str:
+    """Of the C that joins a scene's in the page's module: a page that was kept may be older."""
+    sources = [*sorted(PORT_BROWSER.glob("*.[ch]")), SIM / "sim_hand.h",
+               *sorted(PORT_WIRE.glob("*.[ch]"))]  # fmt: skip
+    return hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()
 
 
 def packed(content: bytes) -> str:

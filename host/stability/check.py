@@ -129,17 +129,29 @@ def require_stable(plan: Plan) -> None:
         require_plausible_damping(plan.coupling.coupling)
     if radius < 1.0:
         return
-    delay = plan.scene.device.delay_samples
     limit_npm = scene_loop(plan, DESIGN_HAND).max_stiffness_npm()
-    choice = choose_coupling(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
     raise UnsafeError(
         f"{plan.scene.name}: the loop is unstable (spectral radius {radius:.4g} with the "
         f"{DESIGN_HAND.name} hand, object {1e-3 * plan.stiffness_npm:.3g} N/mm, this coupling "
-        f"allows {1e-3 * limit_npm:.3g} N/mm): this would be stable: coupling.mode = "
-        f'"{choice.coupling.mode}", stiffness_npm = {choice.coupling.stiffness_npm:g}, '
-        f"damping_nspm = {choice.coupling.damping_nspm:g}, mass_kg = "
-        f"{choice.coupling.mass_kg:g}, no smoothing, no delay or a faster loop; "
+        f"allows {1e-3 * limit_npm:.3g} N/mm): {_what_is_stable(plan)}; "
         "or emit with --accept-unsafe, for replay only"
+    )
+
+
+def _what_is_stable(plan: Plan) -> str:
+    """Gains that would do without smoothing, or that none do at this rate and delay."""
+    delay = plan.scene.device.delay_samples
+    choice = choose_coupling(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
+    found, loop = choice.coupling, LinearLoop(plan.dt_s, choice.coupling, DESIGN_HAND, delay)
+    if float(loop.spectral_radius(plan.stiffness_npm)[0]) >= 1.0:
+        return (
+            f"no coupling is stable at {1 / plan.dt_s:g} Hz with {delay} samples of delay: "
+            "raise runtime.rate_hz, or take a device of less delay"
+        )
+    return (
+        f'this would be stable: coupling.mode = "{found.mode}", stiffness_npm = '
+        f"{found.stiffness_npm:g}, damping_nspm = {found.damping_nspm:g}, mass_kg = "
+        f"{found.mass_kg:g}, no smoothing, no delay or a faster loop"
     )
 
 

@@ -71,7 +71,7 @@ function prove() {
     ["self-test", wrong === 0 ? `0 of ${entry.golden_ticks} ticks differ from the reference`
       : `tick ${wrong - 1} differs from the reference: do not trust this page`],
   ];
-  find("recorded").hidden = scene.measured_n.length === 0;
+  find("recorded").hidden = find("grey").hidden = scene.measured_n.length === 0;
   rendered_n = Float64Array.from(scene.replay());
   if (rendered_n.length > 0) {
     const here = scene.force_crc(rendered_n.length), there = entry.recording.force_crc;

@@ -19,7 +19,7 @@ from springpot.host.cli import springpot
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.trial_build import built
 from springpot.host.paper.reproduce import Work, simulated
-from springpot.host.stability.check import Stability, stability
+from springpot.host.stability.check import Stability, require_stable, stability
 from springpot.host.stability.closed_loop import Outcome, high_passed_rms
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import fit_model
@@ -216,3 +216,11 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
     assert np.all(force_n[begins] == 0.0)
     assert np.diff(force_n).max() <= np.diff(bare_n).max()
     assert force_n.max() > 1.0
+
+
+def test_no_coupling_is_advised_where_none_is_stable() -> None:
+    plan = make_plan(small_model().stiffened(2e3), scene(), accept_unsafe=True)
+    with pytest.raises(
+        UnsafeError, match=r"no coupling is stable at 1000 Hz .* raise runtime.rate_hz"
+    ):
+        require_stable(plan)

@@ -1,0 +1,138 @@
+"""The pages of docs/ in which people press what springpot makes.
+
+    python tests/bench/press_pages.py [--train DATA] [--picture]
+
+Emits the models of tests/golden/press and writes docs/press.html, five simulated silicones, one
+with a recording to compare, and docs/press-recorded.html, models of compressions that others
+recorded, which are not in the page. --train makes the models anew first; DATA: the folder where
+their ecoflex_compression lies. --picture: docs/press.png, of the first page while it is pressed.
+Needs clang and lld, the picture chromium.
+"""
+
+import argparse
+import math
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from support.driven_browser import driven_browser
+from support.paths import ROOT
+
+from springpot.codegen.model.model_file import write_model
+from springpot.codegen.scene import Runtime, Scene
+from springpot.host.browser.press_page import write_press_page
+from springpot.host.emission.emission import emit
+from springpot.host.recording.protocols import load_protocol
+from springpot.host.recording.session import open_press_device, record_session
+from springpot.host.validation.store import store_validation
+from springpot.host.validation.validation import validate
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recordings
+
+MODELS = ROOT / "tests" / "golden" / "press"
+SIMULATED = ("ecoflex-00-30", "ecoflex-00-10", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
+RECORDED = ("ecoflex-00-30-cylinder", "ecoflex-00-10-cylinder", "ecoflex-00-50-cylinder")
+PAGES = {"press.html": SIMULATED, "press-recorded.html": RECORDED}
+_REPEATS = 5  # of the ten compressions of a cylinder
+_HAND_M = 0.003
+_PRESS_S, _PRESSED_S = 1.4, 3.6
+
+
+def page_scene(name: str) -> Scene:
+    """The scene that is emitted for one of the objects."""
+    runtime = Runtime(rate_hz=1000.0)  # compressions were sampled at 10 Hz
+    return Scene(schema=1, name=name, model=f"{name}.spm", runtime=runtime)
+
+
+def main() -> None:
+    """Train what was asked for, then write both pages."""
+    parser = argparse.ArgumentParser(description="the pages of docs/")
+    parser.add_argument("--train", type=Path, metavar="DATA", help="recordings by others")
+    parser.add_argument("--picture", action="store_true", help="draw docs/press.png, too")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        place = Path(scratch)
+        if asked.train is not None:
+            train(asked.train, place)
+        for page, names in PAGES.items():
+            folders = [emitted(name, place / name) for name in names]
+            if page == "press.html":
+                compare(folders[0], simulated(names[0], "validation", 2, place))
+            write_press_page(folders, ROOT / "docs" / page)
+        if asked.picture:
+            draw_picture(place)
+
+
+def train(data: Path, place: Path) -> None:
+    """Fit every model."""
+    MODELS.mkdir(exist_ok=True)
+    for name in SIMULATED:
+        save(name, simulated(name, "paper", 1, place))
+    for name in RECORDED:
+        sample = f"EF{name.split('-')[2]}_0T"
+        files = [data / "ecoflex_compression" / sample / f"{sample}_A{repeat}.csv"
+                 for repeat in range(1, _REPEATS + 1)]  # fmt: skip
+        save(name, [begun(only) for file in files
+                    for only in import_file(file, None, "none", None).recordings])  # fmt: skip
+
+
+def begun(compression: Recording) -> Recording:
+    """What a hand can press of it: a machine goes on to 20 mm and 1180 N."""
+    rows = compression.position_m <= _HAND_M
+    return replace(
+        compression,
+        position_m=compression.position_m[rows],
+        force_n=compression.force_n[rows],
+        channels={},
+    )
+
+
+def save(name: str, recordings: list[Recording] | tuple[Recording, ...]) -> None:
+    fit = fit_model("hammerstein", name, tuple(recordings), FitOptions())
+    write_model(MODELS / f"{name}.spm", replace(fit.model, provenance={"name": name}))
+
+
+def simulated(name: str, protocol: str, seed: int, place: Path) -> list[Recording]:
+    """Recordings of a simulated silicone."""
+    url, folder = f"sim://{name}", place / f"{name}-{protocol}"
+    device = open_press_device(url, seed)
+    record_session(device, url, protocol, load_protocol(protocol, seed), folder, lambda _: None)
+    return read_recordings([folder])
+
+
+def emitted(name: str, folder: Path) -> Path:
+    emit(page_scene(name), MODELS / f"{name}.spm", folder)
+    return folder
+
+
+def compare(folder: Path, recordings: list[Recording]) -> None:
+    """Validate with the first recording: the page shows it."""
+    store_validation(folder, validate(folder, recordings[:1], paced_s=0.1), recordings[:1])
+
+
+def draw_picture(place: Path) -> None:
+    """The page after two presses, within a third."""
+    with driven_browser(place) as browser:
+        browser.open((ROOT / "docs" / "press.html").as_uri(), 1200, 700)
+        browser.until("document.body !== null && document.body.classList.contains('ready')")
+        left, top, width, height = browser.value(
+            "(() => { const box = document.getElementById('object').getBoundingClientRect();"
+            " return [box.left, box.top, box.width, box.height]; })()"
+        )
+        x, began_s = left + width / 2, time.monotonic()
+        browser.mouse("mousePressed", x, top + 0.3 * height)
+        while (passed_s := time.monotonic() - began_s) < _PRESSED_S:
+            share = 0.3 + 0.6 * math.sin(math.pi * passed_s / _PRESS_S) ** 2
+            browser.mouse("mouseMoved", x, top + share * height)
+            time.sleep(0.01)
+        browser.screenshot(ROOT / "docs" / "press.png")
+
+
+if __name__ == "__main__":
+    main()
