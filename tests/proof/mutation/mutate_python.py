@@ -48,7 +48,7 @@ TESTS = {
     "trainer/recordings/recording.py": _RECORDING,
     "trainer/recordings/recording_file.py": _RECORDING,
     "trainer/recordings/journal_blocks.py": _JOURNAL,
-    "trainer/recordings/journal_reader.py": _JOURNAL,
+    "trainer/recordings/journal_reader.py": ("tests/trainer/recordings/test_journal_reader.py",),
     "codegen/model/packed_arrays.py": _MODEL,
     "codegen/model/field_types.py": _MODEL,
     "codegen/model/validity.py": _MODEL,
