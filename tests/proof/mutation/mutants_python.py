@@ -8,33 +8,18 @@ import re
 from collections.abc import Iterator
 from types import CodeType
 
-from mutant import Mutant
+from mutant import OTHER_OPERATORS, Mutant
 
 _OTHERS = {
-    "<": ("<=", ">="),
-    "<=": ("<", ">"),
-    ">": (">=", "<="),
-    ">=": (">", "<"),
-    "==": ("!=",),
-    "!=": ("==",),
+    **OTHER_OPERATORS,
     "is not": ("is",),
     "is": ("is not",),
     "not in": ("in",),
     "in": ("not in",),
     "and": ("or",),
     "or": ("and",),
-    "+": ("-",),
-    "-": ("+",),
-    "*": ("/",),
-    "/": ("*",),
     "//": ("*",),
-    "%": ("*",),
     "**": ("*",),
-    "<<": (">>",),
-    ">>": ("<<",),
-    "&": ("|",),
-    "|": ("&",),
-    "^": ("|",),
 }
 _OPERATOR = re.compile(
     r"is\s+not\b|not\s+in\b|\b(?:is|in|and|or)\b|<<|>>|\*\*|//|[<>=!]=|[-+*/%&|^<>]"
