@@ -7,9 +7,11 @@ besides; the first after a silence is all the ticks without a sample too.
 from dataclasses import dataclass
 
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import stages
 from springpot.codegen.stages.costs import COSTS
 
-_RESTART = 60.0  # beside what it fills
+_RESTART = 10.0  # beside what its stages do
+_MAKE_UP = 60.0  # beside its ticks
 
 
 @dataclass(frozen=True)
@@ -35,11 +37,10 @@ def instruction_bound(plan: Plan) -> InstructionBound | None:
     coupling = costs.coupling if plan.couple is not None else 0.0
     features = 0.0 if plan.features is None else plan.features.instructions(costs)
     tick = costs.tick + coupling + features + regressor + passive
-    members = () if plan.features is None else plan.features.members
-    filled = sum(len(member.scalars) for member in members)
+    forget = sum(stage.restart_instructions(costs) for stage in stages(plan))
     longest = 1 + round(plan.watchdog_s / plan.dt_s)
     return InstructionBound(
         tick=round(tick),
-        restart=round(tick + passive + costs.filled * filled + _RESTART),
-        after_silence=round(longest * tick + _RESTART),
+        restart=round(tick + forget + _RESTART),
+        after_silence=round(longest * tick + _MAKE_UP),
     )

@@ -184,6 +184,13 @@ class HammersteinStage(Stage):
         depth = costs.depth if self._by_depth else 0.0
         return float(costs.passive + depth + curves + stepped + config.n_stops * costs.stop)
 
+    def restart_instructions(self, costs: Costs) -> float:
+        """It reads the branches' curves too: where they rest."""
+        config = self.config
+        curves = config.n_branches * (config.degree * costs.power + costs.rest)
+        depth = costs.depth if self.stretch is not None else 0.0
+        return super().restart_instructions(costs) + depth + curves
+
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Force of every tick, (n,), N."""
         config = self.config

@@ -89,6 +89,10 @@ class Stage(ABC):
         """Bound of the instructions of its part of a tick; a part of the fixed ones by default."""
         return 0.0
 
+    def restart_instructions(self, costs: Costs) -> float:
+        """Bound of those that forget the past: by default, each scalar of the state is filled."""
+        return costs.filled * sum(len(member.scalars) for member in self.members)
+
 
 class FeatureStage(Stage):
     """A stage that fills the C array `features`."""

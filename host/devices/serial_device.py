@@ -3,7 +3,7 @@
 import contextlib
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Self
 
 import serial
@@ -17,7 +17,7 @@ from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layou
 from springpot.host.native.c_library import CLibrary
 
 BAUD = 921600
-_ASK_S, _AGAIN_S = 2.0, 0.05
+_ASK_S, _AGAIN_S, _LOOK_S = 2.0, 0.05, 0.0005
 # A device's watchdog is asked to be quicker than what is proved: its samples say so a little later.
 _WATCHDOG_S = 0.75 * ZERO_S
 _PROOFS = 3  # a frame may be lost, or come late
@@ -144,19 +144,21 @@ class SerialDevice:
         except (OSError, serial.SerialException) as error:
             raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
 
+    def _frames_until(self, until_s: float) -> Iterator[Frame]:
+        while time.monotonic() < until_s:
+            time.sleep(_LOOK_S)
+            yield from self.frames()
+
     def _ask(
         self, send: Callable[[], bytes], is_answer: Callable[[Frame], bool], patience_s: float
     ) -> dict[str, Any] | None:
-        until = time.monotonic() + patience_s
-        next_send = 0.0
-        while time.monotonic() < until:
-            if time.monotonic() >= next_send:
-                self._write(send())
-                next_send = time.monotonic() + _AGAIN_S
-            for frame in self.frames():
+        """The answer; None where none came. It is sent again and again: a frame may be lost."""
+        until_s = time.monotonic() + patience_s
+        while (now_s := time.monotonic()) < until_s:
+            self._write(send())
+            for frame in self._frames_until(min(now_s + _AGAIN_S, until_s)):
                 if is_answer(frame):
                     return frame.values
-            time.sleep(0.0005)
         return None
 
     def _require_rate(self) -> None:
@@ -169,11 +171,8 @@ class SerialDevice:
             raise
 
     def _samples_until(self, until_s: float) -> int:
-        samples = 0
-        while time.monotonic() < until_s:
-            time.sleep(0.0005)
-            samples += sum(frame.name == "sample" and not frame.old for frame in self.frames())
-        return samples
+        frames = self._frames_until(until_s)
+        return sum(frame.name == "sample" and not frame.old for frame in frames)
 
     def _prove_watchdog(self) -> None:
         """One force of zero, then silence: a device that does not say in time that it tripped is
@@ -197,11 +196,9 @@ class SerialDevice:
     def _silent_until_tripped_s(self) -> float:
         self.send("force", force_n=0.0)
         sent_s = time.monotonic()
-        while time.monotonic() < sent_s + 2 * ZERO_S:
-            for frame in self.frames():
-                if frame.name == "sample" and frame.values["status"] & constant("TRIPPED"):
-                    return time.monotonic() - sent_s
-            time.sleep(0.0005)
+        for frame in self._frames_until(sent_s + 2 * ZERO_S):
+            if frame.name == "sample" and frame.values["status"] & constant("TRIPPED"):
+                return time.monotonic() - sent_s
         return math.inf
 
     def _hello(self) -> dict[str, Any]:

@@ -9,7 +9,11 @@
  *
  * Stepped exactly instead of by Euler: with e = x_p - x and w = v_p - v, and the tool moving at v
  * within the step, (e + f_M/k, w) is multiplied by the matrix exponential `phi`. Stable for every
- * positive stiffness, damping and mass. */
+ * positive stiffness, damping and mass.
+ *
+ * A sum rounds by its order: terms are added from left to right, those in parentheses first, the
+ * tool's own motion before the proxy's way relative to it. The numpy reference adds in this order,
+ * and no flag may let a compiler choose another (flags.mk). */
 #ifndef SP_COUPLE_H
 #define SP_COUPLE_H
 

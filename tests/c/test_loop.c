@@ -1,36 +1,11 @@
 /* The loop of a PC on a simulated clock: which period gets which sample, and what is sent. */
-#define _GNU_SOURCE
-#include <math.h>
-#include <poll.h>
-#include <pthread.h>
-#include <signal.h>
-#include <string.h>
-#include <time.h>
-
-#include "check.h"
-
-static int sim_clock(clockid_t clock, struct timespec *time);
-static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
-                     struct timespec *left);
-static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
-                    const sigset_t *mask);
-static int sim_join(void);
-#define clock_gettime sim_clock
-#define clock_nanosleep sim_sleep
-#define ppoll sim_poll
-#define pthread_create(thread, attributes, run, argument) ((void)run(argument), 0)
-#define pthread_join(thread, result) sim_join()
-#include "../../runtime_c/port/posix/sp_loop.c"
-#include "../../runtime_c/port/posix/sp_loop_link.c"
-#include "../../runtime_c/port/posix/sp_loop_sample.c"
-#include "../../runtime_c/port/posix/sp_loop_tick.c"
+#include "simulated_clock.h"
 
 enum { TICKS = 400, PERIOD_US = 1000, LOST = -1, CAPACITY = 4096, LATCHED = 32 };
 
 /* Sample k arrives at arrival_us[k], in order, and says position k; the scene returns k + 1. One
  * more comes first: the loop begins with the second. */
 static struct {
-    uint64_t now_ns;
     int64_t arrivals_us[4 * TICKS];
     int count, at;
     int joins;
@@ -48,26 +23,13 @@ static struct {
 
 static int64_t *const arrival_us = sim.arrivals_us + 1;
 
-static uint64_t as_ns(const struct timespec *time)
-{
-    return (uint64_t)time->tv_sec * 1000000000u + (uint64_t)time->tv_nsec;
-}
-
-static int sim_clock(clockid_t clock, struct timespec *time)
-{
-    (void)clock;
-    time->tv_sec = (time_t)(sim.now_ns / 1000000000u);
-    time->tv_nsec = (long)(sim.now_ns % 1000000000u);
-    return 0;
-}
-
 static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
                      struct timespec *left)
 {
     (void)clock;
     (void)flags;
     (void)left;
-    sim.now_ns = as_ns(until);
+    sim_now_ns = as_ns(until);
     return 0;
 }
 
@@ -75,11 +37,6 @@ static int sim_join(void)
 {
     sim.joins++;
     return 0;
-}
-
-int32_t sp_realtime_ask(int32_t priority, int32_t cpu)
-{
-    return priority + cpu;
 }
 
 sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
@@ -103,16 +60,16 @@ static void skip_lost(void)
 static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
                     const sigset_t *mask)
 {
-    const uint64_t until_ns = sim.now_ns + as_ns(left);
+    const uint64_t until_ns = sim_now_ns + as_ns(left);
     (void)waits;
     (void)n;
     (void)mask;
     skip_lost();
     if (sim.at < sim.count && arrival_ns(sim.at) <= until_ns) {
-        sim.now_ns = arrival_ns(sim.at) > sim.now_ns ? arrival_ns(sim.at) : sim.now_ns;
+        sim_now_ns = arrival_ns(sim.at) > sim_now_ns ? arrival_ns(sim.at) : sim_now_ns;
         return 1;
     }
-    sim.now_ns = until_ns;
+    sim_now_ns = until_ns;
     return 0;
 }
 
@@ -146,7 +103,7 @@ static int called(sp_real *force_n)
 {
     *force_n = (sp_real)sim.force_n;
     if (++sim.calls == sim.busy_call) {
-        sim.now_ns += 1000u * sim.busy_us;
+        sim_now_ns += 1000u * sim.busy_us;
     }
     return 0;
 }
@@ -179,7 +136,7 @@ static void reset(void *state)
 static void samples_each(double period_us)
 {
     memset(&sim, 0, sizeof sim);
-    sim.now_ns = 1;
+    sim_now_ns = 1;
     sim.count = (int)((TICKS + 20) * PERIOD_US / period_us);
     for (int k = 0; k < sim.count; k++) {
         sim.arrivals_us[k] = (int64_t)(100.0 + k * period_us);

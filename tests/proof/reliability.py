@@ -90,13 +90,15 @@ def render_mutation(results: list[Result]) -> str:
         "test could notice. Share: caught, of those that are not equivalent.\n"
     )
     for result in results:
-        command = f"`{result['command']}`" if "command" in result else ""
-        commit = f"commit {result['commit']}" if "commit" in result else ""
-        lines += [f"### {result['title']}\n", ", ".join(filter(None, (command, commit))) + ".\n"]
-        columns = ("file", "mutants", "caught", "equivalent", "survived", "share, %")
-        rows = [[*(row[name] for name in columns[:-1]), _share(row)] for row in result["rows"]]
-        whole = {name: sum(row[name] for row in result["rows"]) for name in columns[1:-1]}
-        lines += [*_table(columns, [*rows, ["all", *whole.values(), _share(whole)]]), ""]
+        lines += [f"### {result['title']}\n", f"`{result['command']}`.\n"]
+        columns = ("file", "mutants", "caught", "equivalent", "survived", "share, %", "at commit")
+        counts = columns[1:-2]
+        rows = [
+            [row["file"], *(row[name] for name in counts), _share(row), row["commit"]]
+            for row in result["rows"]
+        ]
+        whole = {name: sum(row[name] for row in result["rows"]) for name in counts}
+        lines += [*_table(columns, [*rows, ["all", *whole.values(), _share(whole), ""]]), ""]
         left = [row for row in result["survivors"] if not row.get("equivalent")]
         lines += ["No test notices:\n"] if left else []
         lines += [

@@ -54,7 +54,7 @@ def journal_of(file: Path) -> Path:
 
 def is_being_recorded(journal: Path) -> bool:
     """Return whether a living process still writes this journal."""
-    descriptor = os.open(journal, os.O_RDONLY | os.O_CLOEXEC)
+    descriptor = os.open(journal, os.O_RDONLY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:

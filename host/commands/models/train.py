@@ -18,7 +18,10 @@ from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
-    from springpot.trainer.models.fit import Engine
+    from springpot.host.metrics import Accuracy
+    from springpot.trainer.models.fit import Engine, Fit, FitOptions
+    from springpot.trainer.recordings.recording import Recording
+    from springpot.trainer.selection.next_presses import NextPress
 
 
 @click.command()
@@ -121,27 +124,11 @@ def train(
     as_json: bool,
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
-    from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
-    from springpot.host.console.quality import report_quality
-    from springpot.host.recording.next_protocol import (
-        next_metadata,
-        next_words,
-        require_surface,
-        write_protocol,
-    )
-    from springpot.host.validation.error_ratios import error_ratios
-    from springpot.host.validation.seen import seen_by
-    from springpot.host.validation.training import training_result, training_rows, validated
-    from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
-    from springpot.trainer.recordings.recording_file import read_recordings
-    from springpot.trainer.recordings.smoothing import smoothed
-    from springpot.trainer.selection.next_presses import next_presses
-
-    if out.suffix != MODEL_SUFFIX:
-        raise UsageError(
-            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
-        )
+    _require_model_name(out)
+    from springpot.host.recording.next_protocol import next_metadata, next_words
+    from springpot.host.validation.training import training_result, training_rows
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
+    from springpot.trainer.recordings.recording_file import read_recordings
 
     options = FitOptions(
         seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s, select=select,
@@ -150,32 +137,80 @@ def train(
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
+    presses = _next_presses(training, next_file)
+    fit = _fitted(kind, out, training, testing, options)
+    result = training_result(fit, options) | _written(fit, out)
+    compared_s = smooth_s if smooth_validation else 0.0
+    found, errors = _errors(fit, training, testing, compared_s) if testing else (None, {})
+    result |= errors
+    result["next_presses"] = next_metadata(presses)
+    rows = training_rows(fit, out, result, found, len(testing))
+    rows["record next"] = next_words(presses, fit.model.contact, next_file)
+    print_result(result, as_json, rows)
+
+
+def _require_model_name(out: Path) -> None:
+    from springpot.codegen.model.model_file import MODEL_SUFFIX
+
+    if out.suffix != MODEL_SUFFIX:
+        raise UsageError(
+            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
+        )
+
+
+def _next_presses(training: "list[Recording]", next_file: Path | None) -> "list[NextPress]":
+    """The presses that would tell most, written as a protocol where that is asked for; says what is
+    wrong with the recordings."""
+    from springpot.host.console.quality import report_quality
+    from springpot.host.recording.next_protocol import require_surface, write_protocol
+    from springpot.trainer.selection.next_presses import next_presses
+
     if next_file is not None:
         require_surface(next_file, training)
     quality = report_quality(training)
     presses = next_presses(training, quality.figures["coverage"]["band_hz"])
     if next_file is not None:
         write_protocol(next_file, presses)
+    return presses
+
+
+def _fitted(
+    kind: str,
+    out: Path,
+    training: "list[Recording]",
+    testing: "list[Recording]",
+    options: "FitOptions",
+) -> "Fit":
     with spinner(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for warning in fit.warnings:
         say(f"warning: {warning}")
+    return fit
+
+
+def _written(fit: "Fit", out: Path) -> dict[str, Any]:
+    from springpot.codegen.model.model_file import write_model
+
     out.parent.mkdir(parents=True, exist_ok=True)
-    result: dict[str, Any] = {"out": str(out), "hash": write_model(out, fit.model)}
-    result = training_result(fit, options) | result
-    found = None
-    if testing:
-        compared_s = smooth_s if smooth_validation else 0.0
-        found = validated(fit.model, testing, compared_s)
-        floor = find_noise_floor([smoothed(rec, compared_s) for rec in (*training, *testing)])
-        result |= {
-            "seen": seen_by(fit.model, testing),
-            "rmse_n": found.rmse_n,
-            "rmse_percent_of_peak": found.rmse_percent_of_peak,
-            "mean_recording_rmse_n": found.mean_recording_rmse_n,
-            **error_ratios(found, floor),
-        }
-    result["next_presses"] = next_metadata(presses)
-    rows = training_rows(fit, out, result, found, len(testing))
-    rows["record next"] = next_words(presses, fit.model.contact, next_file)
-    print_result(result, as_json, rows)
+    return {"out": str(out), "hash": write_model(out, fit.model)}
+
+
+def _errors(
+    fit: "Fit", training: "list[Recording]", testing: "list[Recording]", compared_s: float
+) -> "tuple[Accuracy, dict[str, Any]]":
+    """The error on `testing`, smoothed over compared_s, and the keys of `--json` about it."""
+    from springpot.host.validation.error_ratios import error_ratios
+    from springpot.host.validation.seen import seen_by
+    from springpot.host.validation.training import validated
+    from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
+    from springpot.trainer.recordings.smoothing import smoothed
+
+    found = validated(fit.model, testing, compared_s)
+    floor = find_noise_floor([smoothed(rec, compared_s) for rec in (*training, *testing)])
+    return found, {
+        "seen": seen_by(fit.model, testing),
+        "rmse_n": found.rmse_n,
+        "rmse_percent_of_peak": found.rmse_percent_of_peak,
+        "mean_recording_rmse_n": found.mean_recording_rmse_n,
+        **error_ratios(found, floor),
+    }

@@ -132,7 +132,7 @@ def _trees(forest: dict[str, Any], emission: Emission) -> str:
         return f"{said}; too many leaves for a bound of their steps"
     step_um, step_n = 1e6 * forest["resolution_m"], forest["step_n"]
     limit_n = emission.manifest["limits"]["slew_nps"] * emission.manifest["dt_s"]
-    against = "MORE THAN" if step_n > limit_n else "below"
+    against = "above" if step_n > limit_n else "below"
     return (
         f"{said}; a step of {step_um:.3g} um adds at most {step_n:.3g} N, {against} the slew limit "
         f"of {limit_n:.3g} N a tick"

@@ -45,6 +45,8 @@ class SimulatedDevice:
     forced_s: float = math.inf
     sampling_s: float = math.inf
     sent: bytes = b""
+    slept: int = 0
+    looked: int = 0
 
     def __post_init__(self) -> None:
         self._receiver, self._sender = Receiver(), Sender()
@@ -54,6 +56,8 @@ class SimulatedDevice:
         return self.now_s
 
     def sleep(self, seconds: float) -> None:
+        assert seconds == 0.0005  # between two looks the processor rests, and no sample is late
+        self.slept += 1
         self.now_s += seconds
 
     def close(self) -> None:
@@ -88,6 +92,7 @@ class SimulatedDevice:
 
     def read(self, count: int) -> bytes:
         assert count == 4096
+        self.looked += 1
         if self.gone is not None:
             raise self.gone("pulled out")
         if self.now_s > self.sampling_s and self.rate_hz > 0:
@@ -159,6 +164,7 @@ def test_a_device_is_asked_started_and_proved(opened: Opened) -> None:
         assert values["watchdog_s"] == pytest.approx(0.15)
         assert values["rate_hz"] == 1000.0
     assert simulated.closed == 0
+    assert simulated.looked == simulated.slept > 0
     assert device.rendering_board() is None
     assert not device.renders
     assert device.comes_back
@@ -240,6 +246,8 @@ def test_a_board_of_another_scene(opened: Opened) -> None:
 
 def test_a_device_gives_the_scenes_force_to_a_millionth(opened: Opened) -> None:
     opened(SimulatedDevice(max_n=12.0), DeviceRequirements(1000, 0.15, 12.0 * (1 + 0.9e-6)))
+    exact = next(n for n in range(1, 100) if n / (1 - 1e-6) * (1 - 1e-6) == n)
+    opened(SimulatedDevice(max_n=exact), DeviceRequirements(1000, 0.15, exact / (1 - 1e-6)))
     needs = DeviceRequirements(1000, 0.15, 12.0 * (1 + 1.2e-6))
     told = refused(opened, SimulatedDevice(max_n=12.0), needs)
     assert told == "gives at most 12 N and the scene up to 12 N: set guard.max_force_n = 12"

@@ -168,5 +168,5 @@ def test_a_scene_of_python_is_checked_as_a_file_is(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match=r"^scene: name: "):
             call(wrong)
         with pytest.raises(UsageError, match=r"^scene: .*: give numbers, strings and booleans"):
-            call(dataclasses.replace(PLAIN, name=b"x"))  # type: ignore[arg-type]
+            call(dataclasses.replace(PLAIN, name=b"x"))  # type: ignore[arg-type]  # refused, that is the test
     assert not list(tmp_path.iterdir())

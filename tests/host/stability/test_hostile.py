@@ -5,6 +5,7 @@ import os
 
 import numpy as np
 import pytest
+from support.rounding import ForceRounding, MotionRange
 from support.small import DEPTH_M, DT_S, press, scene, training
 
 from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
@@ -21,8 +22,13 @@ from springpot.trainer.models.fit import FitOptions
 SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))
 FUZZ_TICKS = 100_000_000 if SOAK else 1_000_000
 PRESS_S = 24 * 3600.0 if SOAK else 600.0
-DRIFT_TICKS = 10_000_000 if SOAK else 1_000_000
+DRIFT_TICKS = 10_000_000 if SOAK else 200_000
 KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "hammerstein", "hybrid")
+# Of the peak force: how far float32 may be from float64 (docs/overview.md).
+FLOAT32_SHARES = {
+    "rf-fd": 1e-6, "rf-history": 1e-6, "boosted": 3e-6, "hammerstein": 3e-6, "hybrid": 3e-6,
+    "springpot": 1e-4, "rbf-pv": 2e-3, "rbf-fd": 5e-3,
+}  # fmt: skip
 
 
 def model_of(kind: str, contact: str = "surface") -> Model:
@@ -74,31 +80,43 @@ def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) 
     np.testing.assert_allclose(found_n[back:], right_n[back:], atol=0.02 * right_n.max())
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_float32_stays_beside_float64(kind: str) -> None:
-    """Long motion in both: no drift from the first tenth to the last."""
+@pytest.mark.parametrize(("kind", "share"), list(FLOAT32_SHARES.items()))
+def test_float32_stays_beside_float64(kind: str, share: float) -> None:
+    """Long motion in both: within the bound that is computed before, and no drift within it.
+
+    Where a tie decides, at few ticks, the forces may be those of neighbouring leaves or windows.
+    """
     model = model_of(kind)
-    rng = np.random.default_rng(2)
-    chunk = 100_000
-    time_s = np.arange(chunk) * DT_S
+    peak_n = model.trained.max_n
+    hz, amplitude_m = np.array([0.31, 0.83, 2.7, 6.1]), 0.13 * DEPTH_M
+    phases = np.random.default_rng(2).uniform(0, 6, 4)
+    deepest = MotionRange(
+        max_m=0.45 * DEPTH_M + 4 * amplitude_m,
+        max_step_m=2 * np.pi * hz.sum() * amplitude_m * DT_S,
+    )
+    in_double = make_plan(model, scene(number="float64"), accept_unsafe=True)
+    rounding = ForceRounding(in_double, deepest)
+    assert rounding.bound_n <= share * peak_n
+    chunk = min(100_000, DRIFT_TICKS // 4)
+    errors, tied = [], 0
     with (
-        built(make_plan(model, scene())) as single,
-        built(make_plan(model, scene(number="float64"))) as double,
+        built(make_plan(model, scene(), accept_unsafe=True)) as single,
+        built(in_double) as double,
     ):
         one, other = single.new_state(), double.new_state()
-        errors = []
-        for part in range(DRIFT_TICKS // chunk):
-            wave = sum(
-                np.sin(2 * np.pi * f * (time_s + part * chunk * DT_S) + phase)
-                for f, phase in zip((0.31, 0.83, 2.7, 6.1), rng.uniform(0, 6, 4), strict=True)
-            )
-            motion = (DEPTH_M * (0.45 + 0.13 * wave)).astype(np.float32)
-            difference = one.run(motion)[0] - other.run(motion.astype(np.float64))[0]
-            errors.append(float(np.sqrt(np.mean(difference**2))))
-    peak_n = model.trained.max_n
+        for begin in range(0, DRIFT_TICKS, chunk):
+            time_s = np.arange(begin, begin + chunk)[:, None] * DT_S
+            wave = np.sin(2 * np.pi * hz * time_s + phases).sum(axis=1)
+            motion = (0.45 * DEPTH_M + amplitude_m * wave).astype(np.float32)
+            exact = motion.astype(np.float64)
+            difference = np.abs(one.run(motion)[0] - other.run(exact)[0])
+            ties = rounding.ties(exact)
+            assert difference[~ties].max() <= rounding.bound_n, begin
+            errors.append(float(np.sqrt(np.mean(difference[~ties] ** 2))))
+            tied += int(ties.sum())
+    assert tied < 0.05 * DRIFT_TICKS
     tenth = max(1, len(errors) // 10)
-    assert max(errors) < 2e-3 * peak_n  # a leaf that flips at a near tie
-    assert np.mean(errors[-tenth:]) < 3.0 * np.mean(errors[:tenth]) + 1e-6 * peak_n
+    assert np.mean(errors[-tenth:]) < 3.0 * np.mean(errors[:tenth]) + 1e-7 * peak_n
 
 
 @pytest.mark.parametrize("stiffness_npm", [10.0, 1e3, 1e5])

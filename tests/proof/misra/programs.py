@@ -18,7 +18,12 @@ from springpot.host.boards.boards import BOARDS
 
 RUNTIME = ROOT / "runtime_c"
 PORT = RUNTIME / "port"
-_SETTINGS = (("float32", "off"), ("float64", "tool"), ("float32", "proxy"))
+_FLOAT, _OFF, _TOOL = Runtime(number="float32"), Coupling(mode="off"), Coupling(mode="tool")
+_SETTINGS = (
+    (_FLOAT, _OFF),
+    (Runtime(number="float64"), _TOOL),
+    (_FLOAT, Coupling(mode="proxy")),
+)
 
 
 @dataclass(frozen=True)
@@ -39,8 +44,8 @@ def _scenes(folder: Path) -> list[Program]:
     """One scene of every stored model, number types and couplings taking turns; and the units that
     none of them needs."""
     made = [
-        _scene(folder, name, golden_forces.model(name), number, mode)
-        for name, (number, mode) in zip(golden_forces.models(), cycle(_SETTINGS), strict=False)
+        _scene(folder, name, golden_forces.model(name), *settings)
+        for name, settings in zip(golden_forces.models(), cycle(_SETTINGS), strict=False)
     ]
     hammerstein = golden_forces.model("hammerstein")
     passive = hammerstein.hammerstein
@@ -50,23 +55,28 @@ def _scenes(folder: Path) -> list[Program]:
     laws = replace(
         passive, tau_s=tau_s, branch_n=weight, n_by_depth=2, rate_ratio=16.0, stretch=12.0
     )
-    made.append(_scene(folder, "laws", replace(hammerstein, hammerstein=laws), "float32", "off"))
+    made.append(_scene(folder, "laws", replace(hammerstein, hammerstein=laws), _FLOAT, _OFF))
     velocity = Device(velocity="device")
-    made.append(_scene(folder, "velocity", hammerstein, "float32", "tool", velocity))
+    made.append(_scene(folder, "velocity", hammerstein, _FLOAT, _TOOL, velocity))
     with mock.patch.object(stages.forest, "compact_forest", return_value=None):  # as if too big
-        made.append(_scene(folder, "wide", golden_forces.model("rf-fd"), "float32", "off"))
+        made.append(_scene(folder, "wide", golden_forces.model("rf-fd"), _FLOAT, _OFF))
     return made
 
 
 def _scene(
-    folder: Path, name: str, model: Model, number: str, mode: str, device: Device | None = None
+    folder: Path,
+    name: str,
+    model: Model,
+    runtime: Runtime,
+    coupling: Coupling,
+    device: Device | None = None,
 ) -> Program:
     scene = Scene(
         schema=1,
         name=name,
         model=f"{name}.spm",
-        runtime=Runtime(number=number),  # type: ignore[arg-type]
-        coupling=Coupling(mode=mode),  # type: ignore[arg-type]
+        runtime=runtime,
+        coupling=coupling,
         smoothing=Smoothing(time_constant_s=1e-3),
         device=device or Device(),
     )

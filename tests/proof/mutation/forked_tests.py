@@ -14,6 +14,7 @@ import time
 for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
+# Loaded once, for the children to find: after the variables above, which some read then.
 import cffi  # noqa: E402, F401
 import h5py  # noqa: E402, F401
 import hypothesis  # noqa: E402, F401

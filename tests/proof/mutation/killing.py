@@ -4,13 +4,15 @@ The record grows by one line of JSON a mutant: a run that was ended goes on wher
 caught stays caught while the file is the same; what survived is tried again.
 """
 
+import argparse
 import hashlib
 import json
+import os
 import queue
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -47,6 +49,17 @@ class _Task:
 
 # The tests that are given one: (a copy of the checkout, file, its changed text) -> Tried.by
 Attempt = Callable[[Path, str, str], str]
+
+
+def parse_options(files: Iterable[str]) -> argparse.Namespace:
+    """out, workers and files: those of `files` that the command line asks for."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--only", default="", help="files with this in their name")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    options = parser.parse_args()
+    options.files = [file for file in files if options.only in file]
+    return options
 
 
 def read_record(path: Path) -> dict[tuple[str, str, int, str], Tried]:

@@ -1,6 +1,26 @@
-"""One change of one file, and the share of such changes that tests notice."""
+"""One change of one file."""
 
 from dataclasses import dataclass
+
+# Binary operators of C and of Python, and what each becomes.
+OTHER_OPERATORS = {
+    "<": ("<=", ">="),
+    "<=": ("<", ">"),
+    ">": (">=", "<="),
+    ">=": (">", "<"),
+    "==": ("!=",),
+    "!=": ("==",),
+    "+": ("-",),
+    "-": ("+",),
+    "*": ("/",),
+    "/": ("*",),
+    "%": ("*",),
+    "<<": (">>",),
+    ">>": ("<<",),
+    "&": ("|",),
+    "|": ("&",),
+    "^": ("|",),
+}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mutant import Mutant
+from mutant import OTHER_OPERATORS, Mutant
 
 _TOKEN = re.compile(
     r"""(?P<blank>\s+|\\\n|//[^\n]*|/\*.*?\*/)
@@ -20,26 +20,10 @@ _TOKEN = re.compile(
     re.VERBOSE | re.DOTALL | re.MULTILINE,
 )
 
-# A binary operator, and what it becomes.
 _BINARY = {
-    "<": ("<=", ">="),
-    "<=": ("<", ">"),
-    ">": (">=", "<="),
-    ">=": (">", "<"),
-    "==": ("!=",),
-    "!=": ("==",),
+    **OTHER_OPERATORS,
     "&&": ("||",),
     "||": ("&&",),
-    "+": ("-",),
-    "-": ("+",),
-    "*": ("/",),
-    "/": ("*",),
-    "%": ("*",),
-    "<<": (">>",),
-    ">>": ("<<",),
-    "&": ("|",),
-    "|": ("&",),
-    "^": ("|",),
     "+=": ("-=", "="),
     "-=": ("+=", "="),
     "*=": ("/=", "="),

@@ -8,38 +8,24 @@ import re
 from collections.abc import Iterator
 from types import CodeType
 
-from mutant import Mutant
+from mutant import OTHER_OPERATORS, Mutant
 
 _OTHERS = {
-    "<": ("<=", ">="),
-    "<=": ("<", ">"),
-    ">": (">=", "<="),
-    ">=": (">", "<"),
-    "==": ("!=",),
-    "!=": ("==",),
+    **OTHER_OPERATORS,
     "is not": ("is",),
     "is": ("is not",),
     "not in": ("in",),
     "in": ("not in",),
     "and": ("or",),
     "or": ("and",),
-    "+": ("-",),
-    "-": ("+",),
-    "*": ("/",),
-    "/": ("*",),
     "//": ("*",),
-    "%": ("*",),
     "**": ("*",),
-    "<<": (">>",),
-    ">>": ("<<",),
-    "&": ("|",),
-    "|": ("&",),
-    "^": ("|",),
 }
 _OPERATOR = re.compile(
     r"is\s+not\b|not\s+in\b|\b(?:is|in|and|or)\b|<<|>>|\*\*|//|[<>=!]=|[-+*/%&|^<>]"
 )
 _COMMENT = re.compile(r"#[^\n]*")
+_Placed = ast.expr | ast.stmt  # what has a place in the text
 
 
 def same_program(one: str, other: str) -> bool:
@@ -79,16 +65,16 @@ class _Mutants(ast.NodeVisitor):
         before = self._lines[line - 1].encode()[:column].decode()
         return self._starts[line - 1] + len(before)
 
-    def _begin(self, node: ast.AST) -> int:
-        return self._at(node.lineno, node.col_offset)  # type: ignore[attr-defined]
+    def _begin(self, node: _Placed) -> int:
+        return self._at(node.lineno, node.col_offset)
 
-    def _end(self, node: ast.AST) -> int:
-        return self._at(node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
+    def _end(self, node: _Placed) -> int:
+        return self._at(node.end_lineno, node.end_col_offset)
 
-    def _put(self, node: ast.AST, *texts: str) -> None:
+    def _put(self, node: _Placed, *texts: str) -> None:
         self.all += [Mutant(self._begin(node), self._end(node), text) for text in texts]
 
-    def _between(self, left: ast.AST, right: ast.AST) -> None:
+    def _between(self, left: _Placed, right: _Placed) -> None:
         """The operator between two operands, and nothing of a comment."""
         start = self._end(left)
         gap = _COMMENT.sub(

@@ -6,14 +6,12 @@ The programs of tests/c alone, float then double: they are exact, end in millise
 no clock. OUT.json is docs/reliability/mutation-c.json where the result shall be kept.
 """
 
-import argparse
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from killing import ROOT, SURVIVED, UNCHANGED, try_all
+from killing import ROOT, SURVIVED, UNCHANGED, parse_options, try_all
 from mutants_c import mutants_of_c
 from survivors import write_result
 
@@ -22,7 +20,7 @@ FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", "-w"]
 REALS = ("float", "double")
 
 
-_LOOP = ("test_loop", "test_loop_end")
+_LOOP = ("test_loop", "test_loop_end", "test_loop_device", "test_loop_periods")
 # Programs of tests/c that may catch the mutants of a file.
 PROGRAMS = {
     "runtime_c/src/sp_guard.h": ("test_guard", "test_patterns"),
@@ -70,12 +68,8 @@ def program_fails(copy: Path, name: str, real: str) -> bool:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("out", type=Path)
-    parser.add_argument("--only", help="files with this in their name")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
-    options = parser.parse_args()
-    files = [file for file in PROGRAMS if (options.only or "") in file]
+    options = parse_options(PROGRAMS)
+    files = options.files
     original = {(file, real): machine_code(ROOT, file, real) for file in files for real in REALS}
     for program in sorted({name for file in files for name in PROGRAMS[file]}):
         if any(program_fails(ROOT, program, real) for real in REALS):

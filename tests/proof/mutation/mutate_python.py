@@ -5,14 +5,13 @@ python tests/proof/mutation/mutate_python.py OUT.json [--only NAME] [--workers N
 OUT.json is docs/reliability/mutation-python.json where the result shall be kept.
 """
 
-import argparse
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
 
-from killing import ROOT, SURVIVED, UNCHANGED, try_all
+from killing import ROOT, SURVIVED, UNCHANGED, parse_options, try_all
 from mutants_python import mutants_of_python, same_program
 from survivors import write_result
 
@@ -48,7 +47,7 @@ TESTS = {
     "trainer/recordings/recording.py": _RECORDING,
     "trainer/recordings/recording_file.py": _RECORDING,
     "trainer/recordings/journal_blocks.py": _JOURNAL,
-    "trainer/recordings/journal_reader.py": _JOURNAL,
+    "trainer/recordings/journal_reader.py": ("tests/trainer/recordings/test_journal_reader.py",),
     "codegen/model/packed_arrays.py": _MODEL,
     "codegen/model/field_types.py": _MODEL,
     "codegen/model/validity.py": _MODEL,
@@ -108,14 +107,9 @@ def _attempt(copy: Path, file: str, text: str) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser()
-    parser.add_argument("out", type=Path)
-    parser.add_argument("--only", help="files with this in their name")
-    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
-    options = parser.parse_args()
-    files = [file for file in TESTS if (options.only or "") in file]
+    options = parse_options(TESTS)
     record = ROOT / "build" / "mutation" / "python.jsonl"
-    tried = try_all(record, files, mutants_of_python, _attempt, options.workers)
+    tried = try_all(record, options.files, mutants_of_python, _attempt, options.workers)
     for server in _servers.values():
         server.terminate()
     command = "python tests/proof/mutation/mutate_python.py docs/reliability/mutation-python.json"

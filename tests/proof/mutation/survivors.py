@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from killing import ROOT, SURVIVED, UNCHANGED, Tried
 
@@ -50,9 +51,13 @@ def stale(reasons: Sequence[Reason], tried: Sequence[Tried]) -> list[str]:
 
 
 def write_result(out: Path, title: str, command: str, tried: Sequence[Tried]) -> int:
-    """Write the figures; how many survivors have no reason, or reasons no survivor."""
+    """Write the figures; how many survivors have no reason, or reasons no survivor.
+
+    What `out` has of files that were not tried stays, with the commit that it was found at.
+    """
     reasons = {reason.key: reason for reason in read_reasons()}
-    rows, survivors, unexplained = [], [], 0
+    rows, survivors, unexplained = _kept(out, {row.file for row in tried})
+    commit = _commit()
     for file in dict.fromkeys(row.file for row in tried):
         of_file = [row for row in tried if row.file == file and row.by != UNCHANGED]
         left = [row for row in of_file if row.by == SURVIVED]
@@ -79,6 +84,7 @@ def write_result(out: Path, title: str, command: str, tried: Sequence[Tried]) ->
                 "caught": len(of_file) - len(left),
                 "equivalent": equivalent,
                 "survived": len(left) - equivalent,
+                "commit": commit,
             }
         )
     old = stale(list(reasons.values()), tried)
@@ -90,17 +96,26 @@ def write_result(out: Path, title: str, command: str, tried: Sequence[Tried]) ->
         f"{total['caught']} of {total['mutants']} caught: {share:.1%}; "
         f"without {total['equivalent']} equivalent ones {share_of_others:.1%}"
     )
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"],
-        cwd=ROOT, check=True, capture_output=True, text=True,
-    )  # fmt: skip
-    result = {
-        "title": title,
-        "rows": rows,
-        "survivors": survivors,
-        "command": command,
-        "commit": commit.stdout.strip(),
-    }
+    result = {"title": title, "rows": rows, "survivors": survivors, "command": command}
     out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n")
     return unexplained + len(old)
+
+
+def _kept(out: Path, tried: set[str]) -> tuple[list[dict[str, Any]], list[dict[str, Any]], int]:
+    """Rows and survivors of other files, and how many of those have no reason."""
+    if not out.exists():
+        return [], [], 0
+    before = json.loads(out.read_text())
+    rows, survivors = (
+        [row for row in before[key] if row["file"] not in tried and (ROOT / row["file"]).exists()]
+        for key in ("rows", "survivors")
+    )
+    return rows, survivors, sum(not row["reason"] for row in survivors)
+
+
+def _commit() -> str:
+    return subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"],
+        cwd=ROOT, check=True, capture_output=True, text=True,
+    ).stdout.strip()  # fmt: skip

@@ -17,7 +17,7 @@ _FILE_HEADER = struct.Struct("<4sL")  # mark, bytes of the header
 _OBJECT = struct.Struct("<4sHHLL")  # mark, bytes of header, its version, bytes of object, type
 _CONTAINER = struct.Struct("<H6xL4x")  # compression, bytes inside
 _MARK, _CONTAINER_TYPE, _ZLIB = b"LOBJ", 10, 2
-_LEAST = 32  # bytes of the headers that every object in a container has
+_MIN_OBJECT_BYTES = 32  # the headers that every object in a container has
 # Frames repeat themselves, but not their times: a log shrinks to a tenth at most.
 _MAX_RATIO, _ALWAYS_BYTES = 20, 1 << 20
 
@@ -69,7 +69,7 @@ def _beyond(where: str, stream: bytes) -> bytes:
     place = 0
     while (at := stream.find(_MARK, place, place + 8)) >= 0 and len(stream) - at >= _OBJECT.size:
         size = _OBJECT.unpack_from(stream, at)[3]
-        if size < _LEAST:
+        if size < _MIN_OBJECT_BYTES:
             raise DataError(f"{where}: an object of {size} bytes: damaged, copy it again")
         if at + size > len(stream):
             return stream[at:]

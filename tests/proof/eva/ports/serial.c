@@ -1,5 +1,5 @@
 /* The link of a device: whatever bytes come, however many are taken of what is sent. */
-#include "anything.h"
+#include "any_bytes.h"
 
 #include "sp_link_serial.c"
 
@@ -36,27 +36,6 @@ void sp_wire_restart(sp_wire_receiver *receiver)
         return (uint32_t)Frama_C_interval(0, SP_WIRE_MAX_BYTES);                                   \
     }
 SP_WIRE_TABLE(WIRE)
-
-/* As sp_link_bytes.c, without a file. */
-sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
-{
-    (void)count;
-    return &motions[Frama_C_interval(0, (int)capacity - 1)];
-}
-
-int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity)
-{
-    (void)fd;
-    Frama_C_make_unknown((char *)bytes, capacity);
-    return Frama_C_interval(SP_LINK_GONE, (int)capacity);
-}
-
-int sp_link_put(int fd, const uint8_t *bytes, uint32_t count)
-{
-    (void)fd;
-    (void)bytes;
-    return Frama_C_interval(SP_LINK_GONE, (int)count);
-}
 
 enum { MOTIONS = 4 };
 

@@ -1,0 +1,213 @@
+/* A session on a simulated clock: device, scene and loop do what `sim` says, and count. */
+#ifndef SIMULATED_SESSION_H
+#define SIMULATED_SESSION_H
+
+#include "simulated_clock.h"
+
+enum { CAPACITY = 2048, LATCHED = 32, FD = 7 };
+#define PERIOD_NS 1000000u
+#define START_NS 5250000000u
+
+/* The device, the scene and the clock. */
+static struct {
+    uint64_t late_ns, late_at_ns; /* the sleep that ends at late_at_ns or after ends so late */
+    uint64_t poll_ns;             /* a sample comes so long after it is waited for; 0: at once */
+    int polls, sleeps;
+    int read_gives, reads; /* samples at once, or negative */
+    uint32_t room;
+    int placed;
+    int write_gives, writes;
+    double written_n[CAPACITY];
+    int makes_ready, device_resets;
+    sp_motion motion;
+    int steps, idles, resets;
+    int notes;
+    double force_n, position_m, velocity_mps, measured_seen_n;
+    double measured_n; /* where the scene finds what is measured */
+    void (*in_call)(int call);
+    int calls;
+} sim;
+
+static sp_loop self;
+static sp_link device, other;
+static sp_row ring[CAPACITY], rows[CAPACITY];
+
+static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
+                     struct timespec *left)
+{
+    CHECK(clock == CLOCK_MONOTONIC && flags == TIMER_ABSTIME && left == NULL);
+    sim.sleeps++;
+    sim_now_ns = as_ns(until);
+    if (sim.late_ns > 0 && sim_now_ns >= sim.late_at_ns) {
+        sim_now_ns += sim.late_ns;
+        sim.late_ns = 0;
+    }
+    return 0;
+}
+
+static int sim_join(void)
+{
+    return 0;
+}
+
+static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
+                    const sigset_t *mask)
+{
+    CHECK(n == 1 && waits->fd == self.link->fd && waits->events == POLLIN && mask == NULL);
+    sim.polls++;
+    if (sim.poll_ns <= as_ns(left)) {
+        sim_now_ns += sim.poll_ns;
+        return 1;
+    }
+    sim_now_ns += as_ns(left);
+    return 0;
+}
+
+sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
+{
+    CHECK(capacity == WAITING);
+    sim.placed++;
+    return &motions[(uint32_t)count < capacity ? (uint32_t)count : capacity - 1];
+}
+
+static int read_sim(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
+{
+    (void)link;
+    sim.reads++;
+    sim.room = capacity;
+    for (int i = 0; i < sim.read_gives && i < (int)capacity; i++) {
+        motions[i] = sim.motion;
+        motions[i].position_m += i;
+        motions[i].arrived_ns = now_ns - 50000;
+    }
+    return sim.read_gives;
+}
+
+static int write_sim(sp_link *link, uint64_t now_ns, double force_n)
+{
+    (void)link;
+    CHECK(now_ns == sim_now_ns);
+    sim.written_n[sim.writes++ % CAPACITY] = force_n;
+    return sim.write_gives;
+}
+
+static void reset_sim(sp_link *link, uint64_t now_ns)
+{
+    CHECK(now_ns == sim_now_ns);
+    sim.device_resets++;
+    link->ready = sim.makes_ready;
+}
+
+static int called(sp_real *force_n)
+{
+    *force_n = (sp_real)sim.force_n;
+    sim_now_ns += 250000;
+    sim.calls++;
+    if (sim.in_call != NULL) {
+        sim.in_call(sim.calls);
+    }
+    return sim.notes;
+}
+
+static int step(void *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)
+{
+    CHECK(state == &sim);
+    sim.steps++;
+    sim.position_m = (double)position_m;
+    sim.velocity_mps = (double)velocity_mps;
+    sim.measured_seen_n = sim.measured_n;
+    return called(force_n);
+}
+
+static int idle(void *state, sp_real dt_s, sp_real *force_n)
+{
+    CHECK(state == &sim && dt_s == (sp_real)1e-3);
+    sim.idles++;
+    if (sim.notes < 0) { /* refused: what is there stays */
+        sim.calls++;
+        return sim.notes;
+    }
+    return called(force_n);
+}
+
+static void reset(void *state)
+{
+    CHECK(state == &sim);
+    sim.resets++;
+}
+
+static inline sp_loop_config usual(void)
+{
+    sp_loop_config config = {.state = &sim,
+                             .measured_n = &sim.measured_n,
+                             .period_s = 1e-3,
+                             .seconds = 0.1,
+                             .max_force_n = 10.0,
+                             .max_depth_m = 0.5,
+                             .latched_note = LATCHED,
+                             .priority = 40,
+                             .cpu = 2,
+                             .rows = ring,
+                             .capacity = CAPACITY};
+    int (*const steps)(void *, sp_real, sp_real, sp_real *) = step;
+    int (*const idles)(void *, sp_real, sp_real *) = idle;
+    void (*const resets)(void *) = reset;
+    memcpy(&config.step, &steps, sizeof config.step);
+    memcpy(&config.idle, &idles, sizeof config.idle);
+    memcpy(&config.reset, &resets, sizeof config.reset);
+    return config;
+}
+
+static inline void begin_at_work(void)
+{
+    memset(&sim, 0, sizeof sim);
+    sim_now_ns = START_NS;
+    sim.makes_ready = 1;
+    sim.read_gives = 1;
+    sim.force_n = 2.0;
+    sim.motion = (sp_motion){.position_m = 0.25, .velocity_mps = -0.125, .measured_n = 1.5};
+    device =
+        (sp_link){.fd = -1, .ready = 1, .read = read_sim, .write = write_sim, .reset = reset_sim};
+    other = device;
+}
+
+/* A loop as it is between two ticks. */
+static inline void between_ticks(void)
+{
+    begin_at_work();
+    memset(&self, 0, sizeof self);
+    self.config = usual();
+    memcpy(&self.step, &self.config.step, sizeof self.step);
+    memcpy(&self.idle, &self.config.idle, sizeof self.idle);
+    memcpy(&self.reset, &self.config.reset, sizeof self.reset);
+    self.ring.rows = ring;
+    self.ring.mask = CAPACITY - 1;
+    self.period_ns = PERIOD_NS;
+    self.max_owed = 2;
+    self.link = &device;
+    self.connected = 1;
+    self.start_ns = START_NS - 10 * PERIOD_NS;
+    self.deadline_ns = START_NS - 100000;
+    self.end_ns = UINT64_MAX;
+}
+
+/* A whole session; the count of its rows. */
+static inline uint32_t session(const sp_loop_config *config, sp_loop_state *end)
+{
+    memset(&self, 0x55, sizeof self);
+    CHECK(sp_loop_start(&self, config, &device) == 0);
+    sp_loop_get_status(&self, end);
+    return sp_loop_drain(&self, rows, CAPACITY);
+}
+
+static inline int call_of_row(uint32_t row)
+{
+    return (int)rows[row].call;
+}
+
+static inline int is_near(double a, double b)
+{
+    return fabs(a - b) < 1e-12;
+}
+
+#endif

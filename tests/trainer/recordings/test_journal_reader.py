@@ -1,0 +1,281 @@
+"""What a journal gives back, block by block: files made here, no process that dies."""
+
+import dataclasses
+import fcntl
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings import journal_reader
+from springpot.trainer.recordings.journal_blocks import (
+    BLOCK_BYTES,
+    LAST_METADATA,
+    METADATA,
+    SAMPLES,
+    encode,
+)
+from springpot.trainer.recordings.journal_reader import read_journal, read_parts
+
+ROWS = 5
+BLOCK_S = 0.25
+METADATA_OF = {
+    "schema": 1, "name": "pad", "dt_s": 0.05, "source": "sim://x", "details": {"k": 1},
+    "block_s": BLOCK_S, "zero": "first",
+}  # fmt: skip
+BAD = None
+
+
+def rows(k: int, count: int = ROWS, width: int = 2) -> np.ndarray:
+    """Samples of the k-th block, all different."""
+    return np.arange(float(count * width)).reshape(count, width) * 1e-4 + k
+
+
+def journal(
+    folder: Path, blocks: Sequence[np.ndarray | None], number: int = 7, **changes: Any
+) -> Path:
+    """A journal of these blocks of samples, BAD ones damaged; changes: of its metadata."""
+    text = json.dumps(METADATA_OF | changes).encode()
+    content = encode(number, 0, LAST_METADATA, text)
+    for k, block in enumerate(blocks, 1):
+        if block is BAD:
+            content += encode(number, k, SAMPLES, b"")[:-1] + b"\x01"
+        else:
+            content += encode(number, k, SAMPLES, block.tobytes())
+    path = folder / "pad.journal"
+    path.write_bytes(content)
+    return path
+
+
+def good(count: int, first: int = 0) -> list[np.ndarray | None]:
+    return [rows(k) for k in range(first, first + count)]
+
+
+def refused(path: Path, of_parts: bool = False) -> str:
+    with pytest.raises(DataError) as found:
+        read_parts(path) if of_parts else read_journal(path)
+    assert "\n" not in str(found.value)
+    return str(found.value)
+
+
+def test_a_whole_journal_is_the_recording(tmp_path: Path) -> None:
+    found = read_journal(journal(tmp_path, good(3)))
+    expected = np.concatenate([rows(k) for k in range(3)])
+    recording = found.recording
+    np.testing.assert_array_equal(recording.position_m, expected[:, 0])
+    np.testing.assert_array_equal(recording.force_n, expected[:, 1])
+    assert recording.position_m.dtype == np.float64
+    assert recording.position_m.flags.c_contiguous
+    assert (recording.name, recording.dt_s, recording.zero) == ("pad", 0.05, "first")
+    assert (recording.source, recording.details) == ("sim://x", {"k": 1})
+    assert recording.channels == {}
+    assert found.lost == ""
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        found.lost = "nothing"  # type: ignore[misc]  # what is asked
+
+
+def test_channels_are_the_columns_after_position_and_force(tmp_path: Path) -> None:
+    block = rows(0, width=4)
+    found = read_journal(journal(tmp_path, [block], channels=["notes", "late"])).recording
+    assert list(found.channels) == ["notes", "late"]
+    np.testing.assert_array_equal(found.channels["notes"], block[:, 2])
+    np.testing.assert_array_equal(found.channels["late"], block[:, 3])
+
+
+def test_a_block_that_is_no_whole_number_of_rows_is_damaged(tmp_path: Path) -> None:
+    """Its checksum is right: of another width."""
+    odd = rows(9).ravel()[:5]
+    found = read_journal(journal(tmp_path, [*good(2), odd]))
+    assert len(found.recording.position_m) == 2 * ROWS
+    assert found.lost == ", up to 0.250 s at its end are lost"
+
+
+@pytest.mark.parametrize("lost", [1, 4])
+def test_up_to_a_second_may_be_lost_at_the_end(tmp_path: Path, lost: int) -> None:
+    found = read_journal(journal(tmp_path, [*good(2), *[BAD] * lost]))
+    assert len(found.recording.position_m) == 2 * ROWS
+    assert found.lost == f", up to {lost * BLOCK_S:.3f} s at its end are lost"
+
+
+@pytest.mark.parametrize("above_s", [0.0, 1e-10, 0.9e-9 / 3])
+def test_a_second_that_rounds_to_a_little_more_may_be_lost(tmp_path: Path, above_s: float) -> None:
+    path = journal(tmp_path, [*good(2), *[BAD] * 3], block_s=1.0 / 3 + above_s)
+    assert read_journal(path).lost == ", up to 1.000 s at its end are lost"
+
+
+@pytest.mark.parametrize("block_s", [1.0 / 3 + 1.1e-9 / 3, 0.4])
+def test_more_than_a_second_at_the_end_is_refused(tmp_path: Path, block_s: float) -> None:
+    path = journal(tmp_path, [*good(2), *[BAD] * 3], block_s=block_s)
+    assert refused(path) == (
+        f"{path}: 3 of 5 blocks of samples are damaged, the first {2 * block_s:.3f} s after the "
+        "start: `springpot import pad.journal --out DIR` cuts out the whole parts"
+    )
+
+
+def test_a_hole_before_whole_blocks_is_refused(tmp_path: Path) -> None:
+    path = journal(tmp_path, [rows(0), BAD, rows(2), BAD])
+    assert "2 of 4 blocks of samples are damaged, the first 0.250 s after the start" in refused(
+        path
+    )
+    path = journal(tmp_path, [BAD, *good(2)])
+    assert "1 of 3 blocks of samples are damaged, the first 0.000 s after the start" in refused(
+        path
+    )
+
+
+def test_a_journal_without_the_time_of_a_block_counts_samples(tmp_path: Path) -> None:
+    """One of an older version: a block may be of one sample."""
+    found = read_journal(journal(tmp_path, [*good(2), BAD], block_s=None))
+    assert found.lost == ", up to 0.050 s at its end are lost"
+
+
+def test_no_samples_is_refused(tmp_path: Path) -> None:
+    text = "a recording that was interrupted before its first samples: remove it"
+    for blocks in ([], [BAD], [rows(0, count=1)], [np.zeros((0, 2))]):
+        path = journal(tmp_path, blocks)
+        assert refused(path) == f"{path}: {text}"
+        assert refused(path, of_parts=True) == f"{path}: {text}"
+    assert len(read_journal(journal(tmp_path, [rows(0, count=2)])).recording.position_m) == 2
+
+
+@pytest.mark.parametrize("what", ["empty", "damaged", "samples first", "never ends"])
+def test_without_its_metadata_it_is_refused(tmp_path: Path, what: str) -> None:
+    path = journal(tmp_path, good(2))
+    content = path.read_bytes()
+    text = json.dumps(METADATA_OF).encode()
+    path.write_bytes(
+        {
+            "empty": b"",
+            "damaged": b"x" + content[1:],
+            "samples first": encode(7, 0, SAMPLES, rows(0).tobytes())
+            + encode(7, 1, LAST_METADATA, text)
+            + encode(7, 2, SAMPLES, rows(1).tobytes()),
+            "never ends": encode(7, 0, METADATA, text),
+        }[what]
+    )
+    assert refused(path) == (
+        f"{path}: a recording that was interrupted at its very start, or whose first block is "
+        "damaged: without its rate and name nothing can be read, remove it"
+    )
+
+
+def test_metadata_may_take_several_blocks(tmp_path: Path) -> None:
+    text = json.dumps(METADATA_OF | {"details": {"note": "long"}}).encode()
+    path = tmp_path / "pad.journal"
+    blocks = [
+        encode(7, 0, METADATA, text[:30]),
+        encode(7, 1, METADATA, text[30:60]),
+        encode(7, 2, LAST_METADATA, text[60:]),
+        encode(7, 3, SAMPLES, rows(0).tobytes()),
+        encode(7, 4, LAST_METADATA, text[:10]),  # no samples: damage, like any other kind
+    ]
+    path.write_bytes(b"".join(blocks))
+    found = read_journal(path)
+    assert found.recording.details == {"note": "long"}
+    assert len(found.recording.position_m) == ROWS
+    assert found.lost == ", up to 0.250 s at its end are lost"
+    path.write_bytes(b"".join([blocks[0], blocks[1][:-1] + b"\0", *blocks[2:]]))
+    assert "interrupted at its very start" in refused(path)
+
+
+def test_blocks_elsewhere_or_of_another_journal_are_damage(tmp_path: Path) -> None:
+    path = journal(tmp_path, good(4))
+    content = path.read_bytes()
+    blocks = [content[k : k + BLOCK_BYTES] for k in range(0, len(content), BLOCK_BYTES)]
+    path.write_bytes(b"".join([*blocks[:4], encode(8, 4, SAMPLES, rows(4).tobytes())]))
+    assert len(read_journal(path).recording.position_m) == 3 * ROWS
+    path.write_bytes(b"".join([*blocks[:4], blocks[3]]))
+    assert len(read_journal(path).recording.position_m) == 3 * ROWS
+    path.write_bytes(b"".join([blocks[0], blocks[2], *blocks[2:]]))
+    assert "1 of 4 blocks of samples are damaged" in refused(path)
+
+
+def test_a_last_block_that_was_cut_is_damage(tmp_path: Path) -> None:
+    path = journal(tmp_path, good(3))
+    os.truncate(path, path.stat().st_size - 1)
+    found = read_journal(path)
+    assert len(found.recording.position_m) == 2 * ROWS
+    assert found.lost == ", up to 0.250 s at its end are lost"
+
+
+def test_samples_that_no_recording_may_have_name_the_file(tmp_path: Path) -> None:
+    block = rows(0)
+    block[2, 1] = np.nan
+    path = journal(tmp_path, [block])
+    assert refused(path).startswith(f"{path}: ")
+    assert refused(path, of_parts=True).startswith(f"{path}: ")
+
+
+def test_a_file_that_cannot_be_read_is_one_line(tmp_path: Path) -> None:
+    gone = tmp_path / "gone.journal"
+    assert refused(gone) == f"{gone}: No such file or directory: give a file that can be read"
+    assert str(tmp_path) in refused(tmp_path)
+    pipe = tmp_path / "pipe.journal"
+    os.mkfifo(pipe)
+    assert str(pipe) in refused(pipe)
+
+
+def test_whole_journals_are_one_part(tmp_path: Path) -> None:
+    (only,), found = read_parts(journal(tmp_path, good(3)))
+    assert only.name == "pad"
+    assert len(only.position_m) == 3 * ROWS
+    assert found == "journal of a recording that was interrupted, 3 blocks"
+
+
+def test_parts_are_cut_at_the_holes(tmp_path: Path) -> None:
+    blocks = [*good(2), BAD, BAD, *good(1, first=4), BAD]
+    parts, found = read_parts(journal(tmp_path, blocks))
+    assert [part.name for part in parts] == ["pad-part1", "pad-part2"]
+    assert [len(part.position_m) for part in parts] == [2 * ROWS, ROWS]
+    np.testing.assert_array_equal(parts[1].force_n, rows(4)[:, 1])
+    assert found == (
+        "journal of a recording that was interrupted, 6 blocks, 3 damaged and left out (from "
+        "0.500 s, 0.750 s, 1.250 s), cut there into 2 parts"
+    )
+
+
+def test_a_part_of_one_sample_is_none(tmp_path: Path) -> None:
+    (only,), found = read_parts(journal(tmp_path, [BAD, rows(1, 1), BAD, rows(3, 2)]))
+    assert only.name == "pad"
+    np.testing.assert_array_equal(only.position_m, rows(3, 2)[:, 0])
+    assert "2 damaged and left out (from 0.000 s, 0.500 s), cut there into 1 parts" in found
+    path = journal(tmp_path, [rows(0, 1), BAD, rows(2, 1)])
+    assert refused(path, of_parts=True) == (
+        f"{path}: no whole block of samples: nothing can be recovered"
+    )
+
+
+@pytest.mark.parametrize(("holes", "more"), [(5, ""), (6, ", ...")])
+def test_five_holes_are_named(tmp_path: Path, holes: int, more: str) -> None:
+    _, found = read_parts(journal(tmp_path, [*good(1), *[BAD] * holes]))
+    assert f"0.750 s, 1.000 s, 1.250 s{more}), cut there into 1 parts" in found
+
+
+def test_the_journal_of_a_recording_lies_beside_it() -> None:
+    assert journal_reader.journal_of(Path("a/b.h5")) == Path("a/b.journal")
+    assert journal_reader.journal_of(Path("a/b.c")) == Path("a/b.c.journal")
+
+
+def test_a_journal_that_is_locked_is_being_recorded(tmp_path: Path) -> None:
+    path = journal(tmp_path, good(1))
+    assert not journal_reader.is_being_recorded(path)
+    with path.open("r+b") as writer:
+        fcntl.flock(writer, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        free = os.dup(writer.fileno())
+        os.close(free)
+        assert journal_reader.is_being_recorded(path)
+        assert os.dup(writer.fileno()) == free  # the lowest that is free: it left none open
+        os.close(free)
+    assert not journal_reader.is_being_recorded(path)
+
+
+def test_two_readers_do_not_take_each_other_for_a_writer(tmp_path: Path) -> None:
+    path = journal(tmp_path, good(1))
+    with path.open("rb") as reader:
+        fcntl.flock(reader, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        assert not journal_reader.is_being_recorded(path)
