@@ -16,7 +16,6 @@ static int32_t notes[ROWS];
 static uint8_t link[LINK_BYTES];
 
 static sp_state state;
-static sp_state replayed; /* what is pressed goes on meanwhile */
 static sim_hand hand = {0.25, 400.0, 6.0};
 static sim_motion motion;
 static double intends_m; /* at the end of the last tick */
@@ -131,6 +130,7 @@ void sp_page_press(uint32_t rows, double dt_s)
 
 void sp_page_replay(uint32_t rows)
 {
+    static sp_state replayed; /* what is pressed goes on meanwhile */
     sp_init(&replayed);
     for (uint32_t i = 0; i < rows && i < ROWS; i++) {
         notes[i] = sp_step(&replayed, position_m[i], velocity_mps[i], &force_n[i]);

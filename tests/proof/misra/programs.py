@@ -88,7 +88,7 @@ def _scene(
 
 
 def _ports() -> list[Program]:
-    """The loop of a PC, the bench, and each board's firmware and replay."""
+    """The loop of a PC, the bench, a page's side, and each board's firmware and replay."""
     wire = PORT / "wire" / "sp_wire.c"
     headers = (RUNTIME / "include", RUNTIME / "include" / "float", RUNTIME / "src")
     mcu = PORT / "mcu"
@@ -97,6 +97,8 @@ def _ports() -> list[Program]:
                 (*headers, RUNTIME / "sim", wire.parent)),
         Program("bench", tuple(sorted((PORT / "testbench").glob("*.c"))),
                 (*headers, RUNTIME / "sim")),
+        Program("page", (PORT / "browser" / "sp_page.c", wire),
+                (*headers, RUNTIME / "sim", wire.parent)),
     ]  # fmt: skip
     for sources in sorted({board.sources for board in BOARDS.values()}):
         board = tuple(mcu / name for name in sources)
