@@ -35,7 +35,7 @@ def missing_node() -> str:
 def run_in_node(module: bytes, prefix: str, position: Reals, velocity: Reals) -> WasmTicks:
     """Self-test, then ticks from a fresh state, in the number type of `position`.
 
-    tick_ns: of all ticks at once, the lowest of five. Raises UsageError without node.
+    tick_ns: of all ticks at once, the lowest in 0.1 s. Raises UsageError without node.
     """
     node = shutil.which("node")
     if node is None:

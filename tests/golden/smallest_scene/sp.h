@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bc08af428a398c84ccd6f6b448feff8a61598b8094c3fb05903e49e42f1ec114 */
+/* springpot 0.1.0 76f1277975f173451cc74f77c205b43636b2d4cf1d9f5f088b6d0f32f5872121 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bc08af428a398c84ccd6f6b448feff8a61598b8094c3fb05903e49e42f1ec114 */
+/* springpot 0.1.0 76f1277975f173451cc74f77c205b43636b2d4cf1d9f5f088b6d0f32f5872121 */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"bc08af428a398c84ccd6f6b448feff8a61598b8094c3fb05903e49e42f1ec114\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"76f1277975f173451cc74f77c205b43636b2d4cf1d9f5f088b6d0f32f5872121\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
