@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from support import golden_forces
+from support.bench_folder import asked, small
 from support.cross_tools import path_without
 from support.small import press, recording
 
@@ -15,7 +16,10 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import BudgetError, MismatchError
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Budget, Scene
+from springpot.host.benchmark.choice import choose_pick, scene_of
 from springpot.host.benchmark.node_ticks import time_in_node
+from springpot.host.benchmark.report import bench_page
+from springpot.host.benchmark.run import run_bench
 from springpot.host.emission import emission as emission_module
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import CompilerError
@@ -120,3 +124,24 @@ def test_a_tick_is_timed_beside_the_same_c_here(tmp_path: Path) -> None:
     found = time_in_node(golden_forces.FOLDER / "hybrid.spm", "float32", item)
     assert found["node_why"] is None
     assert found["node_tick_ns"] > 1.0 < found["portable_tick_ns"]
+
+
+def test_a_benchmark_picks_for_a_page_and_times_it(tmp_path: Path) -> None:
+    need()
+    bench = replace(asked(kinds=("hammerstein",)), target="wasm32")
+    with small():
+        result = run_bench(bench, tmp_path / "bench", "springpot bench")
+        again = run_bench(bench, tmp_path / "bench", "springpot bench")
+    assert again["computed_isolated"] == 0
+    picked = result["picks"]["wasm32"]["point"]
+    (point,) = (point for point in result["points"] if point["key"] == picked)
+    assert 2000 < point["flash_bytes"] < 120 * 1024
+    assert point["node_tick_ns"] > 0.0 < point["portable_tick_ns"]
+    assert point["node_why"] is None
+    text = bench_page(result, "bench")
+    assert "a tick in node, where the same C takes" in text
+    assert "120 kB of flash.\n" in text
+    chosen = choose_pick(tmp_path / "bench", "wasm32")
+    scene, _ = scene_of(tmp_path / "bench", *chosen, None)
+    assert scene.runtime.target == "wasm32"
+    assert scene.budget == Budget(flash_bytes=120 * 1024)
