@@ -11,7 +11,8 @@ COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
 include runtime_c/flags.mk
 
 MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf \
-  picolibc-riscv64-unknown-elf qemu-system-misc
+  picolibc-riscv64-unknown-elf qemu-system-misc \
+  clang lld nodejs
 
 .PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove check format lint types ns test-c clean
 
@@ -33,7 +34,7 @@ test-all: $(STAMP) test-c
 	$(BIN)/pytest -m "not realtime"
 	$(BIN)/pytest -n 0 -m realtime
 
-# Cross compilers and emulators, from the system's packages, as root.
+# Cross compilers, emulators and node, from the system's packages, as root.
 setup-mcu:
 	apt-get update -q >/dev/null
 	DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $(MCU_PACKAGES) >/dev/null

@@ -21,7 +21,6 @@ from springpot.codegen.stages.stage import (
     Member,
     RegressorStage,
     regressor_stage,
-    vector_width_of,
 )
 
 _LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
@@ -245,9 +244,7 @@ def forest_stage(
     compact = compact_forest(forest, dtype)
     if compact is None:
         return WideForestStage(forest_table(forest, dtype), len(kept), quantisation)
-    return CompactForestStage(
-        compact, len(kept), quantisation, vectors=vector_width_of(runtime) > 1
-    )
+    return CompactForestStage(compact, len(kept), quantisation, vectors=runtime.target == "host")
 
 
 def _nodes(name: str, nodes: Any) -> list[str]:

@@ -21,6 +21,8 @@ TICKS = 4000
 
 def uncounted(target: Target) -> str:
     """Why instructions cannot be counted here; nothing where they can."""
+    if target == "wasm32":
+        return "WebAssembly is timed in node, not counted"
     board = default_board(target)
     return missing(board) if board else "a PC has no emulated board: give --target"
 

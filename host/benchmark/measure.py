@@ -1,14 +1,12 @@
 """A point measured: a model fitted, built, and run on recordings that it has not seen."""
 
 import os
-import tempfile
 import time
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.model.model import Model
@@ -23,7 +21,7 @@ from springpot.host.native.machine import cpu_s, machine_metadata
 from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools, toolchain
-from springpot.host.native.trial_build import built
+from springpot.host.native.trial_build import built, written
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import Kind, register
 from springpot.trainer.recordings.recording import Recording
@@ -214,7 +212,5 @@ def target_compiler(target: Target) -> str | None:
 def _footprint(plan: Plan) -> Footprint:
     tools = toolchain(plan.scene.runtime.target)
     assert tools is not None, "the caller has looked"
-    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
-        for name, text in emit_files(plan).items():
-            (Path(folder) / name).write_text(text)
-        return measure_footprint(Path(folder), f"{plan.scene.runtime.prefix}_scene.c", tools)
+    with written(plan) as folder:
+        return measure_footprint(folder, f"{plan.scene.runtime.prefix}_scene.c", tools)

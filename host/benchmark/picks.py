@@ -7,11 +7,11 @@ from typing import Any
 
 from springpot.codegen.scene import Target
 from springpot.host.benchmark.point import Point
+from springpot.host.native.toolchain import SOFT_DOUBLES
 
 ERROR_TOLERANCE = 1.005  # of the lowest error: of two within it, the faster is taken,
 _FASTER = 0.9  # where its time is below this share of the other's: timing has noise
 MAX_TRIED = 4  # closed loops that are not bounded: then it is the object, not the model
-SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")
 PERIOD_SHARE = 0.1  # of the period that a tick may take on a PC, that does other work too
 _AXES = ("cv_rmse_n", "tick_ns_hot", "flash_bytes")
 
@@ -58,10 +58,17 @@ def board_budget(target: Target) -> PlatformBudget:
     )
 
 
+def page_budget() -> PlatformBudget:
+    """A web page of 200 kB, most of it the module, which base64 makes a third longer."""
+    return PlatformBudget("wasm32", "web page", flash_bytes=120 * 1024, target="wasm32")
+
+
 def budgets(target: Target) -> tuple[PlatformBudget, ...]:
-    """A PC at 1 and at 4 kHz, and the board."""
-    boards = () if target == "host" else (board_budget(target),)
-    return (pc_budget(1000.0), pc_budget(4000.0), *boards)
+    """A PC at 1 and at 4 kHz, and the board or page."""
+    pcs = (pc_budget(1000.0), pc_budget(4000.0))
+    if target == "host":
+        return pcs
+    return (*pcs, page_budget() if target == "wasm32" else board_budget(target))
 
 
 def pareto(points: Sequence[Point]) -> set[str]:

@@ -30,6 +30,7 @@ from springpot.host.benchmark.measure import (
     measure_sizes,
     target_compiler,
 )
+from springpot.host.benchmark.node_ticks import time_in_node, untimed
 from springpot.host.benchmark.picks import PlatformBudget, budgets, pareto, pick, why
 from springpot.host.benchmark.point import Isolated, Metadata, Point, Refused
 from springpot.host.benchmark.store import Store, data_key, key_of, measured_by, point_key
@@ -43,7 +44,7 @@ from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 
-_MEASURING = (measure_point, measure_isolated, count_instructions, work_precision)
+_MEASURING = (measure_point, measure_isolated, count_instructions, time_in_node, work_precision)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,15 +201,20 @@ class _Isolated:
         if key not in self.matrices:
             asked = (self._store.model_file(key), point.number, self._longest)
             metadata = self._once("isolated", key, lambda: measure_isolated(*asked))
-            metadata |= self._instructions(key, asked)
+            metadata |= self._on_target(key, asked)
             self.matrices[key] = metadata["closed_loop"]
             names = {field.name for field in fields(Isolated)}
             known = {name: value for name, value in metadata.items() if name in names}
             self._points[key] = replace(point, **known)
         return self._points[key]
 
-    def _instructions(self, key: str, asked: tuple[Path, Number, Recording]) -> Metadata:
+    def _on_target(self, key: str, asked: tuple[Path, Number, Recording]) -> Metadata:
         target = self._bench.target
+        if target == "wasm32":
+            if why := untimed():
+                return {"node_why": why}
+            version = key_of([key, target_compiler(target)])
+            return self._once("node_ticks", version, lambda: time_in_node(*asked))
         if why := uncounted(target):  # not kept: the tools may come
             return {"instructions": None, "instructions_why": why}
         version = key_of([key, target_compiler(target)])

@@ -40,6 +40,9 @@ def examine() -> list[Diagnosis]:
     for program, package, why in (
         ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
         ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "C for RISC-V boards"),
+        ("clang", "clang", "C as WebAssembly"),
+        ("wasm-ld", "lld", "C as WebAssembly"),
+        ("node", "nodejs", "WebAssembly's self-test"),
         ("qemu-system-arm", "qemu-system-arm", "boards without hardware"),
         ("qemu-system-riscv32", "qemu-system-misc", "boards without hardware"),
     ):

@@ -6,6 +6,8 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
@@ -26,7 +28,9 @@ from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import Footprint, measure_footprint
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.toolchain import missing_tools, toolchain
+from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
+from springpot.host.native.wasm_module import scene_module
+from springpot.host.native.wasm_node import missing_node, run_in_node
 from springpot.host.stability.check import Check, check, require_stable
 
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
@@ -127,6 +131,8 @@ def _built(
             notices.append(f"flash and stack could not be measured: {unmeasured}")
         else:
             footprint = _footprint(plan, aside)
+            if plan.scene.runtime.target == "wasm32":
+                notices += _selftest_in_node(plan, aside)
         checked = check(plan, library)
         notices += _activity(checked)
     except NoCompilerError as error:
@@ -157,6 +163,19 @@ def _built(
         if has is None
     ]
     return replace(emission, notices=(*notices, *unchecked, *_selftest_stack(emission)))
+
+
+def _selftest_in_node(plan: Plan, folder: Path) -> list[str]:
+    """Run the self-test as wasm; without node, the notice that it was not run."""
+    if why := missing_node():
+        return [f"the self-test has not run as wasm32: {why}"]
+    none = np.zeros(1, dtype=plan.dtype)
+    if differs := run_in_node(scene_module(folder), plan.scene.runtime.prefix, none, none).selftest:
+        raise MismatchError(
+            f"{plan.scene.name}: the wasm module differs from its numpy reference at golden tick "
+            f"{differs - 1}: nothing was emitted; report clang and node"
+        )
+    return []
 
 
 def _selftest_stack(emission: Emission) -> list[str]:
@@ -203,7 +222,7 @@ def _unchecked(scene: Scene) -> list[str]:
         )
     if scene.device.surface_mm:
         messages.append("device.surface_mm is for drivers: the C counts positions from the surface")
-    if scene.runtime.number == "float64" and scene.runtime.target != "host":
+    if scene.runtime.number == "float64" and scene.runtime.target in SOFT_DOUBLES:
         messages.append(
             f"float64 on {scene.runtime.target}: doubles run in software there, and the flash of "
             "their library is not counted"

@@ -76,9 +76,15 @@ def budget_excess(emission: Emission, budget: Budget) -> str:
 def require_sizes(emission: Emission, budget: Budget) -> None:
     """Raise BudgetError where a size that has a budget is not known: which, why, what to do."""
     missing = emission.unmeasured
+    wasm = emission.plan.scene.runtime.target == "wasm32"
+    no_stack = (
+        "the stack of a wasm module is set where it is linked, and no compiler reports it"
+        if wasm
+        else "this compiler does not report it: use gcc"
+    )
     whys = {
         "flash": missing,
-        "stack": missing or "this compiler does not report it: use gcc",
+        "stack": missing or no_stack,
         "a tick": "the bound of instructions does not cover this scene: measure it on the board",
     }
     for what, unit, has, may in budgeted_sizes(emission, budget):

@@ -41,6 +41,8 @@ _WASM = (
     "--target=wasm32", "-msimd128", "-mbulk-memory", "-nostdlibinc", "-isystem", str(PORT_WASM),
 )  # fmt: skip
 
+SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")  # doubles run in software
+
 
 def toolchain(target: str) -> Toolchain | None:
     """Return the target's toolchain, or None where it is not installed.
@@ -51,8 +53,10 @@ def toolchain(target: str) -> Toolchain | None:
         size = shutil.which("size")
         return Toolchain(find_compiler(), size, ()) if size else None
     if target == "wasm32":
-        clang = shutil.which("clang")
-        return Toolchain((clang,), None, _WASM) if clang and shutil.which("wasm-ld") else None
+        clang, linker = shutil.which("clang"), shutil.which("wasm-ld")
+        if clang is None or linker is None:
+            return None
+        return Toolchain((clang,), None, (*_WASM, f"-fuse-ld={linker}"))
     prefix, flags = _CROSS[target]
     compiler, size = shutil.which(prefix + "gcc"), shutil.which(prefix + "size")
     if compiler is None or size is None:

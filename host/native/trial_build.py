@@ -14,10 +14,17 @@ from springpot.host.native.scene_library import SceneLibrary
 @contextmanager
 def built(plan: Plan) -> Iterator[SceneLibrary]:
     """The plan's C, built and loaded."""
-    with tempfile.TemporaryDirectory(prefix="springpot-") as folder:
+    with written(plan) as folder:
+        yield SceneLibrary(folder)
+
+
+@contextmanager
+def written(plan: Plan) -> Iterator[Path]:
+    """The folder of the plan's C."""
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         for name, text in emit_files(plan).items():
-            (Path(folder) / name).write_text(text)
-        yield SceneLibrary(Path(folder))
+            (Path(scratch) / name).write_text(text)
+        yield Path(scratch)
 
 
 def uncoupled(plan: Plan) -> Plan:

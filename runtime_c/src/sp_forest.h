@@ -24,6 +24,8 @@ enum {
 /* Trees traversed at once: as many as hide the wait for memory; one where there is no cache. */
 #if defined(__x86_64__) || defined(__aarch64__) || defined(_M_X64)
 enum { SP_FOREST_TRAVERSALS = 20, SP_FOREST_REST = 10 };
+#elif defined(__wasm__) /* of such a processor, with fewer registers */
+enum { SP_FOREST_TRAVERSALS = 10, SP_FOREST_REST = 10 };
 #else
 enum { SP_FOREST_TRAVERSALS = 1, SP_FOREST_REST = 1 };
 #endif

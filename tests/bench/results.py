@@ -6,12 +6,13 @@
     springpot import Dynamic_data.txt --zero min --out m1    # one's own recordings, beside it
     springpot bench --recording m1 --out mach1
     python tests/bench/judges.py judges --mach1 Dynamic_data.txt
-    python tests/bench/results.py bench/bench.json mach1/bench.json judges/judges.json
+    python tests/bench/wasm.py training validation --out wasm.json
+    python tests/bench/results.py bench/bench.json mach1/bench.json judges/judges.json wasm.json
 
 On a machine with nothing else to do: times are upper bounds otherwise, and the page says so. Real
 recordings come first, then foreign objects, the five silicones, hammerstein's kin, last. What is
-not given is taken from docs/results.json and docs/judges.json, which keep what the pages need. No
-figure in either page is typed by hand: tests/host/benchmark/test_results.py compares.
+not given is taken from docs/results.json, judges.json and wasm.json, which keep what the pages
+need. No figure in either page is typed by hand: tests/host/benchmark/test_results.py compares.
 """
 
 import json
@@ -20,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from judges_table import judges_section, judges_summary
+from wasm import wasm_section
 
 from springpot.host.benchmark.figures import front_figure
 from springpot.host.benchmark.labels import kilobytes, label
@@ -32,6 +34,7 @@ Metadata = dict[str, Any]
 ROOT = Path(__file__).parents[2]
 STORED = ROOT / "docs" / "results.json"
 STORED_JUDGES = ROOT / "docs" / "judges.json"
+STORED_WASM = ROOT / "docs" / "wasm.json"
 BEGIN, END = "<!-- results: written by tests/bench/results.py -->", "<!-- results end -->"
 _KEPT = ("picks", "machine", "compiler", "flags", "target", "rate_hz", "seed", "command",
          "wall_s", "cpu_s", "computed", "load")  # fmt: skip
@@ -91,12 +94,14 @@ def results_page(benches: list[Metadata], judges: Metadata | None) -> str:
         "# Error against run time, measured\n",
         "Written by `python tests/bench/results.py` from the JSON of `springpot bench`, kept in "
         "[results.json](results.json)"
-        f"{', and of judges.py, kept in [judges.json](judges.json)' if judges else ''}; "
+        f"{', of judges.py, kept in [judges.json](judges.json),' if judges else ''} and of "
+        "wasm.py, kept in [wasm.json](wasm.json); "
         "no figure is typed by hand.\n",
         *(judges_section(judges) if judges else []),
     ]
     for i, result in enumerate(benches):
         parts += section(result, f"pareto-{i + 1}.svg")
+    parts += wasm_section(json.loads(STORED_WASM.read_text()))
     return "\n".join(parts)
 
 
@@ -225,6 +230,8 @@ def main(given: list[Path]) -> None:
         STORED.write_text(json.dumps(benches, indent=1) + "\n")
     for judges in (result for result in found if "cells" in result):
         STORED_JUDGES.write_text(json.dumps(judges, indent=1) + "\n")
+    for wasm in (result for result in found if "wasm" in result):
+        STORED_WASM.write_text(json.dumps(wasm, indent=1) + "\n")
     for path, text in pages(json.loads(STORED.read_text()), stored_judges()).items():
         path.write_text(text)
 

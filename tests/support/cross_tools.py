@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-_CROSS = ("arm-none-eabi-", "riscv64-unknown-elf-", "qemu-system-")
+_CROSS = ("arm-none-eabi-", "riscv64-unknown-elf-", "wasm-ld", "qemu-system-", "node")
 _GCC = """#!/bin/sh
 # The target's flags mean nothing to the compiler of this machine.
 for flag do

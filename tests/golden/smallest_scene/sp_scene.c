@@ -1,4 +1,4 @@
-/* springpot 0.1.0 6da96ac3259700c558a2939fdec8c8fbca455b229af03e1590a8d92310c75de1 */
+/* springpot 0.1.0 7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a */
 #include <stddef.h>
 
 #include "sp_scene.h"
@@ -178,5 +178,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"6da96ac3259700c558a2939fdec8c8fbca455b229af03e1590a8d92310c75de1\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 6da96ac3259700c558a2939fdec8c8fbca455b229af03e1590a8d92310c75de1 */
+/* springpot 0.1.0 7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

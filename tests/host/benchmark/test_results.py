@@ -93,6 +93,7 @@ def test_benchmarks_of_hammerstein_s_own_class_come_last() -> None:
         "Mach-1 tester (Dynamic_data.txt)",
         "Simulated mullins",
         *2 * ["Simulated ecoflex-00-30"],
+        "WebAssembly",
     ]
 
 

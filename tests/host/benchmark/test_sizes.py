@@ -12,14 +12,17 @@ from click.testing import CliRunner
 from support.bench_folder import CANDIDATES, asked, small
 from support.cross_tools import path_with, path_without
 
-from springpot.codegen.errors import BudgetError
+from springpot.codegen.errors import BudgetError, UsageError
 from springpot.host.benchmark.choice import choose_within
+from springpot.host.benchmark.node_ticks import untimed
 from springpot.host.benchmark.picks import PlatformBudget, budgets, misfit, pareto, pick, why
 from springpot.host.benchmark.point import Point
 from springpot.host.benchmark.report import bench_page
 from springpot.host.benchmark.run import run_bench
 from springpot.host.benchmark.store import read_result
 from springpot.host.cli import springpot
+from springpot.host.native.toolchain import missing_tools
+from springpot.host.native.wasm_module import wasm_module
 from springpot.trainer import parallel
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.selection.sweep import Candidate
@@ -149,3 +152,15 @@ def test_the_tools_of_these_tests_are_what_they_say(tmp_path: Path) -> None:
     for folder in (Path(item) for item in path_without(tmp_path / "bin").split(os.pathsep)):
         assert not list(folder.glob("arm-none-eabi-*"))
     assert (Path(path_with(tmp_path / "with").split(os.pathsep)[0]) / "arm-none-eabi-gcc").exists()
+
+
+def test_a_machine_without_clang_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))
+    remedy = "no compiler for wasm32: `apt-get install clang lld`, or `make setup-mcu`"
+    assert missing_tools("wasm32") == remedy == untimed()
+    with pytest.raises(UsageError, match="no compiler for wasm32"):
+        wasm_module([], [], [])
+    *_, page = budgets("wasm32")
+    assert (page.name, page.flash_bytes, page.ram_bytes) == ("wasm32", 120 * 1024, None)

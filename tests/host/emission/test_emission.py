@@ -192,6 +192,16 @@ def test_the_stack_of_the_selftest_is_told(
     assert bool(notices) is told
 
 
+@pytest.mark.parametrize(
+    ("target", "software"), [("cortex-m4f", True), ("cortex-m7", False), ("wasm32", False)]
+)
+def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: bool) -> None:
+    chosen = scene(number="float64")
+    chosen = replace(chosen, runtime=replace(chosen.runtime, target=target))
+    notices = emit(chosen, model_file(tmp_path), tmp_path / "c").notices
+    assert any("doubles run in software" in notice for notice in notices) == software
+
+
 def test_left_out_is_told(tmp_path: Path) -> None:
     emission = emit(SHAPES["plain"], model_file(tmp_path), tmp_path / "c")
     told = {item["what"]: item for item in emission.manifest["left_out"]}

@@ -1,21 +1,34 @@
 """Every stored model as WebAssembly: its self-test in node, and the forces of this machine."""
 
 import hashlib
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from support import golden_forces
+from support.bench_folder import asked, small
+from support.cross_tools import path_without
+from support.small import press, recording
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import BudgetError, MismatchError
 from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import Budget, Scene
+from springpot.host.benchmark.choice import choose_pick, scene_of
+from springpot.host.benchmark.node_ticks import time_in_node
+from springpot.host.benchmark.report import bench_page
+from springpot.host.benchmark.run import run_bench
+from springpot.host.emission import emission as emission_module
+from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.wasm_module import scene_functions, scene_module
-from springpot.host.native.wasm_node import missing_node, run_in_node
+from springpot.host.native.wasm_node import WasmTicks, missing_node, run_in_node
 from springpot.runtime_c.paths import PORT_WIRE, SIM
 
+WASM_LD = shutil.which("wasm-ld")
 pytestmark = [pytest.mark.board, pytest.mark.slow]
 
 
@@ -41,7 +54,7 @@ def test_the_same_forces_in_node(tmp_path: Path, name: str, number: str, mode: s
     position = golden_forces.motion_m().astype(number)
     velocity = backward_velocity(position, 1e-3)
     wanted = golden_forces.force_hash(name, number, mode)
-    for target in ("wasm32", "host"):
+    for target in ("wasm32", "host") if mode == "proxy" else ("wasm32",):
         folder = emitted(tmp_path / target, name, number, mode, target)
         ticks = run_in_node(scene_module(folder), "sp", position, velocity)
         assert ticks.selftest == 0
@@ -68,3 +81,67 @@ def test_the_hand_and_the_wire_fit_beside_a_scene(tmp_path: Path) -> None:
     assert all(name.encode() in found for name in (*exports, *scene_functions(folder)))
     with pytest.raises(CompilerError, match="nowhere"):
         scene_module(folder, exports=["nowhere"])
+
+
+def stored_scene(**budget: int) -> tuple[Scene, Path]:
+    scene = golden_forces.scene("hammerstein", "float64", "off")
+    runtime = replace(scene.runtime, target="wasm32")
+    model_file = golden_forces.FOLDER / "hammerstein.spm"
+    return replace(scene, runtime=runtime, budget=Budget(**budget)), model_file
+
+
+def test_emission_states_the_module_and_runs_its_selftest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    need()
+    scene, model_file = stored_scene()
+    emission = emit(scene, model_file, tmp_path / "c")
+    assert emission.footprint is not None
+    assert 2000 < emission.footprint.flash_bytes < len(scene_module(tmp_path / "c"))
+    assert emission.footprint.stack_bytes is None
+    assert not emission.notices
+    with pytest.raises(BudgetError, match=r"stack: .* is set where it is linked"):
+        emit(*stored_scene(stack_bytes=1000), tmp_path / "c")
+    with pytest.raises(BudgetError, match=r"flash: .* the scene's budget is 1000"):
+        emit(*stored_scene(flash_bytes=1000), tmp_path / "c")
+
+    def differs(*given: object) -> WasmTicks:
+        return replace(run_in_node(*given), selftest=8)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(emission_module, "run_in_node", differs)
+    with pytest.raises(MismatchError, match="golden tick 7: nothing was emitted"):
+        emit(scene, model_file, tmp_path / "c")
+    monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))
+    assert WASM_LD is not None
+    (tmp_path / "bin" / "wasm-ld").symlink_to(WASM_LD)
+    (told,) = emit(scene, model_file, tmp_path / "c").notices
+    assert told == "the self-test has not run as wasm32: no node on PATH: `apt-get install nodejs`"
+
+
+def test_a_tick_is_timed_beside_the_same_c_here(tmp_path: Path) -> None:
+    need()
+    item = recording("press", press(1.0))
+    found = time_in_node(golden_forces.FOLDER / "hybrid.spm", "float32", item)
+    assert found["node_why"] is None
+    assert found["node_tick_ns"] > 1.0 < found["portable_tick_ns"]
+
+
+def test_a_benchmark_picks_for_a_page_and_times_it(tmp_path: Path) -> None:
+    need()
+    bench = replace(asked(kinds=("hammerstein",)), target="wasm32")
+    with small():
+        result = run_bench(bench, tmp_path / "bench", "springpot bench")
+        again = run_bench(bench, tmp_path / "bench", "springpot bench")
+    assert again["computed_isolated"] == 0
+    picked = result["picks"]["wasm32"]["point"]
+    (point,) = (point for point in result["points"] if point["key"] == picked)
+    assert 2000 < point["flash_bytes"] < 120 * 1024
+    assert point["node_tick_ns"] > 0.0 < point["portable_tick_ns"]
+    assert point["node_why"] is None
+    text = bench_page(result, "bench")
+    assert "a tick in node, where the same C takes" in text
+    assert "120 kB of flash.\n" in text
+    chosen = choose_pick(tmp_path / "bench", "wasm32")
+    scene, _ = scene_of(tmp_path / "bench", *chosen, None)
+    assert scene.runtime.target == "wasm32"
+    assert scene.budget == Budget(flash_bytes=120 * 1024)
