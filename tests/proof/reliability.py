@@ -58,6 +58,18 @@ the force is finite and within the scene's limits, and every number in the state
 every call. Of the protocol, the ring of bytes and the links: the same of memory, whatever bytes
 come.
 """
+_FOLDER = """
+The C of a scene of your own is other tables: emit it with the prefix `sp`
+(`springpot emit --scene scene.toml --out mine`) and analyse that folder alone with
+`python tests/proof/prove.py --folder mine`, which ends with a line like `mine: 0 alarms, 7 s`.
+Exit status 1 where an alarm is left, 2 where nothing was shown: without Frama-C, of no such folder,
+or where the analysis does not end within an hour. A passive model takes seconds, a small forest
+half a minute to five, one of thousands of nodes may not end. The folder stays; the copy that was
+analysed, with the analyser's log, is in `build/prove/folder`. It does not cover the compiler and
+the processor, vector units, `main.c` and whatever else calls the C, another scene beside it, nor
+whether the model is right and a hand finds it stable: `springpot validate` and
+`springpot stability` look at those.
+"""
 
 
 def render_prove(result: Result | None) -> str:
@@ -76,7 +88,7 @@ def render_prove(result: Result | None) -> str:
         *defects,
         "\nIt assumes:\n",
         *(f"- {text}" for text in result["assumptions"]),
-        "",
+        _FOLDER,
     ])  # fmt: skip
 
 

@@ -18,9 +18,10 @@ def test_a_section_without_a_result_says_so(tmp_path: Path) -> None:
 
 
 def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
-    row = {"file": "a.c", "mutants": 11, "caught": 9, "equivalent": 1, "survived": 1}
+    row = {"file": "a.c", "mutants": 11, "caught": 9, "equivalent": 1, "survived": 1,
+           "commit": "abc"}  # fmt: skip
     survivor = {"file": "a.c", "line": 7, "change": "x > 1", "reason": "of no matter"}
-    mutation = {"title": "Of C", "rows": [row], "survivors": [survivor]}
+    mutation = {"title": "Of C", "command": "x", "rows": [row], "survivors": [survivor]}
     (tmp_path / "mutation.json").write_text(json.dumps(mutation))
     scene = {"scene": "s", "kind": "rf-fd", "coupling": "off", "number": "float32", "alarms": 0,
              "seconds": 2}  # fmt: skip
@@ -29,7 +30,7 @@ def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
              "assumptions": ["IEEE"]}  # fmt: skip
     (tmp_path / "prove.json").write_text(json.dumps(prove))
     made = page(tmp_path)
-    assert "| a.c | 11 | 9 | 1 | 1 | 90.0 |" in made
+    assert "| a.c | 11 | 9 | 1 | 1 | 90.0 | abc |" in made
     assert "- `a.c`, `7` as `x > 1`: of no matter" in made
     assert "| s | rf-fd | off | float32 | 0 | 2 |" in made
     assert "- no clamp: Eva" in made

@@ -16,6 +16,9 @@ enum {
 };
 enum { CLOSED_LOOP = 8, TORQUE_CONTROL = 1, PASSTHROUGH = 1 };
 enum { LINE = 32, CAPACITY = 4096, BYTES = 8 };
+/* A bus that is flooded does not keep a tick: what is more waits for the next. The system keeps
+ * less than so many readings of text, or frames. */
+enum { MAX_READINGS = 16, MAX_FRAMES = 512 };
 /* struct can_frame of Linux, also where another system's bus comes through a bridge. */
 typedef struct {
     uint32_t id; /* and flags above its eleven bits */
@@ -164,22 +167,21 @@ static void take_text(odrive *self, const uint8_t *bytes, int count)
 static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
 {
     odrive *self = (odrive *)link;
-    int count;
+    int count = CAPACITY;
     self->now_ns = now_ns;
     self->motions = motions;
     self->capacity = capacity;
     self->fresh = 0;
     if (self->drive.slcan) {
         uint8_t bytes[CAPACITY];
-        while ((count = sp_link_take(link->fd, bytes, CAPACITY)) > 0) {
+        for (int k = 0; k < MAX_READINGS && count == CAPACITY; k++) {
+            count = sp_link_take(link->fd, bytes, CAPACITY);
             take_text(self, bytes, count);
-            if (count < CAPACITY) {
-                break;
-            }
         }
     } else {
         can_frame frame;
-        while ((count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame)) > 0) {
+        for (int k = 0; k < MAX_FRAMES && count > 0; k++) {
+            count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame);
             if (count == (int)sizeof frame && frame.id <= standard_id) {
                 take_frame(self, frame.id, frame.data, frame.size);
             }

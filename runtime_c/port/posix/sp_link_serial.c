@@ -15,7 +15,9 @@ typedef struct {
     int tripped;
 } serial;
 
-enum { CAPACITY = 4096 };
+/* A device that floods does not keep a tick: what is more waits for the next. The system keeps
+ * less than so many readings. */
+enum { CAPACITY = 4096, MAX_READINGS = 16 };
 static const uint64_t command_again_ns = 50000000;
 
 static void send_command(serial *self, uint64_t now_ns)
@@ -55,16 +57,14 @@ static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
 {
     serial *self = (serial *)link;
     uint8_t bytes[CAPACITY];
-    int fresh = 0, count;
-    while ((count = sp_link_take(link->fd, bytes, sizeof bytes)) > 0) {
+    int fresh = 0, count = CAPACITY;
+    for (int k = 0; k < MAX_READINGS && count == CAPACITY; k++) {
+        count = sp_link_take(link->fd, bytes, sizeof bytes);
         for (int i = 0; i < count; i++) {
             sp_wire_frame frame;
             if (sp_wire_receive(&self->receiver, bytes[i], &frame) == SP_WIRE_NEW) {
                 fresh += take_frame(self, &frame, now_ns, motions, capacity, fresh);
             }
-        }
-        if (count < CAPACITY) {
-            break;
         }
     }
     link->crc_errors = self->receiver.crc_errors;

@@ -12,6 +12,7 @@ import threading
 import time
 import tty
 from importlib.resources import files
+from pathlib import Path
 
 import can
 import cantools
@@ -116,6 +117,26 @@ class CLink:
             except BlockingIOError:
                 return found
             found.append((number, data[:size]))
+
+
+@pytest.mark.parametrize(("slcan", "per_call"), [(True, (1 << 16) // 22), (False, 512)])
+def test_a_flooded_bus_does_not_keep_a_tick(link_of, tmp_path, slcan, per_call):
+    """64 KiB of text or 512 frames a call; what is more comes with the next ones."""
+    link = link_of(slcan=slcan, family="0.5")
+    one = b"t0098" + bytes(8).hex().encode() + b"\r"
+    one = one if slcan else struct.pack("=IB3x8s", ENCODER, 8, bytes(8))
+    flood = tmp_path / "flood"
+    flood.write_bytes(one * 4000)
+    with flood.open("rb") as file:
+        os.dup2(file.fileno(), link.near.fileno())
+    assert link.read() == per_call
+    while link.read() >= 0:  # a file that is read to its end is a bus that is gone
+        pass
+    assert link.c.samples == 4000
+    assert link.c.crc_errors == 0
+    with Path("/dev/zero").open("rb") as endless:
+        os.dup2(endless.fileno(), link.near.fileno())
+    assert link.read() == 0
 
 
 @pytest.mark.parametrize("slcan", [True, False])

@@ -1,7 +1,10 @@
 """The C link of a simple serial device, one call at a time: reset, acknowledged late or at once."""
 
 import contextlib
+import math
+import os
 import socket
+from pathlib import Path
 
 import pytest
 
@@ -115,3 +118,25 @@ def test_an_ack_of_another_wish_is_none(link):
     link.ack(second)
     link.read(3 * MS)
     assert link.c.ready == 1
+
+
+def test_a_device_that_floods_does_not_keep_a_tick(link: SerialLink, tmp_path: Path) -> None:
+    """64 KiB a call; what is more comes with the next ones, and nothing is lost."""
+    flood = tmp_path / "flood"
+    values = {"status": RUNNING, "position_m": 0.0, "velocity_mps": 0.0, "measured_n": 0.0}
+    frames = [link.sender.encode("sample", **values) for _ in range(6000)]
+    flood.write_bytes(b"".join(frames))
+    with flood.open("rb") as file:
+        os.dup2(file.fileno(), link.near.fileno())
+    per_call = (1 << 16) // len(frames[0])
+    assert link.read() == per_call
+    assert link.c.samples == per_call
+    calls = 1
+    while link.read() >= 0:  # a file that is read to its end is a device that is gone
+        calls += 1
+    assert calls == math.ceil(len(frames) * len(frames[0]) / (1 << 16))
+    assert link.c.samples == len(frames)
+    assert link.c.sequence_gaps == link.c.crc_errors == 0
+    with Path("/dev/zero").open("rb") as endless:
+        os.dup2(endless.fileno(), link.near.fileno())
+    assert link.read() == 0

@@ -14,7 +14,7 @@ _FLAGS = (
     *(f"-I{_RUNTIME / 'port' / part}" for part in ("wire", "posix", "mcu")),
     f"-I{INCLUDE}",
 )
-# A count of frames in one reading does not wrap: a reading ends where no more bytes wait.
+# A count of frames in one call does not wrap: at most 64 KiB are read, which joined states hide.
 _OPTIONS = ("-eva-auto-loop-unroll", "64", "-no-warn-signed-overflow")
 
 _PLAIN = Precision({}, (), {})

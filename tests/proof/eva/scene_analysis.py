@@ -32,12 +32,7 @@ _BOUNDS = tuple(8.0**power for power in range(-3, 19))
 
 
 def analyse_scene(folder: Path, timeout_s: float = 600.0) -> Analysis:
-    """Analyse the C in a folder; writes the driver and Eva's log beside it.
-
-    Raises ValueError where its names do not begin with sp_, as the driver's do.
-    """
-    if not (folder / "sp_scene.c").exists():
-        raise ValueError(f"{folder}: no sp_scene.c: emit the scene with the prefix sp")
+    """Analyse the C in a folder, of the prefix sp; writes the driver and Eva's log beside it."""
     limits = json.loads((folder / "manifest.json").read_text())["limits"]
     text = "".join(path.read_text() for path in sorted(folder.glob("sp_*.[ch]")))
     floats = [limits["min_n"], limits["max_n"], *_BOUNDS, *(-bound for bound in _BOUNDS)]

@@ -1,5 +1,6 @@
 """The mutators change what they say, once each; and every reason for a survivor names real code."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ from mutants_c import mutants_of_c
 from mutants_python import mutants_of_python, same_program
 from mutate_c import PROGRAMS
 from mutate_python import TESTS
-from survivors import Reason, read_reasons, stale
+from survivors import Reason, read_reasons, stale, write_result
 
 C_TEXT = """#define LIMIT (2 * 3) /* a < b */
 static int f(const int *a, double x)
@@ -120,3 +121,22 @@ def test_files_and_their_tests_are_there() -> None:
     tests = [test for named in TESTS.values() for test in named]
     for name in [*PROGRAMS, *programs, *TESTS, *tests]:
         assert (ROOT / name.partition("::")[0]).is_file(), name
+
+
+def test_a_run_of_one_file_keeps_the_figures_of_the_others(tmp_path: Path) -> None:
+    """Not of files that are gone; each has the commit that it was found at."""
+    out = tmp_path / "mutation.json"
+    kept = {"file": "codegen/scene.py", "mutants": 4, "caught": 3, "equivalent": 0, "survived": 1,
+            "commit": "old"}  # fmt: skip
+    survivor = {"file": "codegen/scene.py", "line": "a", "change": "b", "reason": "of no matter"}
+    again = {**kept, "file": "host/devices/url.py"}
+    gone = {**kept, "file": "host/gone.py"}
+    out.write_text(json.dumps({"rows": [kept, again, gone], "survivors": [survivor]}))
+    caught = Tried("host/devices/url.py", "0", 1, "x < 1", "x <= 1", "a test")
+    assert write_result(out, "Of Python", "command", [caught]) == 0
+    result = json.loads(out.read_text())
+    assert result["rows"][0] == kept
+    assert [row["file"] for row in result["rows"]] == ["codegen/scene.py", "host/devices/url.py"]
+    assert result["rows"][1]["caught"] == 1
+    assert result["rows"][1]["commit"] not in ("", "old")
+    assert result["survivors"] == [survivor]
