@@ -24,9 +24,9 @@ from springpot.host.emission import emission as emission_module
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.toolchain import missing_tools
-from springpot.host.native.wasm_module import scene_functions, scene_module
+from springpot.host.native.wasm_module import scene_module
 from springpot.host.native.wasm_node import WasmTicks, missing_node, run_in_node
-from springpot.runtime_c.paths import PORT_WIRE, SIM
+from springpot.runtime_c.paths import SIM
 
 WASM_LD = shutil.which("wasm-ld")
 pytestmark = [pytest.mark.board, pytest.mark.slow]
@@ -62,23 +62,12 @@ def test_the_same_forces_in_node(tmp_path: Path, name: str, number: str, mode: s
         assert found == wanted, target
 
 
-def test_the_hand_and_the_wire_fit_beside_a_scene(tmp_path: Path) -> None:
-    """What they call that nobody gives is named: the noise of sensors needs a C library."""
+def test_what_nobody_defines_is_named(tmp_path: Path) -> None:
     need(node=False)
     folder = emitted(tmp_path / "c", "hammerstein", "float32", "off", "wasm32")
-    hand = [SIM / f"sim_{name}.c" for name in ("hand", "device", "object")]
-    exports = ["sim_tool_init", "sim_tool_step", "sp_wire_crc32c"]
-    beside = {"include": [SIM, PORT_WIRE], "exports": exports}
+    noisy, exports = [SIM / "sim_noise.c"], ["sim_noise_normal"]
     with pytest.raises(CompilerError, match=r"undefined symbol: (log|cos)"):
-        scene_module(folder, [*hand, SIM / "sim_noise.c", PORT_WIRE / "sp_wire.c"], **beside)
-    quiet = tmp_path / "quiet.c"
-    quiet.write_text(
-        '#include "sim_noise.h"\n'
-        "void sim_noise_init(sim_noise *noise, uint64_t seed) { noise->counter = seed; }\n"
-        "double sim_noise_normal(sim_noise *noise) { return 0.0 * (double)noise->counter; }\n"
-    )
-    found = scene_module(folder, [*hand, quiet, PORT_WIRE / "sp_wire.c"], **beside)
-    assert all(name.encode() in found for name in (*exports, *scene_functions(folder)))
+        scene_module(folder, noisy, include=[SIM], exports=exports)
     with pytest.raises(CompilerError, match="nowhere"):
         scene_module(folder, exports=["nowhere"])
 
