@@ -19,13 +19,15 @@ from springpot.host.page import page_text, plain
 
 # In the order in which they use each other.
 _SCRIPTS = ("scene.js", "intent.js", "trace.js", "canvas.js", "object_view.js", "plots.js",
-            "sources.js", "main.js")  # fmt: skip
+            "sources.js", "readout.js", "controls.js", "main.js")  # fmt: skip
 
 
 def write_press_page(
-    folders: Sequence[Path], out: Path, accept_edited: bool = False
+    folders: Sequence[Path], out: Path, accept_edited: bool = False, about: str = ""
 ) -> list[dict[str, Any]]:
     """Write the page of one emitted folder or several; returns their entries.
+
+    about: a sentence on the objects, for who opens the page.
 
     Raises DataError for no emission, UsageError without the compiler for WebAssembly.
     """
@@ -34,7 +36,7 @@ def write_press_page(
     for entry, folder in zip(entries, folders, strict=True):
         if names.count(entry["name"]) > 1:
             entry["name"] = f"{entry['name']} ({folder.name})"
-    write_file(out, press_page(entries, "hand").encode())
+    write_file(out, press_page(entries, "hand", about).encode())
     return entries
 
 
@@ -43,16 +45,18 @@ def session_page(folder: Path, accept_edited: bool = False) -> str:
     return press_page([scene_entry(folder, accept_edited)], "session")
 
 
-def press_page(entries: Sequence[dict[str, Any]], source: Literal["hand", "session"]) -> str:
+def press_page(
+    entries: Sequence[dict[str, Any]], source: Literal["hand", "session"], about: str = ""
+) -> str:
     """The page's text. source: a hand on the page, or a session of `springpot run`."""
     first = entries[0]
     context = {
         "title": first["name"],
         "source": source,
+        "about": about,
         "entries": entries,
-        "rate_hz": plain(1 / first["dt_s"]),
         "min_mm": plain(1e3 * first["free_m"]),
-        "max_mm": plain(1.3e3 * first["depth_m"]),
+        "max_mm": plain(1.3e3 * max(entry["depth_m"] for entry in entries)),
         "stiffnesses": len(STIFFNESS_NPM),
         "stiffness_at": STIFFNESS_NPM.index(DESIGN_HAND.stiffness_npm),
         "masses": len(MASS_KG),

@@ -32,6 +32,7 @@ from springpot.host.emission.emission import Emitted, read_emission
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.wasm_module import scene_module
+from springpot.host.page import plain
 from springpot.host.simulation.scenarios import Workspace
 from springpot.host.validation.store import Series, read_validation
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM
@@ -112,8 +113,12 @@ def packed(content: bytes) -> str:
 
 def _what(emitted: Emitted) -> str:
     plan = emitted.plan
-    edited = f", edited: {', '.join(emitted.edited)}" if emitted.edited else ""
-    return f"Model: {plan.model.kind}, {plan.scene.runtime.number}{edited}."
+    max_mm, max_n = 1e3 * float(plan.range.max_m), float(plan.model.trained.max_n)
+    trained = (
+        f"{plan.scene.name}: recorded down to {plain(max_mm)} mm and {plain(max_n)} N; model "
+        f"{plan.model.kind}, {plain(1 / plan.dt_s)} steps a second"
+    )
+    return trained + (f"; edited: {', '.join(emitted.edited)}." if emitted.edited else ".")
 
 
 def _recording(folder: Path, plan: Plan) -> dict[str, Any] | None:

@@ -21,8 +21,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.driven_browser import driven_browser
 from support.paths import ROOT
 
-from springpot.codegen.model.model_file import write_model
-from springpot.codegen.scene import Runtime, Scene
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.model_file import read_model, write_model
+from springpot.codegen.scene import Coupling, Runtime, Scene
 from springpot.host.browser.press_page import write_press_page
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import load_protocol
@@ -38,7 +39,14 @@ from springpot.trainer.recordings.recording_file import read_recordings
 MODELS = ROOT / "tests" / "golden" / "press"
 SIMULATED = ("ecoflex-00-30", "ecoflex-00-10", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
 RECORDED = ("ecoflex-00-30-cylinder", "ecoflex-00-10-cylinder", "ecoflex-00-50-cylinder")
-PAGES = {"press.html": SIMULATED, "press-recorded.html": RECORDED}
+STIFF = "ecoflex-00-30, five times stiffer"
+PAGES = {"press.html": (*SIMULATED, STIFF), "press-recorded.html": RECORDED}
+ABOUT = {
+    "press.html": "These objects are five silicone rubbers, simulated, and one that was made "
+    "stiffer: add delay, press it hard, and it shakes.",
+    "press-recorded.html": "These objects are real: cylinders of three silicone rubbers, 50 mm "
+    "wide, compressed slowly by Abubakar Dawood (tissue-phantom-material-database, CC BY 4.0).",
+}
 _REPEATS = 5  # of the ten compressions of a cylinder
 _HAND_M = 0.003
 _PRESS_S, _PRESSED_S = 1.4, 3.6
@@ -47,7 +55,16 @@ _PRESS_S, _PRESSED_S = 1.4, 3.6
 def page_scene(name: str) -> Scene:
     """The scene that is emitted for one of the objects."""
     runtime = Runtime(rate_hz=1000.0)  # compressions were sampled at 10 Hz
-    return Scene(schema=1, name=name, model=f"{name}.spm", runtime=runtime)
+    # The stiff one without coupling: what delay does to it is to be seen.
+    coupling = Coupling(mode="off" if name == STIFF else "auto")
+    return Scene(schema=1, name=name, model=f"{name}.spm", runtime=runtime, coupling=coupling)
+
+
+def page_model(name: str) -> Model:
+    """The stored model of an object, or that of the first made stiffer."""
+    if name == STIFF:
+        return read_model(MODELS / f"{SIMULATED[0]}.spm").stiffened(5.0)
+    return read_model(MODELS / f"{name}.spm")
 
 
 def main() -> None:
@@ -64,7 +81,7 @@ def main() -> None:
             folders = [emitted(name, place / name) for name in names]
             if page == "press.html":
                 compare(folders[0], simulated(names[0], "validation", 2, place))
-            write_press_page(folders, ROOT / "docs" / page)
+            write_press_page(folders, ROOT / "docs" / page, about=ABOUT[page])
         if asked.picture:
             draw_picture(place)
 
@@ -107,7 +124,9 @@ def simulated(name: str, protocol: str, seed: int, place: Path) -> list[Recordin
 
 
 def emitted(name: str, folder: Path) -> Path:
-    emit(page_scene(name), MODELS / f"{name}.spm", folder)
+    model_file = folder.with_suffix(".spm")
+    write_model(model_file, page_model(name))
+    emit(page_scene(name), model_file, folder)
     return folder
 
 

@@ -46,12 +46,14 @@ function panel(context, box, low, high, unit) {
   }
   context.textAlign = "left";
   context.textBaseline = "top";
-  context.fillText(unit, box.left + 4, box.top + 2);
+  context.fillText(unit, box.left, box.top - 15);
   return y;
 }
 
 // A curve with more samples than pixels: from the least to the greatest of each column.
 function columns(context, box, y, count, value_at, tint, wide = 2) {
+  context.save();
+  within(context, box);
   context.strokeStyle = tint;
   context.lineWidth = wide;
   context.beginPath();
@@ -79,4 +81,12 @@ function columns(context, box, y, count, value_at, tint, wide = 2) {
     context.lineTo(x, y(last));
   }
   context.stroke();
+  context.restore();
+}
+
+// What follows is drawn in the panel alone.
+function within(context, box) {
+  context.beginPath();
+  context.rect(box.left, box.top, box.width, box.height + 2);
+  context.clip();
 }

@@ -4,21 +4,24 @@ const SURFACE = 0.32, TRAINED = 0.3; // of the picture's height: the surface, th
 const TIP = 0.085; // of its width, half of the fingertip
 
 class ObjectView {
-  constructor(canvas, entry) {
+  // scale: the largest of all objects of the page, so that they can be compared.
+  constructor(canvas, entry, scale) {
     this.canvas = canvas;
     this.entry = entry;
+    this.scale = scale;
+    this.height = canvas.getBoundingClientRect().height;
   }
 
   get m_per_pixel() {
-    return this.entry.depth_m / (TRAINED * this.canvas.getBoundingClientRect().height);
+    return this.scale.depth_m / (TRAINED * this.height);
   }
 
   // The intent that a place in the picture means. Below the surface it is stretched: the bottom
   // is deep enough for this hand to reach the greatest force.
   intent_at(y, intent) {
-    const height = this.canvas.getBoundingClientRect().height, below = y - SURFACE * height;
+    const below = y - SURFACE * this.height;
     if (below <= 0) return below * this.m_per_pixel;
-    return (below / ((0.97 - SURFACE) * height)) * intent.deepest_m;
+    return (below / ((0.97 - SURFACE) * this.height)) * intent.deepest_m;
   }
 
   y_of_intent(intent_m, intent, height) {
@@ -27,8 +30,9 @@ class ObjectView {
   }
 
   // intent: null where the hand is a real one, elsewhere.
-  draw(trace, intent, peak_n) {
+  draw(trace, intent) {
     const { context, width, height } = cleared(this.canvas);
+    this.height = height;
     const surface = SURFACE * height, middle = width / 2, tip = TIP * width;
     const pixels = (m) => m / this.m_per_pixel;
     const depth_m = trace.newest_m ?? this.entry.free_m;
@@ -51,8 +55,8 @@ class ObjectView {
       context.globalAlpha = 1;
     }
     this.finger(context, middle, surface + pixels(depth_m), tip, colour("--finger"));
-    this.arrow(context, middle + 1.9 * tip, surface, trace.newest_n ?? 0, peak_n, height);
-    this.scale(context, width, surface, pixels);
+    this.arrow(context, middle + 1.9 * tip, surface, trace.newest_n ?? 0, this.scale.max_n, height);
+    this.depths(context, width, surface, pixels);
   }
 
   // A flat punch of radius `tip` on an elastic half-space sinks the layers below it like this.
@@ -63,7 +67,7 @@ class ObjectView {
 
   body(context, width, height, surface, middle, tip, depth) {
     const layer = (z) => {
-      for (let x = 0; x <= width; x += 6)
+      for (let x = 0; x < width + 6; x += 6)
         context.lineTo(x, surface + z + this.sunk(Math.abs(x - middle), z, tip, depth));
     };
     context.fillStyle = colour("--object");
@@ -86,10 +90,10 @@ class ObjectView {
     const top = -2; // it comes from beyond the picture
     context.beginPath();
     context.moveTo(x - half, top);
-    context.lineTo(x - half, y - 0.55 * half);
-    context.quadraticCurveTo(x - half, y, x - 0.45 * half, y);
-    context.lineTo(x + 0.45 * half, y);
-    context.quadraticCurveTo(x + half, y, x + half, y - 0.55 * half);
+    context.lineTo(x - half, y - 0.2 * half);
+    context.quadraticCurveTo(x - half, y, x - 0.8 * half, y);
+    context.lineTo(x + 0.8 * half, y);
+    context.quadraticCurveTo(x + half, y, x + half, y - 0.2 * half);
     context.lineTo(x + half, top);
     context.strokeStyle = colour("--ghost");
     context.lineWidth = 1.5;
@@ -123,13 +127,13 @@ class ObjectView {
     context.fillText(`${force_n.toFixed(2)} N`, x + 12, y + (up * length) / 2);
   }
 
-  scale(context, width, surface, pixels) {
-    const step_m = tick_step(this.entry.depth_m);
+  depths(context, width, surface, pixels) {
+    const step_m = tick_step(this.scale.depth_m);
     context.fillStyle = context.strokeStyle = colour("--scale");
     context.textAlign = "right";
     context.textBaseline = "middle";
     context.lineWidth = 1;
-    for (let depth_m = 0; depth_m <= 1.31 * this.entry.depth_m; depth_m += step_m) {
+    for (let depth_m = 0; depth_m <= 1.31 * this.scale.depth_m; depth_m += step_m) {
       const y = surface + pixels(depth_m);
       context.beginPath();
       context.moveTo(width - 8, y);

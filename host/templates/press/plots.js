@@ -1,11 +1,11 @@
 // The rolling scope, the loop of force and depth, and measured against rendered.
 
-const LEFT = 44, LOOP_S = 3;
+const LEFT = 44, TOP = 18;
 
 // Depth above force; without motion where the reader wants less of it: the newest sample wanders.
-function draw_scope(canvas, trace, entry, peak_n, still) {
+function draw_scope(canvas, trace, scale, still) {
   const { context, width, height } = cleared(canvas);
-  const gap = 10, high = (height - gap) / 2 - 9, n = trace.length;
+  const gap = TOP + 6, high = (height - TOP - gap - 14) / 2, n = trace.length;
   const start = still ? 0 : trace.count % n, lost = still ? trace.count % n : -1;
   const empty = Math.max(0, n - trace.count);
   const at = (values, factor) => (i) => {
@@ -13,13 +13,13 @@ function draw_scope(canvas, trace, entry, peak_n, still) {
     const unknown = still ? row >= trace.count || (row >= lost && row < lost + n / 50) : i < empty;
     return unknown ? NaN : factor * values[row];
   };
+  const most_m = Math.max(1.3 * scale.depth_m, trace.most_m), most_n = Math.max(1.1 * scale.max_n, trace.most_n);
   const curves = [
-    [0, "depth, mm", 1e3 * Math.min(entry.free_m, 0), 1.3e3 * entry.depth_m,
-      at(trace.depth_m, 1e3), colour("--depth")],
-    [high + gap, "force, N", Math.min(0, entry.min_n), peak_n, at(trace.force_n, 1), colour("--force")],
+    [TOP, "depth, mm", 1e3 * scale.free_m, 1e3 * most_m, at(trace.depth_m, 1e3), colour("--depth")],
+    [TOP + high + gap, "force, N", scale.min_n, most_n, at(trace.force_n, 1), colour("--force")],
   ];
   for (const [top, unit, low, most, value_at, tint] of curves) {
-    const box = { left: LEFT, top: top + 4, width: width - LEFT, height: high };
+    const box = { left: LEFT, top, width: width - LEFT, height: high };
     const y = panel(context, box, low, most, unit);
     columns(context, box, y, n, value_at, tint);
   }
@@ -29,26 +29,36 @@ function draw_scope(canvas, trace, entry, peak_n, still) {
   context.fillText(`${SHOWN_S} s`, width, height);
 }
 
-function draw_loop(canvas, trace, scene, peak_n) {
+// before: loops of other objects, each { name, points: [[depth_m, force_n], ...] }.
+function draw_loop(canvas, trace, scene, scale, before) {
   const { context, width, height } = cleared(canvas);
-  const box = { left: LEFT, top: 4, width: width - LEFT, height: height - 24 };
-  const most_m = 1.3 * scene.entry.depth_m, least_m = Math.min(0, scene.entry.free_m);
-  const y = panel(context, box, Math.min(0, scene.entry.min_n), peak_n, "force, N");
+  const box = { left: LEFT, top: TOP, width: width - LEFT, height: height - TOP - 22 };
+  const most_m = Math.max(1.3 * scale.depth_m, trace.most_m), least_m = scale.free_m;
+  const y = panel(context, box, scale.min_n, Math.max(1.1 * scale.max_n, trace.most_n), "force, N");
   const x = (depth_m) => box.left + ((depth_m - least_m) / (most_m - least_m)) * box.width;
   context.textAlign = "center";
   context.textBaseline = "top";
   const step_m = tick_step(most_m);
-  for (let depth_m = 0; depth_m < most_m; depth_m += step_m)
+  for (let depth_m = 0; depth_m < 0.85 * most_m; depth_m += step_m)
     context.fillText(`${Number((1e3 * depth_m).toPrecision(4))}`, x(depth_m), height - 18);
   context.textAlign = "right";
-  context.fillText("depth, mm", width, height - 34);
+  context.fillText("depth, mm", width, height - 18);
+  context.save();
+  within(context, box);
   path(context, scene.measured_n.length, colour("--faint"), 1,
     (i) => [x(scene.recorded_m[i]), y(scene.measured_n[i])]);
-  const n = trace.length, shown = Math.min(trace.count, Math.round((n * LOOP_S) / SHOWN_S));
+  for (const { name, points } of before) {
+    path(context, points.length, colour("--faint"), 2, (i) => [x(points[i][0]), y(points[i][1])]);
+    const [deep_m, there_n] = points.reduce((most, point) => (point[0] > most[0] ? point : most));
+    context.textAlign = "center";
+    context.fillText(name, Math.min(x(deep_m), width - 60), Math.max(box.top, y(there_n) - 16));
+  }
+  const n = trace.length, shown = Math.min(trace.count, n);
   path(context, shown, colour("--force"), 2, (i) => {
     const row = (trace.count - shown + i) % n;
     return [x(trace.depth_m[row]), y(trace.force_n[row])];
   });
+  context.restore();
   if (shown > 0) {
     context.fillStyle = colour("--force");
     context.beginPath();
@@ -69,8 +79,10 @@ function path(context, count, tint, wide, point, most = 3000) {
 
 // rendered_n: forces of the C on the recording.
 function draw_recording(canvas, scene, rendered_n) {
+  canvas.hidden = rendered_n.length === 0;
+  if (canvas.hidden) return;
   const { context, width, height } = cleared(canvas), { entry, measured_n } = scene;
-  const box = { left: LEFT, top: 4, width: width - LEFT, height: height - 24 };
+  const box = { left: LEFT, top: TOP, width: width - LEFT, height: height - TOP - 20 };
   const peak_n = 1.1 * Math.max(...measured_n), n = measured_n.length;
   const y = panel(context, box, Math.min(0, entry.min_n), peak_n, "force, N");
   columns(context, box, y, n, (i) => measured_n[i], colour("--measured"), 4);

@@ -16,6 +16,7 @@ class Trace {
     this.kept_n = new Real(this.kept_m.length);
     this.smoothing = 1 / (1 + 1 / (2 * Math.PI * QUIET_HZ * dt_s));
     this.low_mps = this.lower_mps = this.power = 0;
+    this.most_m = this.most_n = 0;
     this.frame = { low_m: 0, high_m: 0 };
   }
 
@@ -23,7 +24,7 @@ class Trace {
     return this.count >= this.kept_m.length;
   }
 
-  take(position_m, force_n, rows) {
+  take(position_m, force_n, rows, notes) {
     let low_m = Infinity, high_m = -Infinity;
     for (let i = 0; i < rows; i++) {
       const here_m = position_m[i], before_m = this.newest_m ?? here_m;
@@ -34,6 +35,8 @@ class Trace {
         this.kept_m[this.count] = here_m;
         this.kept_n[this.count] = force_n[i];
       }
+      this.most_m = Math.max(this.most_m, here_m);
+      this.most_n = Math.max(this.most_n, force_n[i]);
       low_m = Math.min(low_m, here_m);
       high_m = Math.max(high_m, here_m);
       this.vibrate((here_m - before_m) / this.dt_s);
@@ -41,6 +44,7 @@ class Trace {
       this.newest_n = force_n[i];
       this.count++;
     }
+    this.newest_notes = notes[rows - 1];
     if (rows > 0) this.frame = { low_m, high_m };
   }
 
@@ -55,6 +59,15 @@ class Trace {
 
   get vibration_mps() {
     return Math.sqrt(this.power);
+  }
+
+  // Depth and force of the last seconds, thinned.
+  loop() {
+    const shown = Math.min(this.count, this.length), stride = Math.max(1, Math.floor(shown / 600));
+    const points = [];
+    for (let i = this.count - shown; i < this.count; i += stride)
+      points.push([this.depth_m[i % this.length], this.force_n[i % this.length]]);
+    return points;
   }
 
   csv() {

@@ -6,11 +6,10 @@ import re
 import zlib
 
 import pytest
-from bench.press_pages import MODELS, PAGES, page_scene
+from bench.press_pages import ABOUT, PAGES, page_model, page_scene
 from support.paths import ROOT
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.browser.hands import hands_entry
@@ -32,13 +31,13 @@ def entries(page: str) -> list[dict]:
 def test_its_frame_is_the_templates(page: str) -> None:
     found = entries(page)
     assert [entry["name"] for entry in found] == list(PAGES[page])
-    assert (ROOT / "docs" / page).read_text() == press_page(found, "hand"), AGAIN
+    assert (ROOT / "docs" / page).read_text() == press_page(found, "hand", ABOUT[page]), AGAIN
     assert all(entry["port"] == port_hash() for entry in found), AGAIN
 
 
 @pytest.mark.parametrize(("page", "name"), CASES)
 def test_its_scenes_are_what_is_emitted(page: str, name: str) -> None:
-    plan = make_plan(read_model(MODELS / f"{name}.spm"), page_scene(name))
+    plan = make_plan(page_model(name), page_scene(name))
     manifest = json.loads(emit_files(plan, force_facts(plan))["manifest.json"])
     entry = next(entry for entry in entries(page) if entry["name"] == name)
     assert entry["hash"] == manifest["hash"], AGAIN

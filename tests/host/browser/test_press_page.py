@@ -74,7 +74,7 @@ def test_what_is_pressed_is_what_validate_computes(
     assert pressed.found["errors"] == []
     assert pressed.found["fetched"] == []
     assert "the same bits" in pressed.found["proof"]
-    assert re.search(r"self-test0 of \d+ ticks differ", pressed.found["proof"])
+    assert re.search(r"self-test0 of \d+ steps differ", pressed.found["proof"])
     (tmp_path / "pressed.csv").write_text(pressed.csv)
     assert spring("import", tmp_path / "pressed.csv", "--out", tmp_path / "in").returncode == 0
     imported = read_recording(tmp_path / "in" / "pressed.h5")
@@ -96,14 +96,14 @@ def test_keys_alone_press_and_let_go(tmp_path: Path) -> None:
     assert pressed.found["errors"] == []
     assert depth_m.max() > 0.003
     assert depth_m[-1] < 0.0
-    assert re.fullmatch(r"-\d\.\d\d mm deep, 0\.00 N", pressed.found["valuetext"])
+    assert re.fullmatch(r"\d\.\d\d mm above, 0\.00 N", pressed.found["valuetext"])
 
 
 def test_another_object_is_taken_up_at_rest(tmp_path: Path) -> None:
     folders = [emitted(tmp_path / name, fitted("hammerstein")) for name in ("soft", "other")]
     pressed = press_page(page_of(tmp_path, *folders), pick=1)
     assert pressed.found["object-name"] == "other"
-    assert pressed.found["said"] == "other lies there now."
+    assert pressed.found["said"] == "Now you press other; the file begins anew."
     assert pressed.rows[0, 2] == 0.0
     assert pressed.rows[:, 2].max() > 0.5
 
