@@ -43,7 +43,7 @@ def hand_verdict(
     hand = Hand(DESIGN_HAND.name, mass_kg, stiffness_npm, DESIGN_HAND.damping_nspm)
     loop = scene_loop(plan, hand, more_delay)
     radius = float(loop.spectral_radius(plan.stiffness_npm)[0])
-    stable, limit_npm = is_stable(plan, radius), loop.max_stiffness_npm()
+    stable, limit_npm = is_stable(plan, loop), loop.max_stiffness_npm()
     limit = "any stiffness" if limit_npm >= _UNLIMITED_NPM else f"{_npmm(limit_npm)} N/mm"
     return {"stable": stable, "words": loop_words(stable, radius), "limit": limit}
 

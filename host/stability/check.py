@@ -41,7 +41,7 @@ class Check:
     @property
     def stable(self) -> bool:
         """Whether `emit` would take it."""
-        return is_stable(self.plan, self.spectral_radius)
+        return is_stable(self.plan, scene_loop(self.plan, DESIGN_HAND))
 
     def as_dict(self) -> dict[str, Any]:
         return {
@@ -89,9 +89,13 @@ def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
     return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, delay, smoothing)
 
 
-def is_stable(plan: Plan, radius: float) -> bool:
-    """Whether a linear loop of that spectral radius may be held."""
-    return radius < 1.0 and not is_unit_error(plan.coupling.coupling)
+def is_stable(plan: Plan, loop: LinearLoop) -> bool:
+    """Whether a loop may be held: stable with the object where it is stiffest, and all softer."""
+    return (
+        float(loop.spectral_radius(plan.stiffness_npm)[0]) < 1.0
+        and loop.max_stiffness_npm() > plan.stiffness_npm
+        and not is_unit_error(plan.coupling.coupling)
+    )
 
 
 def loop_words(stable: bool, radius: float) -> str:
@@ -124,16 +128,20 @@ def spectral_radius(plan: Plan) -> float:
 
 def require_stable(plan: Plan) -> None:
     """Raise UnsafeError for a radius >= 1 or a unit error, naming gains that are stable."""
-    radius = spectral_radius(plan)
     if plan.couple is not None:
         require_plausible_damping(plan.coupling.coupling)
-    if radius < 1.0:
+    loop, object_npmm = scene_loop(plan, DESIGN_HAND), 1e-3 * plan.stiffness_npm
+    if is_stable(plan, loop):
         return
-    limit_npm = scene_loop(plan, DESIGN_HAND).max_stiffness_npm()
+    radius, limit_npmm = spectral_radius(plan), 1e-3 * loop.max_stiffness_npm()
+    found = (
+        f"spectral radius {radius:.4g} with the {DESIGN_HAND.name} hand, object "
+        f"{object_npmm:.3g} N/mm, this coupling allows {limit_npmm:.3g} N/mm"
+    )
+    if radius < 1.0:
+        found += ": an object as stiff as that is passed where this one is touched first"
     raise UnsafeError(
-        f"{plan.scene.name}: the loop is unstable (spectral radius {radius:.4g} with the "
-        f"{DESIGN_HAND.name} hand, object {1e-3 * plan.stiffness_npm:.3g} N/mm, this coupling "
-        f"allows {1e-3 * limit_npm:.3g} N/mm): {_what_is_stable(plan)}; "
+        f"{plan.scene.name}: the loop is unstable ({found}): {_what_is_stable(plan)}; "
         "or emit with --accept-unsafe, for replay only"
     )
 
@@ -143,7 +151,7 @@ def _what_is_stable(plan: Plan) -> str:
     delay = plan.scene.device.delay_samples
     choice = choose_coupling(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
     found, loop = choice.coupling, LinearLoop(plan.dt_s, choice.coupling, DESIGN_HAND, delay)
-    if float(loop.spectral_radius(plan.stiffness_npm)[0]) >= 1.0:
+    if not is_stable(plan, loop):
         return (
             f"no coupling is stable at {1 / plan.dt_s:g} Hz with {delay} samples of delay: "
             "raise runtime.rate_hz, or take a device of less delay"

@@ -30,8 +30,8 @@ void sp_page_start(double position_m);
 /* `rows` ticks of dt_s towards intended_m of each; position, force and notes come out of it. */
 void sp_page_press(uint32_t rows, double dt_s);
 
-/* A fresh scene beside the pressed one, on rows of position_m and velocity_mps; force and notes come
- * out of it. */
+/* A fresh scene beside the pressed one, on rows of position_m and velocity_mps; force and notes
+ * come out of it. */
 void sp_page_replay(uint32_t rows);
 
 /* CRC-32C of the bits of so many forces. */

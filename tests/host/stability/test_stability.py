@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.small import DEPTH_M, model_file, press, scene, small_model
+from support.small import DEPTH_M, model_file, press, scene, small_model, training
 
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
-from springpot.codegen.scene import Coupling, Device, Scene
+from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.cli import springpot
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.trial_build import built
 from springpot.host.paper.reproduce import Work, simulated
-from springpot.host.stability.check import Stability, require_stable, stability
+from springpot.host.stability.check import Stability, require_stable, spectral_radius, stability
 from springpot.host.stability.closed_loop import Outcome, high_passed_rms
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import fit_model
@@ -223,4 +223,16 @@ def test_no_coupling_is_advised_where_none_is_stable() -> None:
     with pytest.raises(
         UnsafeError, match=r"no coupling is stable at 1000 Hz .* raise runtime.rate_hz"
     ):
+        require_stable(plan)
+
+
+def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
+    """A proxy may stand a stiff object, and not the soft contact that every press begins with."""
+    fast = dataclasses.replace(scene(mode="auto"), runtime=Runtime(rate_hz=4000.0))
+    model = fit_model("hammerstein", "x", training(), FitOptions()).model
+    model = model.stiffened(1.19e6 / make_plan(model, fast, accept_unsafe=True).stiffness_npm)
+    plan = make_plan(model, fast, accept_unsafe=True)
+    assert plan.coupling.coupling.mode == "proxy"
+    assert spectral_radius(plan) < 1.0
+    with pytest.raises(UnsafeError, match=r"is passed where this one is touched first"):
         require_stable(plan)
