@@ -28,6 +28,7 @@ from springpot.codegen.reference.notes import (
 )
 from springpot.host.browser.hands import hands_entry
 from springpot.host.devices.serial_device import BAUD
+from springpot.host.devices.wire import constant
 from springpot.host.emission.emission import Emitted, read_emission
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
@@ -75,6 +76,8 @@ def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
         "baud": BAUD,
         "golden_ticks": len(golden_positions(plan)),
         "notes": list(NOTE_WORDS.items()),
+        "clamped": CLAMPED,
+        "actions": {"stop": constant("STOP"), "reset": constant("RESET")},
         "port": port_hash(),
         "hands": packed(json.dumps(hands_entry(plan)).encode()),
         "wasm": packed(module),

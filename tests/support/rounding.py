@@ -4,10 +4,12 @@ Half a unit in the last place, `U`, is added for each operation and each constan
 error analysis do (Higham, Accuracy and Stability, chapter 3), to first order in U, and carried to
 the force by the slopes of what follows. What is not continuous has ties: inputs so near to a
 tree's threshold, or to the noise band of a velocity's window, that the two numbers may decide
-otherwise. There no distance is promised; which ticks they are is told by the motion alone.
+otherwise. There no distance is promised; the motion alone says which ticks they are.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,7 +137,7 @@ def _passive_error(stage: HammersteinStage, motion: MotionRange) -> float:
     return float(np.sum(errors) + sums * U * np.sum(sizes))
 
 
-def _curves(terms, n_pieces):  # type: ignore[no-untyped-def]
+def _curves(terms: Any, n_pieces: int) -> tuple[Callable[[float], Samples], Samples, Samples]:
     """Of curves (pieces, degree + 1, curves): error by that of the way; largest slope; size."""
     absolute = np.abs(np.asarray(terms, dtype=np.float64))
     degree = absolute.shape[1] - 1

@@ -1,7 +1,6 @@
 // What the page says in words and numbers: the proof, the hand's verdict, the newest tick.
 
 const COMPILED_MS = 2500; // by then the browser has compiled the C as well as it can
-const CLAMPED = 8; // SP_NOTE_CLAMPED
 const SPOKEN_MS = 300; // words that come and go faster are not shown
 
 const READ_MS = 100;
@@ -65,7 +64,7 @@ function read_hand({ stiffness_npm, mass_kg, delay, verdict }) {
 
 // A force at the lower limit is an object that does not pull: nothing to be told.
 function notes_in_words(notes, force_n) {
-  const told = force_n <= scene.entry.min_n ? notes & ~CLAMPED : notes;
+  const told = force_n <= scene.entry.min_n ? notes & ~scene.entry.clamped : notes;
   const words = scene.entry.notes.filter(([bit]) => told & bit).map(([, text]) => text);
   return words.length > 0 ? words.join(", ") : "fine";
 }

@@ -69,9 +69,6 @@ class Session extends Link {
 
 // A board that renders, over Web Serial.
 class Board extends Link {
-  static STOP = 0;
-  static RESET = 2;
-
   static async open(scene, say) {
     const port = await navigator.serial.requestPort();
     await port.open({ baudRate: scene.entry.baud });
@@ -83,8 +80,8 @@ class Board extends Link {
     this.writer = port.writable.getWriter();
     this.read(port.readable.getReader(), say);
     this.ask();
-    this.stop = () => this.command(Board.STOP);
-    this.reset = () => this.command(Board.RESET);
+    this.stop = () => this.command(scene.entry.actions.stop);
+    this.reset = () => this.command(scene.entry.actions.reset);
   }
 
   async read(reader, say) {

@@ -24,7 +24,7 @@ pytestmark = [
     pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
 ]
 
-# A board of the browser's own: what it would send is given, what it is told is kept.
+# A board of the browser's own: what it would send is given, what is written to it is kept.
 _FAKE_PORT = """
 window.told = [];
 Object.defineProperty(navigator, "serial", { value: { requestPort: async () => ({

@@ -4,6 +4,7 @@ import hashlib
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support import golden_forces
@@ -15,7 +16,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import BudgetError, MismatchError
 from springpot.codegen.plan.plan import make_plan
-from springpot.codegen.scene import Budget, Scene
+from springpot.codegen.scene import Budget, Scene, Target
 from springpot.host.benchmark.choice import choose_pick, scene_of
 from springpot.host.benchmark.node_ticks import time_in_node
 from springpot.host.benchmark.report import bench_page
@@ -37,9 +38,9 @@ def need(node: bool = True) -> None:
         pytest.skip(lacking)
 
 
-def emitted(folder: Path, name: str, number: str, mode: str, target: str) -> Path:
+def emitted(folder: Path, name: str, number: str, mode: str, target: Target) -> Path:
     scene = golden_forces.scene(name, number, mode)
-    scene = replace(scene, runtime=replace(scene.runtime, target=target))  # type: ignore[arg-type]
+    scene = replace(scene, runtime=replace(scene.runtime, target=target))
     folder.mkdir()
     plan = make_plan(golden_forces.model(name), scene, accept_unsafe=True)
     for file, text in emit_files(plan).items():
@@ -94,8 +95,8 @@ def test_emission_states_the_module_and_runs_its_selftest(
     with pytest.raises(BudgetError, match=r"flash: .* the scene's budget is 1000"):
         emit(*stored_scene(flash_bytes=1000), tmp_path / "c")
 
-    def differs(*given: object) -> WasmTicks:
-        return replace(run_in_node(*given), selftest=8)  # type: ignore[arg-type]
+    def differs(*given: Any) -> WasmTicks:
+        return replace(run_in_node(*given), selftest=8)
 
     monkeypatch.setattr(emission_module, "run_in_node", differs)
     with pytest.raises(MismatchError, match="golden tick 7: nothing was emitted"):
