@@ -1,0 +1,1 @@
+"""A perceptual study: does it feel like the object?"""

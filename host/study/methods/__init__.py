@@ -1,0 +1,1 @@
+"""Which stimulus comes next: functions of the answers so far, and of nothing else."""
