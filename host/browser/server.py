@@ -16,6 +16,7 @@ from typing import Any, Generic, Self, TypeVar
 
 _SEND_S = 5.0  # a page that takes nothing, or says half a request, for so long is gone
 _ALIVE_S = 1.0  # between signs of life: a closed page is found out by writing to it
+_POLL_S = 0.05  # of the end
 _MAX_BODY = 8192  # bytes that a page may send
 
 PageEvent = tuple[str, str]  # its name, and its data: one line
@@ -46,7 +47,9 @@ class PageServer(ABC, Generic[W]):
         self._over = ""
         self._server = _Server(("127.0.0.1", 0), _Request)
         self._server.page = self
-        self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
+        self._thread = threading.Thread(
+            target=self._server.serve_forever, args=[_POLL_S], daemon=True
+        )
 
     @abstractmethod
     def watcher(self) -> W:

@@ -21,7 +21,7 @@ ROOMS = {
                 "estimator", "parallel"],
     "host": ["console", "page", "plot_style", "metrics", "native", "simulation", "stability",
              "emission", "devices", "session", "recording", "boards", "validation", "browser",
-             "paper", "benchmark", "material", "demo", "api", "commands", "cli"],
+             "study", "paper", "benchmark", "material", "demo", "api", "commands", "cli"],
 }  # fmt: skip
 MAX_FILES = 15  # of a folder, its own name apart
 

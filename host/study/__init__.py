@@ -1,0 +1,1 @@
+"""Perceptual studies: does it feel like the object?"""
