@@ -41,8 +41,8 @@ def equivalence(
     people = len(each)
     if people < 2 or not np.all(np.isfinite(each)):
         raise DataError(
-            f"{first[0]} and {second[0]}: {int(np.sum(np.isfinite(each)))} people have scored both; "
-            "equivalence needs two, and no score missing"
+            f"{first[0]} and {second[0]}: {int(np.sum(np.isfinite(each)))} people have scored "
+            "both; equivalence needs two, and no score missing"
         )
     mean, error = float(each.mean()), float(each.std(ddof=1)) / people**0.5
     if error == 0.0:
