@@ -181,8 +181,8 @@ class Study:
 
 _ADAPTER = TypeAdapter(Study)
 _SECTIONS = {"stimulus": Stimulus, "pair": ComparedPair, "staircase": StaircaseRule,
-             "quest": QuestRule, "limits": StudyLimits, "exclude": Exclude, "equivalence": EquivalenceRule,
-             "question": Question}  # fmt: skip
+             "quest": QuestRule, "limits": StudyLimits, "exclude": Exclude,
+             "equivalence": EquivalenceRule, "question": Question}  # fmt: skip
 
 
 def read_study(path: Path) -> Study:
