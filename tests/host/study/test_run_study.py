@@ -114,7 +114,8 @@ def test_a_device_that_ends_in_a_trial(folder: StudyFolder, tmp_path: Path) -> N
     """Exit status 5 with the reason; what was open comes again."""
     recorded = tmp_path / "short.h5"
     above_m = np.full(900, -1e-3)
-    store_recording(recorded, Recording("short", above_m, 0 * above_m, 1e-3))
+    short = Recording("short", above_m, 0 * above_m, 1e-3)
+    store_recording(recorded, short, overwrite=False)
     status, printed = RunningStudy(folder, f"replay://{recorded}").end()
     assert status == 5, printed
     assert "no more samples" in printed
