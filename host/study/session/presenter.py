@@ -24,7 +24,7 @@ from springpot.host.study.session.wording import (
 
 _LOOK_S = 0.03
 _WARN_EVERY_S = 1.0
-_CHOOSE = "Choose with the arrow keys and press. Enter: answer."
+_CHOOSE = "Press each of them as often as you like, then answer."
 _WAIT = "Please wait: the experimenter changes the object."
 _LIFT = "Lift the tool off the surface."
 

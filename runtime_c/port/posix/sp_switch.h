@@ -13,9 +13,11 @@
 #include "sp_real.h"
 
 /* springpot declarations begin */
-enum { SP_SWITCH_PLACES = 4 };    /* 0: nothing */
-enum { SP_SWITCH_NOTE_BITS = 8 }; /* of the scene's own notes; above them the place, then a reset */
-enum { SP_SWITCH_NOTE_RESET = 4 << 8 };
+enum {
+    SP_SWITCH_PLACES = 4,       /* 0: nothing */
+    SP_SWITCH_PLACE_NOTE = 256, /* above the scene's own notes: times the place */
+    SP_SWITCH_RESET_NOTE = 1024 /* the scene was reset before this step */
+};
 
 typedef struct {
     void *step; /* null: no scene */
