@@ -3,15 +3,15 @@
 import dataclasses
 import json
 import re
-import tomllib
 from pathlib import Path
+from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from springpot.codegen.atomic_write import write_file
-from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.regular_file import read_bounded
+from springpot.codegen.errors import UsageError
 from springpot.codegen.scene import Scene
+from springpot.host.console.toml_file import checked_keys, toml_as_json
 
 _ADAPTER = TypeAdapter(Scene)
 _EXAMPLE = Scene(schema=1, name="example", model="model.spm")
@@ -29,16 +29,7 @@ _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 def read_scene(path: Path) -> Scene:
     """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
-    try:
-        text = read_bounded(path, _MAX_BYTES).decode()
-        content = json.dumps(tomllib.loads(text))
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read ({error.strerror}): give a scene file") from None
-    except DataError as error:
-        raise UsageError(str(error)) from None
-    except (ValueError, TypeError, RecursionError) as error:
-        raise UsageError(f"{path}: not a scene: {str(error).splitlines()[0]}") from None
-    return _checked(content, str(path))
+    return _checked(toml_as_json(path, _MAX_BYTES, "scene file"), str(path))
 
 
 def scene_from_json(text: str, where: str) -> Scene:
@@ -80,13 +71,7 @@ def model_path(scene: Scene, scene_file: Path) -> Path:
 
 
 def _checked(text: str, where: str) -> Scene:
-    try:
-        scene = _ADAPTER.validate_json(text)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        found = _message(first["type"], key) or f"{first['msg']} (found {first['input']!r})"
-        raise UsageError(f"{where}: {key}: {found}") from None
+    scene = checked_keys(_ADAPTER, text, where, _known_keys)
     prefix = scene.runtime.prefix
     if not _IDENTIFIER.fullmatch(prefix) or prefix in _TAKEN or prefix.startswith("sp_"):
         raise UsageError(
@@ -108,13 +93,6 @@ def _toml(value: str | float) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _message(kind: str, key: str) -> str | None:
-    """What to do about a missing or unknown key."""
-    if kind == "missing":
-        return "missing: add this key"
-    if kind in {"unexpected_keyword_argument", "extra_forbidden"}:
-        section = key.rpartition(".")[0]
-        place = getattr(_EXAMPLE, section, None) if section else _EXAMPLE
-        known = [field.name for field in dataclasses.fields(place or _EXAMPLE)]
-        return f"no such key: known here are {', '.join(known)}"
-    return None
+def _known_keys(place: tuple[Any, ...]) -> list[str]:
+    section = getattr(_EXAMPLE, str(place[0]), None) if place else None
+    return [field.name for field in dataclasses.fields(section or _EXAMPLE)]

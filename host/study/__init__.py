@@ -1,1 +1,1 @@
-"""A perceptual study: does it feel like the object?"""
+"""Perceptual studies: does it feel like the object?"""

@@ -1,0 +1,48 @@
+"""TOML files of users, checked key by key against a dataclass."""
+
+import json
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.regular_file import read_bounded
+
+T = TypeVar("T")
+_NO_SUCH_KEY = {"unexpected_keyword_argument", "extra_forbidden"}
+
+
+def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
+    """The file's content as JSON. Raises UsageError for what is none; what: "scene file"."""
+    try:
+        return json.dumps(tomllib.loads(read_bounded(path, max_bytes).decode()))
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read ({error.strerror}): give a {what}") from None
+    except DataError as error:
+        raise UsageError(str(error)) from None
+    except (ValueError, TypeError, RecursionError) as error:
+        raise UsageError(f"{path}: not a {what}: {str(error).splitlines()[0]}") from None
+
+
+def checked_keys(
+    adapter: TypeAdapter[T], text: str, where: str, known: Callable[[tuple[Any, ...]], list[str]]
+) -> T:
+    """Make the dataclass of JSON. Raises UsageError that names the key, and what it may be.
+
+    known: names of the keys of the section that a place in the file lies in.
+    """
+    try:
+        return adapter.validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = first["loc"]
+        if first["type"] == "missing":
+            found = "missing: add this key"
+        elif first["type"] in _NO_SUCH_KEY:
+            found = f"no such key: known here are {', '.join(known(place[:-1]))}"
+        else:
+            found = f"{first['msg']} (found {first['input']!r})"
+        raise UsageError(f"{where}: {'.'.join(map(str, place))}: {found}") from None
