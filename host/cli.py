@@ -1,63 +1,56 @@
 """The `springpot` command: subcommands by name, errors as one line and an exit status."""
 
-import importlib
 import io
 import sys
-from typing import NamedTuple
 
 import click
 
 from springpot.codegen import errors
+from springpot.host.console.lazy_group import LazyCommand, LazyGroup
 from springpot.host.console.output import say
-
-
-class _Command(NamedTuple):
-    """path: "module:object" under host/commands. short_help: the first line of its own help."""
-
-    path: str
-    short_help: str
-
 
 # Each is loaded when it is used, none for the list of all: replaying never loads what only
 # training needs.
 _COMMANDS = {
-    "doctor": _Command("doctor:doctor",
+    "doctor": LazyCommand("doctor:doctor",
         "Show what this machine offers, and what to do where something is missing."),
-    "demo": _Command("scenes.demo:demo",
+    "demo": LazyCommand("scenes.demo:demo",
         "Do the whole job on a simulated object: record, train, emit, build, validate, report."),
-    "record": _Command("recordings.record:record",
+    "record": LazyCommand("recordings.record:record",
         "Drive a device under force control and write one recording for each profile."),
-    "import": _Command("recordings.import_:import_",
+    "import": LazyCommand("recordings.import_:import_",
         "Turn CSV, MAT, HDF5, Mach-1 text files, CAN logs and journals into recordings."),
-    "check": _Command("recordings.check:check_",
+    "check": LazyCommand("recordings.check:check_",
         "Report the quality of RECORDINGS (files or folders); refusals end with status 3."),
-    "plot": _Command("recordings.plot:plot",
+    "plot": LazyCommand("recordings.plot:plot",
         "Draw RECORDINGS: time series, loops by rate and amplitude, spectra, stiffness and loss."),
-    "export": _Command("recordings.export:export_",
+    "export": LazyCommand("recordings.export:export_",
         "Write RECORDINGS (files or folders) as files that other programs read."),
-    "train": _Command("models.train:train",
+    "train": LazyCommand("models.train:train",
         "Fit a model on RECORDINGS (files or folders)."),
-    "emit": _Command("scenes.emit:emit_",
+    "emit": LazyCommand("scenes.emit:emit_",
         "Emit the C source of a scene, or of a benchmark's pick (keys of --scene override it)."),
-    "build": _Command("scenes.emit:build",
+    "build": LazyCommand("scenes.emit:build",
         "Build an emitted FOLDER's shared library in the cache; print its path."),
-    "firmware": _Command("scenes.firmware:firmware",
+    "firmware": LazyCommand("scenes.firmware:firmware",
         "Build a board's firmware; all its sources lie beside it."),
-    "stability": _Command("scenes.stability:stability_",
+    "stability": LazyCommand("scenes.stability:stability_",
         "Spectral radius, small-signal maps, and a closed loop with three hands."),
-    "validate": _Command("scenes.validate:validate_",
+    "validate": LazyCommand("scenes.validate:validate_",
         "Replay recordings through the C of an emitted FOLDER."),
-    "run": _Command("scenes.run:run",
+    "run": LazyCommand("scenes.run:run",
         "Render a scene on a device."),
-    "bench": _Command("models.bench:bench",
+    "bench": LazyCommand("models.bench:bench",
         "Measure every kind and size of model on your recordings; mark the front; pick."),
-    "report": _Command("scenes.report:report",
+    "report": LazyCommand("scenes.report:report",
         "Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."),
-    "page": _Command("scenes.page:page",
+    "page": LazyCommand("scenes.page:page",
         "Write one HTML file in which people press the emitted FOLDERS, in a browser."),
-    "reproduce": _Command("models.reproduce:reproduce",
+    "reproduce": LazyCommand("models.reproduce:reproduce",
         "Repeat the paper's tables and figures, and say which of its claims hold here."),
-    "material": _Command("models.material:material",
+    "study": LazyCommand("study.group:study",
+        "Does it feel like the object? Plan a study, run it with people, and report."),
+    "material": LazyCommand("models.material:material",
         "Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."),
 }  # fmt: skip
 
@@ -76,24 +69,7 @@ def exit_status(error: errors.SpringpotError) -> int:
     return next((_EXIT_STATUS[kind] for kind in type(error).__mro__ if kind in _EXIT_STATUS), 1)
 
 
-class _Commands(click.Group):
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(_COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in _COMMANDS:
-            return None
-        module, _, name = _COMMANDS[cmd_name].path.partition(":")
-        command = getattr(importlib.import_module(f"springpot.host.commands.{module}"), name)
-        assert isinstance(command, click.Command)
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, found.short_help) for name, found in _COMMANDS.items()])
-
-
-@click.group(cls=_Commands)
+@click.group(cls=LazyGroup, commands_by_name=_COMMANDS)
 @click.version_option(package_name="springpot")
 def springpot() -> None:
     """Recordings of a soft object in; small, fast, checked C that renders its feel out."""

@@ -48,8 +48,9 @@ LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 @cache
 def loop_library(real: str) -> CLibrary:
-    """sp_link.h, sp_loop.h and sp_press.h for one number type; real: "float" or "double"."""
-    headers = [PORT_POSIX / name for name in ("sp_link.h", "sp_loop.h", "sp_press.h")]
+    """What the posix port declares, for one number type; real: "float" or "double"."""
+    names = ("sp_link.h", "sp_loop.h", "sp_press.h", "sp_switch.h")
+    headers = [PORT_POSIX / name for name in names]
     sources = [*sorted(PORT_POSIX.glob("*.c")), PORT_WIRE / "sp_wire.c", *sorted(SIM.glob("*.c"))]
     library = load(headers, sources, real, ["-pthread"])
     assert library.ffi.sizeof("sp_row") == 8 * len(COLUMNS)

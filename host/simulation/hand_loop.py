@@ -1,6 +1,6 @@
 """A scene in closed loop with a simulated hand, in compiled C: sp_closed_loop.h."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -15,6 +15,7 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 
+_TRACED = ("position_m", "velocity_mps", "seen_m", "seen_mps", "force_n")
 _SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
 
@@ -38,11 +39,14 @@ class Scenario:
 class Trace:
     """What came of it; arrays of shape (n,), true position and velocity at each tick's start.
 
-    force_n: what the scene returned then. felt_n: what acted on the tool during the tick.
+    seen_m, seen_mps: what the scene was given. force_n: what it returned then. felt_n: what acted
+    on the tool during the tick.
     """
 
     position_m: Samples
     velocity_mps: Samples
+    seen_m: Samples
+    seen_mps: Samples
     force_n: Samples
     felt_n: Samples
     notes: NDArray[np.int32]
@@ -58,17 +62,31 @@ class Operator:
     seed: int = 1
 
 
-class HandLoop:
-    """Runs one scene in closed loop; every run starts from a fresh state."""
+@dataclass(frozen=True)
+class LoopCalls:
+    """Addresses of a scene's functions and of its state; kept: what keeps them alive."""
 
-    def __init__(self, library: SceneLibrary) -> None:
-        self._library = library
-        self._port = _load("float" if library.dtype is np.float32 else "double")
+    step: int
+    idle: int
+    reset: int
+    state: int
+    kept: Any = field(default=None, repr=False)
+
+
+class HandLoop:
+    """Runs one scene in closed loop; a library's from a fresh state in every run."""
+
+    def __init__(self, scene: SceneLibrary | LoopCalls, real: str = "") -> None:
+        """real: "float" or "double", where `scene` does not say it."""
+        self._scene_of = scene
+        if isinstance(scene, SceneLibrary):
+            real = "float" if scene.dtype is np.float32 else "double"
+        self._port = _load(real)
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
         """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
         n = len(scenario.dt_s)
-        trace = {name: np.empty(n) for name in ("position_m", "velocity_mps", "force_n")}
+        trace = {name: np.empty(n) for name in _TRACED}
         notes = np.empty(n, dtype=np.int32)
         scene, held = self._scene()
         arrays = {name: np.ascontiguousarray(value, dtype=np.float64)
@@ -120,11 +138,14 @@ class HandLoop:
 
     def _scene(self) -> tuple[Any, Any]:
         """The scene's functions with a fresh state, and what keeps that alive."""
-        state = self._library.new_state()
-        addresses = {name: self._library.address(name) for name in ("step", "idle", "reset")}
-        addresses["state"] = state.address
-        pointers = {name: self._port.pointer(address) for name, address in addresses.items()}
-        return self._port.ffi.new("sp_closed_loop_scene *", pointers), state
+        calls = self._scene_of
+        if isinstance(calls, SceneLibrary):
+            state, library = calls.new_state(), calls
+            step, idle, reset = (library.address(name) for name in ("step", "idle", "reset"))
+            calls = LoopCalls(step, idle, reset, state.address, kept=state)
+        pointers = {name: self._port.pointer(getattr(calls, name))
+                    for name in ("step", "idle", "reset", "state")}  # fmt: skip
+        return self._port.ffi.new("sp_closed_loop_scene *", pointers), calls.kept
 
     def _tool(self, operator: Operator, start_m: float) -> Any:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")

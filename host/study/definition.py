@@ -42,7 +42,7 @@ class Stimulus:
 
 
 @dataclass(frozen=True)
-class Pair:
+class ComparedPair:
     """One condition. left, right: names of stimuli; of psychometric methods standard, comparison.
 
     repeats: trials of it in a session. sides: "balanced" swaps left and right in half of them.
@@ -87,7 +87,7 @@ class QuestPlus:
 
 
 @dataclass(frozen=True)
-class Limits:
+class StudyLimits:
     """When people are warned: beyond a depth, by default the trained one; warn_speed: x trained."""
 
     __pydantic_config__ = _CLOSED
@@ -142,7 +142,7 @@ class Study:
     name: str
     method: MethodName
     stimulus: list[Stimulus]
-    pair: list[Pair]
+    pair: list[ComparedPair]
     sessions: Annotated[int, Interval(ge=1, le=100)] = 1
     order: Literal["random", "williams"] = "random"
     practice: Annotated[int, Interval(ge=0, le=100)] = 0
@@ -150,7 +150,7 @@ class Study:
     ask: str | None = None
     staircase: Staircase = field(default_factory=Staircase)
     quest: QuestPlus = field(default_factory=QuestPlus)
-    limits: Limits = field(default_factory=Limits)
+    limits: StudyLimits = field(default_factory=StudyLimits)
     exclude: Exclude = field(default_factory=Exclude)
     equivalence: Equivalence | None = None
     question: list[Question] = field(default_factory=list)
@@ -166,8 +166,8 @@ class Study:
 
 
 _ADAPTER = TypeAdapter(Study)
-_SECTIONS = {"stimulus": Stimulus, "pair": Pair, "staircase": Staircase, "quest": QuestPlus,
-             "limits": Limits, "exclude": Exclude, "equivalence": Equivalence,
+_SECTIONS = {"stimulus": Stimulus, "pair": ComparedPair, "staircase": Staircase, "quest": QuestPlus,
+             "limits": StudyLimits, "exclude": Exclude, "equivalence": Equivalence,
              "question": Question}  # fmt: skip
 
 

@@ -2,6 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+from springpot.codegen.errors import DataError
+from springpot.host.study.folder import KEY, StudyFolder
+from springpot.host.study.session.conduct import JOURNAL
+from springpot.host.study.session.journal import Line, read_lines
+from springpot.host.study.session.progress import DoneTrial, SessionProgress, is_correct
 
 
 @dataclass(frozen=True)
@@ -41,3 +48,60 @@ class Reply:
     participant: str
     question: int
     answer: str
+
+
+def read_responses(folder: StudyFolder) -> tuple[list[Response], list[Reply]]:
+    """All trials that count and all replies, by participant, session and time; opens the key.
+
+    Practice is session 0. Raises DataError where a journal is damaged or of another study.
+    """
+    responses: list[Response] = []
+    replies: list[Reply] = []
+    for participant in folder.participants:
+        for session in range(folder.study.sessions + 1):
+            place = folder.session_folder(participant, session)
+            if not (place / JOURNAL).exists():
+                continue
+            lines = read_lines(place / JOURNAL)
+            _require_of(folder, place / JOURNAL, lines)
+            progress = SessionProgress(folder, participant, session)
+            for done in progress.done(lines):
+                responses.append(_response(folder, participant, session, done, place))
+            replies += [Reply(participant, line["question"], line["answer"])
+                        for line in lines if line["step"] == "reply"]  # fmt: skip
+    return responses, replies
+
+
+def _require_of(folder: StudyFolder, file: Path, lines: list[Line]) -> None:
+    digest = folder.key.digest
+    for line in lines:
+        if line["step"] in ("session", "resumed"):
+            if line["study"] != folder.hash:
+                raise DataError(f"{file}: of another plan of this study: put it back where it was")
+            if line["key"] != digest:
+                raise DataError(f"{file}: {folder.path / KEY} is not the key it was made with")
+
+
+def _response(
+    folder: StudyFolder, participant: str, session: int, done: DoneTrial, place: Path
+) -> Response:
+    trial, answered = done.trial, done.answered
+    details: dict[str, Any] = done.lines[-1]
+    log = place / details["log"] if details.get("log") else None
+    return Response(
+        participant=participant,
+        session=session,
+        number=trial.number,
+        attempt=trial.attempt,
+        pair=trial.pair,
+        shown=trial.shown,
+        swapped=trial.swapped,
+        answer=answered["answer"],
+        correct=is_correct(folder.study, trial, answered["answer"]),
+        seconds=float(answered["seconds"]),
+        presses=int(details.get("presses", 0)),
+        deepest_m=float(details.get("deepest_m", 0.0)),
+        fastest_mps=float(details.get("fastest_mps", 0.0)),
+        warnings=int(details.get("warnings", 0)),
+        log=log,
+    )

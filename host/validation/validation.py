@@ -137,7 +137,9 @@ def _validated(
         force, notes = replay.run(position, velocity)
         predicted_m = proxy_positions(plan, library, position, velocity)
         reference = run_reference(plan, position, velocity, predicted_m)
-        mismatches += int(np.sum(_differs(force, reference.force_n) | (notes != reference.notes)))
+        mismatches += int(
+            np.sum(bits_differ(force, reference.force_n) | (notes != reference.notes))
+        )
         again = repeat_session(replay, recording, library.manifest["hash"])
         if again is None:
             objects.append(recording)
@@ -184,9 +186,9 @@ def repeat_session(
     channels, call = recording.channels, recording.channels["call"].astype(int)
     force, notes = replay.repeat(channels)
     logged = channels["returned_n"].astype(force.dtype)
-    other = _differs(force, logged) | (notes != channels["notes"].astype(int))
+    other = bits_differ(force, logged) | (notes != channels["notes"].astype(int))
     felt = recording.force_n.astype(force.dtype)
-    sent_otherwise = _differs(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
+    sent_otherwise = bits_differ(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
     silenced = (call & (NONE | SILENT | UNSENT)) != 0
     mismatches = int(np.sum((other | sent_otherwise) & ((call & NONE) == 0)))
     return np.where(silenced, felt, force), mismatches
@@ -207,7 +209,8 @@ def proxy_positions(
     return found
 
 
-def _differs(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+def bits_differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    """Where two arrays of the same type are not the same, bit for bit."""
     bits = np.uint32 if one.dtype == np.float32 else np.uint64
     result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
     return result

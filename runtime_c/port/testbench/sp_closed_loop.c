@@ -60,6 +60,8 @@ int64_t sp_closed_loop_run(const sp_closed_loop_scene *scene, sim_tool *hand, ui
     for (uint32_t i = 0; i < n; i++) {
         const sample now = {(sp_real)(seen_m + scenario->error_m[i]), (sp_real)seen_mps, 1};
         sim_tool_truth(hand, &trace->position_m[i], &trace->velocity_mps[i]);
+        trace->seen_m[i] = (double)now.position_m;
+        trace->seen_mps[i] = (double)now.velocity_mps;
         if (scenario->dropped[i] == SP_CLOSED_LOOP_LATE) {
             trace->notes[i] = SP_NOTE_HELD; /* the last force is sent again, and the tick is owed */
             late = now;

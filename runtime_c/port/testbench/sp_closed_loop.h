@@ -31,10 +31,13 @@ typedef struct {
     const uint8_t *dropped;   /* of sp_closed_loop_dropped */
 } sp_closed_loop_scenario;
 
-/* What came of it; arrays of n. Position and velocity are true ones at the tick's start. */
+/* What came of it; arrays of n. Position and velocity are true ones at the tick's start; what the
+ * sensors saw of them is what the scene was given. */
 typedef struct {
     double *position_m;
     double *velocity_mps;
+    double *seen_m;
+    double *seen_mps;
     double *force_n; /* that the scene returned at the tick's start */
     int32_t *notes;
 } sp_closed_loop_trace;

@@ -49,7 +49,7 @@ def next_event(stream: IO[bytes]) -> tuple[str, bytes]:
 
 def wait_for_viewer(page: LivePage, count: int = 1) -> None:
     end_s = time.monotonic() + 10.0
-    while len(page._looking()) != count:
+    while page.viewers != count:
         assert time.monotonic() < end_s
         time.sleep(0.001)
 
@@ -108,5 +108,5 @@ def test_a_page_that_takes_nothing_costs_the_loop_nothing(page: LivePage) -> Non
         rows = some_rows(100)
         for _ in range(5000):  # 22 MB of frames: more than any socket takes
             page.append(rows)
-        assert sum(len(viewer._waiting) for viewer in page._looking()) <= 64
+        assert sum(len(watcher.waiting) for watcher in page.watchers()) <= 64
         page.end("over")

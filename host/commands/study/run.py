@@ -1,0 +1,68 @@
+"""`springpot study run`: the next session of one participant."""
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import click
+
+from springpot.codegen.errors import UsageError
+from springpot.host.console.output import json_option, print_result, say
+
+
+@click.command("run")
+@click.argument("study", type=click.Path(path_type=Path))
+@click.option("--participant", required=True, help="Number of the participant, such as 07.")
+@click.option(
+    "--device", "url", help="Such as serial:///dev/ttyACM0; needed where scenes are felt."
+)
+@json_option
+def run_study(study: Path, participant: str, url: str | None, as_json: bool) -> None:
+    """Go on with the next session of one participant of the planned STUDY.
+
+    The participant's screen is a page in a browser, worked by the keyboard alone; this terminal is
+    the experimenter's. Stopped by q, Ctrl-C or a crash, the same command goes on where it was.
+    """
+    from springpot.host.console.keys import reading_keys
+    from springpot.host.session.terminal import stopping_on_sigterm
+    from springpot.host.study.folder import read_folder
+    from springpot.host.study.session.apparatus import Apparatus
+    from springpot.host.study.session.conduct import SessionStoppedError, conduct, next_session
+    from springpot.host.study.session.experimenter import KEYS, Experimenter
+    from springpot.host.study.session.presenter import DevicePresenter
+    from springpot.host.study.session.screen import ParticipantScreen
+
+    folder = read_folder(study)
+    session = next_session(folder, participant)
+    if session is None:
+        raise UsageError(f"{study}: participant {participant} has finished all sessions")
+    if folder.scenes and url is None:
+        raise UsageError("scenes are felt in this study: give the device, --device URL")
+    stopped = "the session is over"
+    counts = {"done": 0, "void": 0}
+    with (
+        stopping_on_sigterm(),
+        ParticipantScreen() as screen,
+        reading_keys() as keys,
+        nullcontext()
+        if url is None or not folder.scenes
+        else Apparatus(folder, url, screen, say) as apparatus,
+    ):
+        say(f"participant's screen: {screen.address}")
+        say(f"keys here: {KEYS}")
+        presenter = DevicePresenter(folder, apparatus, screen, Experimenter(keys))
+        try:
+            presenter.welcome(session)
+            conduct(folder, participant, session, presenter, counts)
+        except SessionStoppedError as stop:
+            stopped = str(stop)
+        except KeyboardInterrupt:
+            stopped = "interrupted: zero force was sent; the same command goes on with this session"
+    result = {
+        "out": str(folder.session_folder(participant, session)),
+        "participant": participant,
+        "session": session,
+        "done": counts["done"],
+        "void": counts["void"],
+        "stopped": stopped,
+    }
+    print_result(result, as_json, {name: str(value) for name, value in result.items()})

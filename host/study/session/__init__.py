@@ -1,0 +1,1 @@
+"""One session with a person: trials on a device, two screens, a journal that survives."""
