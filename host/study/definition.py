@@ -64,22 +64,22 @@ class ComparedPair:
 
 
 @dataclass(frozen=True)
-class Staircase:
-    """One up, `down` down, on the levels of a series; it ends after so many reversals or trials.
+class StaircaseRule:
+    """One up, `down` down, on the levels of a series, from the easiest.
 
-    down 2 settles at 70.7 % correct, 3 at 79.4 %. start: level of its first trial; by default the
-    easiest.
+    down 2 settles at 70.7 % correct, 3 at 79.4 %. It ends after so many reversals, of which the
+    first `skipped` do not count, or after so many trials.
     """
 
     __pydantic_config__ = _CLOSED
     down: Literal[2, 3] = 2
-    reversals: Annotated[int, Interval(ge=2, le=100)] = 8
-    trials: Annotated[int, Interval(ge=4, le=1000)] = 60
-    start: float | None = None
+    reversals: Annotated[int, Interval(ge=4, le=100)] = 12
+    skipped: Annotated[int, Interval(ge=0, le=50)] = 4
+    trials: Annotated[int, Interval(ge=4, le=1000)] = 80
 
 
 @dataclass(frozen=True)
-class QuestPlus:
+class QuestRule:
     """How many trials of QUEST+ a series gets."""
 
     __pydantic_config__ = _CLOSED
@@ -109,7 +109,7 @@ class Exclude:
 
 
 @dataclass(frozen=True)
-class Equivalence:
+class EquivalenceRule:
     """Two conditions are alike when their means differ by less than `margin`, in answers.
 
     sd: standard deviation of one person's difference between two conditions that the plan expects.
@@ -148,16 +148,30 @@ class Study:
     practice: Annotated[int, Interval(ge=0, le=100)] = 0
     trial_minutes: Annotated[float, Gt(0)] = 1.0
     ask: str | None = None
-    staircase: Staircase = field(default_factory=Staircase)
-    quest: QuestPlus = field(default_factory=QuestPlus)
+    staircase: StaircaseRule = field(default_factory=StaircaseRule)
+    quest: QuestRule = field(default_factory=QuestRule)
     limits: StudyLimits = field(default_factory=StudyLimits)
     exclude: Exclude = field(default_factory=Exclude)
-    equivalence: Equivalence | None = None
+    equivalence: EquivalenceRule | None = None
     question: list[Question] = field(default_factory=list)
 
     def stimulus_of(self, name: str) -> Stimulus:
         """The stimulus of that name."""
         return next(stimulus for stimulus in self.stimulus if stimulus.name == name)
+
+    @property
+    def all_series(self) -> tuple[str, ...]:
+        """Names of all series, in the file's order."""
+        return tuple(dict.fromkeys(pair.series for pair in self.pair))
+
+    def pairs_of(self, series: str) -> list[int]:
+        """Indices of the pairs of a series."""
+        return [k for k, pair in enumerate(self.pair) if pair.series == series]
+
+    def step(self, pair: int) -> float:
+        """How far the comparison's level is from the standard's: the greater, the easier."""
+        standard, comparison = self.pair[pair].left, self.pair[pair].right
+        return abs(self.stimulus_of(comparison).at_level - self.stimulus_of(standard).at_level)
 
     @property
     def adaptive(self) -> bool:
@@ -166,9 +180,9 @@ class Study:
 
 
 _ADAPTER = TypeAdapter(Study)
-_SECTIONS = {"stimulus": Stimulus, "pair": ComparedPair, "staircase": Staircase, "quest": QuestPlus,
-             "limits": StudyLimits, "exclude": Exclude, "equivalence": Equivalence,
-             "question": Question}  # fmt: skip
+_SECTIONS = {"stimulus": Stimulus, "pair": ComparedPair, "staircase": StaircaseRule,
+             "quest": QuestRule, "limits": StudyLimits, "exclude": Exclude,
+             "equivalence": EquivalenceRule, "question": Question}  # fmt: skip
 
 
 def read_study(path: Path) -> Study:
@@ -229,13 +243,15 @@ def _method_problems(study: Study) -> list[str]:
             if len(standards) > 1
         ]
     if study.method in ADAPTIVE:
-        for series in dict.fromkeys(pair.series for pair in study.pair):
-            levels = [study.stimulus_of(p.right).at_level for p in study.pair if p.series == series]
-            if len(set(levels)) < max(3, len(levels)):
+        for series in study.all_series:
+            steps = [study.step(k) for k in study.pairs_of(series)]
+            if len(steps) < 3 or len(set(steps)) < len(steps) or 0 in steps:
                 found.append(
                     f"series {series!r}: a {study.method} needs at least three pairs, each `right` "
-                    "of another level"
+                    "another step away from the standard's level, none at it"
                 )
+        if study.method == "staircase" and study.staircase.skipped >= study.staircase.reversals:
+            found.append("staircase: more reversals have to be made than are skipped")
         if study.order == "williams":
             found.append(f"order: williams is for fixed trials: {study.method} picks its own")
     if study.method in ("abx", "same-different"):

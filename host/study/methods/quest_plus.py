@@ -18,7 +18,7 @@ Share = Callable[..., Samples]  # of right answers: of levels and parameters by 
 
 
 @dataclass(frozen=True)
-class QuestPlusGrid:
+class QuestPlus:
     """Levels that can be shown, the grid of every parameter, and the share of right answers.
 
     Every answer of a level is right or wrong; the levels shown come back with the answers, so that

@@ -11,7 +11,7 @@ from springpot.codegen.errors import UsageError
 
 
 @dataclass(frozen=True)
-class AdaptiveStaircase:
+class Staircase:
     """On levels in rising order, the last one the easiest; starts at a place among them.
 
     It ends after so many reversals or trials, whichever comes first. The first reversals, while it

@@ -82,8 +82,8 @@ def _complete(found: Comparisons) -> None:
     """Leave out people without an answer in every cell, and say so."""
     table = found.table
     assert table is not None
-    whole = np.isfinite(table.scores.reshape(len(table.people), -1)).all(axis=1)
-    if not np.all(whole):
+    whole = [bool(np.all(np.isfinite(scores))) for scores in table.scores]
+    if not all(whole):
         left = [person for person, use in zip(table.people, whole, strict=True) if not use]
         found.notes.append(
             f"not yet asked in every condition, and not in the comparisons: {', '.join(left)}"

@@ -11,7 +11,8 @@ from springpot.host.study.session.apparatus import Apparatus
 from springpot.host.study.session.conduct import PresentedTrial, Record, TrialOutcome
 from springpot.host.study.session.experimenter import Experimenter, TrialVoidedError
 from springpot.host.study.session.presses import PressLimits, PressWatch
-from springpot.host.study.session.screen import Act, Ask, ParticipantScreen, ScreenState
+from springpot.host.study.session.screen import ParticipantScreen
+from springpot.host.study.session.screen_state import Act, Ask, ScreenState
 from springpot.host.study.session.wording import (
     FEEL_ALL,
     TOO_DEEP,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from springpot.codegen.errors import DataError
 from springpot.host.study.definition import Study
 from springpot.host.study.folder import StudyFolder
-from springpot.host.study.methods.levels import ended_series, next_pair
+from springpot.host.study.methods.levels import next_pair, open_series
 from springpot.host.study.schedule import PlannedTrial, adaptive_trial, fixed_trials
 from springpot.host.study.session.journal import Line
 
@@ -111,9 +111,7 @@ class SessionProgress:
             return by_number[order[0]] if order else None
         if self._study.adaptive and self._session:
             history = self._history(done)
-            series = list(dict.fromkeys(pair.series for pair in self._study.pair))
-            ended = ended_series(self._study, history)
-            left = [name for name in series if name not in ended]
+            left = open_series(self._study, history)
             if left:
                 shown = [self._study.pair[pair].series for pair, _ in history]
                 return adaptive_trial(self._study, self._participant, self._session, left, shown)

@@ -16,7 +16,7 @@ import numpy as np
 from springpot.host.browser.server import Answer, PageEvent, PageServer, PageWatcher
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows
 from springpot.host.page import page_text
-from springpot.host.study.screen_state import (
+from springpot.host.study.session.screen_state import (
     LONGEST_TEXT,
     Act,
     ScreenState,

@@ -1,7 +1,7 @@
 """What people are asked, by method."""
 
 from springpot.host.study.definition import Study
-from springpot.host.study.session.screen import Ask
+from springpot.host.study.session.screen_state import Ask
 
 _QUESTIONS = {
     "similarity": "How similar are the two? 0: entirely different. 100: the same.",

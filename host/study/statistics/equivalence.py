@@ -15,7 +15,7 @@ from springpot.codegen.errors import DataError, UsageError
 
 
 @dataclass(frozen=True)
-class EquivalenceTest:
+class Equivalence:
     """first minus second, its interval of 1 - 2 alpha, and the larger p of the two tests."""
 
     first: str
@@ -31,7 +31,7 @@ class EquivalenceTest:
 
 def equivalence(
     first: tuple[str, Samples], second: tuple[str, Samples], margin: float, alpha: float = 0.05
-) -> EquivalenceTest:
+) -> Equivalence:
     """Names and scores of two conditions, one score a person and in the same order."""
     if not margin > 0.0:
         raise UsageError(
@@ -40,10 +40,9 @@ def equivalence(
     each = first[1] - second[1]
     people = len(each)
     if people < 2 or not np.all(np.isfinite(each)):
-        both = int(np.sum(np.isfinite(each)))
         raise DataError(
-            f"{first[0]} and {second[0]}: {both} people have scored both; equivalence needs two, "
-            "and no score missing"
+            f"{first[0]} and {second[0]}: {int(np.sum(np.isfinite(each)))} people have scored "
+            "both; equivalence needs two, and no score missing"
         )
     mean, error = float(each.mean()), float(each.std(ddof=1)) / people**0.5
     if error == 0.0:
@@ -53,6 +52,6 @@ def equivalence(
         max(stats.t.sf((mean + margin) / error, df), stats.t.cdf((mean - margin) / error, df))
     )
     half = float(stats.t.ppf(1.0 - alpha, df)) * error
-    return EquivalenceTest(
+    return Equivalence(
         first[0], second[0], mean, mean - half, mean + half, margin, df, p, p < alpha
     )

@@ -13,8 +13,8 @@ import pytest
 
 from springpot.host.browser import server
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
-from springpot.host.study.screen_state import LONGEST_TEXT, Act, Ask, ScreenState
 from springpot.host.study.session.screen import ParticipantScreen
+from springpot.host.study.session.screen_state import LONGEST_TEXT, Act, Ask, ScreenState
 
 RATE = Ask("number", "How alike?")
 TRIAL = ScreenState("Trial 1 of 2", "Feel both.", ("Left", "Right"), active=0, ask=RATE)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.codegen.errors import UsageError
-from springpot.host.study.methods.quest_plus import QuestPlusGrid, cumulative_normal, weibull_db
+from springpot.host.study.methods.quest_plus import QuestPlus, cumulative_normal, weibull_db
 
 DB = tuple(float(level) for level in range(-40, 1))
 
@@ -19,9 +19,9 @@ def levels(text: str) -> list[float]:
     return [float(level) for level, times in pairs for _ in range(int(times))]
 
 
-def watson(slopes: list[float], lapses: list[float]) -> QuestPlusGrid:
+def watson(slopes: list[float], lapses: list[float]) -> QuestPlus:
     grid = {"threshold": DB, "slope": slopes, "guess": [0.5], "lapse": lapses}
-    return QuestPlusGrid(DB, grid, weibull_db)
+    return QuestPlus(DB, grid, weibull_db)
 
 
 # Watson's examples: slopes, lapses, levels, answers, modes
@@ -81,10 +81,10 @@ def test_normal_function_runs_from_guess_to_lapse() -> None:
 
 
 def test_impossible_histories_are_refused() -> None:
-    sure = QuestPlusGrid((1.0, 2.0), {"edge": [1.5]}, lambda level, edge: 1.0 * (level > edge))
+    sure = QuestPlus((1.0, 2.0), {"edge": [1.5]}, lambda level, edge: 1.0 * (level > edge))
     with pytest.raises(UsageError, match="no parameters of the grid"):
         sure.next_level([2.0], [False])
     with pytest.raises(UsageError, match="7 is no level"):
         sure.next_level([7.0], [False])
     with pytest.raises(UsageError, match="not between 0 and 1"):
-        QuestPlusGrid((1.0,), {"edge": [1.5]}, lambda level, edge: level + edge)
+        QuestPlus((1.0,), {"edge": [1.5]}, lambda level, edge: level + edge)
