@@ -6,12 +6,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from scipy import stats
 
 from springpot.host.plot_style import ERROR, MEASURED, MUTED, PREDICTED, STYLE, svg_text
 from springpot.host.study.report.analysis import Analysis
 from springpot.host.study.report.choices import EVERYBODY, PsychometricCurve
 from springpot.host.study.report.scores import by_condition
+from springpot.host.study.statistics.psychometric import share_interval
 
 COLOURS = (ERROR, PREDICTED, "#4f8a4c", "#8f6bb3", "#c58b2a", MUTED)
 
@@ -71,7 +71,7 @@ def rating_boxes(analysis: Analysis) -> str:
 
 
 def psychometric_figure(curves: Sequence[PsychometricCurve]) -> str:
-    """SVG text: a panel for each series, everybody's answers with intervals, people's curves thin."""
+    """SVG text: a panel for each series; everybody's answers, and people's curves thin."""
     series = list(dict.fromkeys(curve.series for curve in curves))
     with mpl.rc_context(STYLE):
         columns = min(3, len(series))
@@ -115,10 +115,7 @@ def _curve(axes: Axes, curve: PsychometricCurve) -> None:
             axes.plot(x, curve.share(x), color=MUTED, lw=0.6, alpha=0.7)
         return
     share = curve.chosen / curve.trials
-    low, high = (
-        stats.beta.ppf(q, curve.chosen + 0.5, curve.trials - curve.chosen + 0.5)
-        for q in (0.025, 0.975)
-    )
+    low, high = share_interval(curve.chosen, curve.trials)
     bars = np.maximum(0.0, np.array([share - low, high - share]))
     axes.errorbar(curve.levels, share, bars, fmt="o", ms=4, color=MEASURED, lw=0.8, zorder=3)
     if curve.fit is None:

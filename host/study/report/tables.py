@@ -15,6 +15,8 @@ from springpot.host.study.report.comparisons import Comparisons, Row
 from springpot.host.study.report.scores import by_condition, condition_title
 from springpot.host.study.responses import Response
 
+_QUARTILES = ("min", "q1", "median", "q3", "max")
+
 
 def write_tables(analysis: Analysis, responses: Sequence[Response], folder: Path) -> list[str]:
     """Write all that have a row; responses: practice too. Return the file names."""
@@ -102,7 +104,7 @@ def condition_rows(analysis: Analysis) -> list[Row]:
                 "people": len(means),
                 "mean": float(means.mean()),
                 "sd": float(means.std(ddof=1)) if len(means) > 1 else None,
-                **dict(zip(("min", "q1", "median", "q3", "max"), map(float, quartiles), strict=True)),
+                **dict(zip(_QUARTILES, map(float, quartiles), strict=True)),
             })  # fmt: skip
     return rows
 

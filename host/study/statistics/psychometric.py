@@ -58,6 +58,13 @@ def psychometric_share(
     return np.asarray(guess + (1.0 - guess - lapse) * rise)
 
 
+def share_interval(yes: Samples, trials: Samples) -> tuple[Samples, Samples]:
+    """95 % interval of a share (Jeffreys)."""
+    ends = (stats.beta.ppf(q, yes + 0.5, trials - yes + 0.5) for q in (0.025, 0.975))
+    low, high = (np.asarray(end) for end in ends)
+    return low, high
+
+
 def fit_psychometric(
     levels: Samples, right: Samples, trials: Samples, guess: float | None = 0.5
 ) -> PsychometricFit:
