@@ -22,6 +22,11 @@ def p_words(p: float) -> str:
     return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
 
 
+def p_digits(p: float) -> str:
+    """A p value in a table."""
+    return "< 0.0001" if p < 0.0001 else f"{p:.4f}"
+
+
 def verdict(pair: Row, equivalence: Sequence[Row]) -> str:
     """What is shown of a pair: a difference, likeness within the margin, both, or neither."""
     told = pair["p_tukey"] < ALPHA
@@ -189,8 +194,8 @@ def _thresholds(analysis: Analysis) -> list[str]:
     for row in analysis.psychometric:
         if row["participant"] == EVERYBODY and row["threshold"] is not None:
             lines.append(
-                f"{row['stimulus']}: everybody's answers are half-way up their rise at a level of "
-                f"{row['threshold']:.3g} (95 %: {row['low']:.3g} to {row['high']:.3g})."
+                f"{row['stimulus']}: at a level of {row['threshold']:.3g} (95 %: {row['low']:.3g} "
+                f"to {row['high']:.3g}) everybody's answers are half-way from chance to certainty."
             )
     return lines
 

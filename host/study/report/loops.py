@@ -46,7 +46,10 @@ class FeltLoops:
                 force = np.where(felt, recording.force_n, np.nan)
                 title = condition_title(study, response.pair)
                 parts.setdefault(title, []).append((depth, force))
-        for title, presses in parts.items():
+        for title in dict.fromkeys(condition_title(study, k) for k in range(len(study.pair))):
+            presses = parts.get(title, [])
+            if not presses:
+                continue
             depth, force = (
                 np.concatenate([x for press in presses for x in (press[k], _BREAK)]) for k in (0, 1)
             )

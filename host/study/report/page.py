@@ -21,7 +21,7 @@ from springpot.host.study.report.findings import (
     DIFFERENT,
     OPEN,
     excluded_words,
-    p_words,
+    p_digits,
     summary,
     verdict,
 )
@@ -30,7 +30,7 @@ from springpot.host.study.report.tables import condition_rows, csv_text, write_t
 from springpot.host.study.responses import read_responses
 
 PAGE = "report.html"
-_VERDICT_GRADES = {DIFFERENT: "bad", BOTH: "look", ALIKE: "good", OPEN: "not-judged"}
+_VERDICT_GRADES = {DIFFERENT: "look", BOTH: "look", ALIKE: "good", OPEN: "not-judged"}
 _VERDICT_WORDS = {
     DIFFERENT: "different",
     ALIKE: "alike",
@@ -64,7 +64,7 @@ def write_study_report(
     if loops.conditions:
         write_file(place / "loops.csv", csv_text(loops.rows()).encode())
         tables.append("loops.csv")
-    text = page_text("study_report.html", _context(folder, analysis, loops, tables), p=p_words)
+    text = page_text("study_report.html", _context(folder, analysis, loops, tables), p=p_digits)
     write_file(place / PAGE, text.encode())
     result: dict[str, Any] = {"out": str(place / PAGE), **analysis.as_dict(), "tables": tables}
     if bids is not None:
@@ -131,8 +131,8 @@ def _boxes_words(analysis: Analysis) -> str:
     spread = float(np.median([row["max"] - row["min"] for row in rows]))
     return (
         f"Highest is {high['condition']} with a mean of {high['mean']:.1f}, lowest "
-        f"{low['condition']} with {low['mean']:.1f}; people's own means of one condition lie {spread:.0f} apart "
-        "(median over conditions)."
+        f"{low['condition']} with {low['mean']:.1f}; people's own means of one "
+        f"condition lie {spread:.0f} apart (median over conditions)."
     )
 
 
