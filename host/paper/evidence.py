@@ -25,6 +25,7 @@ from springpot.host.paper.reproduce import (
 from springpot.host.paper.row_shares import row_shares, rows_figure
 from springpot.host.paper.sampling import resampled
 from springpot.host.paper.signals import signal_figures
+from springpot.host.paper.study_files import write_study_files
 from springpot.host.paper.unshown_claims import check_unshown
 from springpot.host.simulation.objects import OBJECTS, parse_url
 from springpot.trainer.recordings.recording_file import read_recordings
@@ -92,6 +93,7 @@ def run_reproduce(
         "claims": [claim.as_dict() for claim in claims],
         "machine": machine_metadata(),
     }
+    write_study_files(out / "study", out / "models", [item.data.name for item in results])
     (out / EVIDENCE).write_text(json.dumps(result, indent=2, allow_nan=False) + "\n")
     return result
 

@@ -74,6 +74,13 @@ class StudyFolder:
         """Where a session lies; 0 is practice."""
         return self.path / f"sub-{participant}" / f"ses-{session}"
 
+    @property
+    def deepest_m(self) -> float | None:
+        """The deepest that any stimulus may be pressed; None: unknown of all."""
+        depths_m = [self.max_depth_m(stimulus) for stimulus in self.study.stimulus]
+        warned_m = 1e-3 * (self.study.limits.warn_depth_mm or 0.0)
+        return max(warned_m, *(depth_m or 0.0 for depth_m in depths_m)) or None
+
     def max_depth_m(self, stimulus: Stimulus) -> float | None:
         """How deep it may be pressed, where that is known."""
         if stimulus.max_depth_mm is not None:

@@ -85,6 +85,20 @@ class DrivenBrowser:
         """kind: keyDown or keyUp."""
         self.call("Input.dispatchKeyEvent", type=kind, key=key)
 
+    def press(self, *keys: str) -> None:
+        """Keys as a person presses them, one after the other; a letter types itself."""
+        for key in keys:
+            typed = {"text": key} if len(key) == 1 else {}
+            code = {"Backspace": 8}.get(key, 0)
+            self.call(
+                "Input.dispatchKeyEvent",
+                type="keyDown",
+                key=key,
+                windowsVirtualKeyCode=code,
+                **typed,
+            )
+            self.key("keyUp", key)
+
 
 @contextlib.contextmanager
 def driven_browser(folder: Path) -> Iterator[DrivenBrowser]:

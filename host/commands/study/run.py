@@ -29,7 +29,7 @@ def run_study(study: Path, participant: str, url: str | None, as_json: bool) -> 
     from springpot.host.study.session.conduct import SessionStoppedError, conduct, next_session
     from springpot.host.study.session.experimenter import KEYS, Experimenter
     from springpot.host.study.session.presenter import DevicePresenter
-    from springpot.host.study.session.screen import ParticipantScreen
+    from springpot.host.study.session.screen import DEEPEST_M, ParticipantScreen
 
     folder = read_folder(study)
     session = next_session(folder, participant)
@@ -41,7 +41,7 @@ def run_study(study: Path, participant: str, url: str | None, as_json: bool) -> 
     counts = {"done": 0, "void": 0}
     with (
         stopping_on_sigterm(),
-        ParticipantScreen() as screen,
+        ParticipantScreen(folder.deepest_m or DEEPEST_M) as screen,
         reading_keys() as keys,
         nullcontext()
         if url is None or not folder.scenes

@@ -92,15 +92,15 @@ def encoded(line: Line) -> bytes:
 
 
 def parse_lines(content: bytes, where: str) -> tuple[list[Line], int]:
-    """Lines, and how many bytes they take. Raises DataError where another than the last is cut."""
+    """Lines, and how many bytes they take. Raises DataError where one is not as written."""
     lines: list[Line] = []
     at = 0
     while at < len(content):
         end = content.find(b"\n", at) + 1
-        line = _decoded(content[at:end]) if end else None
+        if not end:
+            break  # cut by a crash: it was never acknowledged
+        line = _decoded(content[at:end])
         if line is None or line.get("seq") != len(lines):
-            if not end or end == len(content):
-                break
             raise DataError(
                 f"{where}: line {len(lines) + 1} is damaged: take the file from your backup"
             )

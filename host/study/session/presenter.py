@@ -80,9 +80,8 @@ class DevicePresenter:
         """Show one trial until it is answered, or voided by the experimenter."""
         of = "" if trial.of is None else f" of {trial.of}"
         title = f"Trial {trial.number}{of}"
-        shown = zip(slots(self._study), trial.codes, strict=True)
         again = "" if trial.attempt == 1 else f", attempt {trial.attempt}"
-        self._experimenter.tell(f"{title}{again}: {', '.join(map(' '.join, shown))}")
+        self._experimenter.tell(f"{title}{again}")
         late = 0 if self._apparatus is None else self._apparatus.runner.state.late
         overruns = 0 if self._apparatus is None else self._apparatus.overruns
         run = None

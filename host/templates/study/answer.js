@@ -19,6 +19,7 @@ class AnswerPanel {
     const choice = ask.kind === "choice";
     this.input.hidden = choice;
     this.input.className = ask.kind;
+    this.input.rows = ask.kind === "text" ? 4 : 1;
     this.input.inputMode = ask.kind === "number" ? "numeric" : "text";
     this.input.maxLength = ask.kind === "number" ? 9 : Number(document.body.dataset.longest);
     find("choices").hidden = !choice;
@@ -67,7 +68,7 @@ class AnswerPanel {
   }
 
   get value() {
-    return this.ask.kind === "choice" ? this.ask.choices[this.chosen] ?? "" : this.input.value.trim();
+    return this.ask.kind === "choice" ? this.ask.choices[this.chosen] ?? "" : this.input.value.replace(/\s+/g, " ").trim();
   }
 
   // What is wrong with it, in words; nothing where it is an answer.

@@ -37,8 +37,7 @@ async function send(kind, value) {
   waiting = true;
   show_keys(state, answer.is_open, waiting);
   const accepted = await tell(state.number, kind, value);
-  state.answered = accepted && kind !== "slot";
-  waiting = state.answered;
+  state.answered = waiting = accepted;
   show_keys(state, answer.is_open, waiting);
   if (kind === "answer") say(accepted ? "Thank you." : "Not taken: please press Enter again.");
 }
@@ -72,7 +71,7 @@ function while_answering(key) {
 function while_feeling(key) {
   const slot = state.slots.length > 0 ? slot_of(key) : null;
   if (slot !== null) {
-    if (slot !== (state.wanted ?? state.active)) told = send("slot", slot);
+    if (slot !== (state.wanted ?? state.active)) tell(state.number, "slot", slot);
     return true;
   }
   if (key === "Enter" && state.ask !== null) {
