@@ -44,7 +44,7 @@ def rating_boxes(analysis: Analysis) -> str:
     names = list(dict.fromkeys(name for group, name, *_ in boxes))
     at, ticks, centres = 0.0, [], {}
     with mpl.rc_context(STYLE):
-        figure = clear_figure(max(6.0, 0.62 * len(boxes) + 0.5 * len(groups)), 3.9)
+        figure = clear_figure(max(6.0, min(11.0, 0.6 * (len(boxes) + len(groups)))), 4.2)
         axes = figure.subplots()
         axes.patch.set_alpha(0.0)
         for group in groups:
@@ -55,7 +55,7 @@ def rating_boxes(analysis: Analysis) -> str:
                 top = max(values)
                 axes.text(at, top + 2.5, marks, ha="center", va="bottom", fontsize=8)
                 axes.text(at, -9.0, f"{np.mean(values):.1f}", ha="center", va="center", fontsize=7)
-                ticks.append((at, name))
+                ticks.append((at, name.replace(" | ", "\n| ")))
                 at += 1.0
             centres[group] = (begin + at - 1.0) / 2
             at += 0.7

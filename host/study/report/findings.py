@@ -43,7 +43,8 @@ def summary(analysis: Analysis) -> list[str]:
     lines = [_people(analysis)]
     found = analysis.kept_only
     if found is not None:
-        lines += [*_ratings(analysis), *_variance(found), *_pairs(found), *_power(found)]
+        lines += [*_ratings(analysis), *_variance(found), *_left_out_matter(analysis)]
+        lines += [*_pairs(found), *_power(found)]
         lines += _agreement(found)
     lines += [*_thresholds(analysis), *_sensitivity(analysis), blind_words(analysis.study)]
     return lines
@@ -129,6 +130,21 @@ def _variance(found: Comparisons) -> list[str]:
             f"{p_words(row['p_gg'])} (Greenhouse-Geisser; uncorrected {p_words(row['p'])})."
         )
     return lines
+
+
+def _left_out_matter(analysis: Analysis) -> list[str]:
+    """Whether leaving people out has changed what is shown."""
+    kept, whole = analysis.kept_only, analysis.whole
+    if not analysis.excluded or kept is None or whole is None or not (kept.anova and whole.anova):
+        return []
+    changed = [
+        f"{row['effect'].replace(':', ' with ')} ({p_words(other['p_gg'])})"
+        for row, other in zip(kept.anova, whole.anova, strict=True)
+        if (row["p_gg"] < ALPHA) != (other["p_gg"] < ALPHA)
+    ]
+    if not changed:
+        return ["With everybody, those left out too, the same factors change the ratings."]
+    return [f"With everybody, those left out too, this turns round: {', '.join(changed)}."]
 
 
 def _pairs(found: Comparisons) -> list[str]:

@@ -55,6 +55,12 @@ def test_both_results_are_shown_with_everybody_and_without() -> None:
     assert result["trials"] == 14 * 3 * 11
 
 
+def test_whether_leaving_people_out_matters_is_said() -> None:
+    assert "With everybody, those left out too, " in " ".join(summary(FOUND))
+    study = replace(STUDY, exclude=type(STUDY.exclude)())
+    assert "those left out" not in " ".join(summary(analyse(study, ANSWERS, [])))
+
+
 def test_the_contract_of_the_json() -> None:
     result = json.loads(json.dumps(FOUND.as_dict(), allow_nan=False))
     assert {"trials", "excluded", "anova", "pairs", "equivalence", "power", "psychometric"} <= set(
