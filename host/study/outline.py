@@ -13,6 +13,7 @@ def outline(folder: StudyFolder) -> dict[str, Any]:
     trials = None if study.adaptive else len(fixed_trials(study, 1, 1))
     real = {stimulus.name: stimulus.real for stimulus in study.stimulus if stimulus.real}
     stickers = folder.key.stickers
+    by_sticker = sorted(real, key=lambda name: int(stickers[name][1:]))
     return {
         "out": str(folder.path),
         "participants": len(folder.participants),
@@ -23,7 +24,7 @@ def outline(folder: StudyFolder) -> dict[str, Any]:
         "order": _order(study, len(folder.participants)),
         "conditions": len(study.pair),
         "blind": sum(could_be_blind(study, k) for k in range(len(study.pair))),
-        "stickers": dict(sorted((stickers[name], text) for name, text in real.items())),
+        "stickers": {stickers[name]: real[name] for name in by_sticker},
         "power": _power(study, len(folder.participants)),
         "key": str(folder.path / KEY),
     }

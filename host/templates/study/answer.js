@@ -1,4 +1,4 @@
-// The answer to a question, as it is typed or chosen; nothing counts before Enter.
+// The answer to the question, as it is typed or chosen; nothing counts before Enter.
 
 class AnswerPanel {
   constructor() {
@@ -14,7 +14,6 @@ class AnswerPanel {
 
   open(ask) {
     this.ask = ask;
-    find("question").textContent = ask.question;
     find("answer").hidden = false;
     const choice = ask.kind === "choice";
     this.input.hidden = choice;
@@ -53,6 +52,7 @@ class AnswerPanel {
   mark() {
     for (const [k, choice] of Array.from(find("choices").children).entries())
       choice.setAttribute("aria-selected", k === this.chosen);
+    find("choices").children[this.chosen]?.focus(); // is read out, and comes into sight
   }
 
   // A key that chooses; what is typed comes to the input by itself.
@@ -86,6 +86,7 @@ class AnswerPanel {
 function listed(k, words, role) {
   const item = document.createElement("li"), key = document.createElement("kbd");
   if (role) item.setAttribute("role", role);
+  if (role) item.tabIndex = -1;
   key.textContent = k < 9 ? k + 1 : "";
   item.append(key, words);
   return item;

@@ -9,9 +9,9 @@ function listen(take) {
     events.addEventListener(name, (event) => take[name](JSON.parse(event.data)));
   events.addEventListener("open", () => { find("gone").textContent = ""; });
   events.addEventListener("error", () => { find("gone").textContent = GONE; });
-  events.addEventListener("over", () => {
+  events.addEventListener("over", (event) => {
     events.close();
-    find("gone").textContent = GONE;
+    find("gone").textContent = event.data || GONE;
   });
 }
 

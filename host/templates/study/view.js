@@ -15,6 +15,7 @@ function show_words(state) {
     return item;
   }));
   write("change", under_the_tool(state));
+  write("question", state.ask?.question ?? "");
 }
 
 function write(id, text) {
@@ -39,9 +40,7 @@ function show_keys(state, answering, waiting) {
     if (kind === "number") keys.push(["0 – 9", "type"]);
     if (kind === "choice") keys.push([`1 – ${last}`, "or arrows: choose"]);
     keys.push(["Enter", "confirm"], ["Esc", state.slots.length > 0 ? "feel again" : "clear"]);
-  } else if (is_plain(state)) {
-    keys.push(["Space", "go on"]);
-  } else {
+  } else { // what goes on by the space bar says so itself: not everything does
     if (last > 0) keys.push(["← →", `or 1 – ${last}: choose`]);
     if (state.ask !== null) keys.push(["Enter", "answer"]);
   }

@@ -11,8 +11,8 @@ from support.driven_browser import DrivenBrowser, driven_browser
 
 from springpot.host.browser.server import PageEvent
 from springpot.host.native.loop_library import COLUMN, LoopRows, empty_rows
-from springpot.host.study.screen import ParticipantScreen
-from springpot.host.study.screen_state import Act, Ask, ScreenState
+from springpot.host.study.session.screen import ParticipantScreen
+from springpot.host.study.session.screen_state import Act, Ask, ScreenState
 
 pytestmark = [
     pytest.mark.realtime,
@@ -104,6 +104,7 @@ def test_a_number(seat: Seat, width: int, height: int) -> None:
     seat.press("x", "Enter")
     assert seat.act() == Act("next", 0)
     seat.see(TRIAL)
+    seat.sees("question", RATE.question)
     seat.press(" ", "5", "ArrowLeft", "1")  # nothing of that changes anything
     assert seat.no_act()
     seat.press("ArrowRight")
@@ -139,6 +140,7 @@ def test_a_choice(seat: Seat, width: int, height: int) -> None:
     assert seat.says("said") == "Please choose one of the 2."
     seat.press("3", "2", "ArrowUp", "ArrowUp", "ArrowDown")
     assert seat.browser.value("document.querySelector('[aria-selected=true]').textContent") == "2B"
+    assert seat.browser.value("document.activeElement.textContent") == "2B"
     assert seat.no_act()
     seat.press("Enter")
     assert seat.act() == Act("answer", "B")
@@ -262,9 +264,10 @@ def test_a_connection_that_breaks_is_said_and_taken_up_again(
     assert seat.act() == Act("answer", "75")
 
 
-def test_a_session_that_ends_is_said(seat: Seat) -> None:
+@pytest.mark.parametrize(("line", "said"), [("", GONE), ("Thank you.", "Thank you.")])
+def test_a_session_that_ends_says_so(seat: Seat, line: str, said: str) -> None:
     seat.sit()
     seat.see(READY)
     assert seat.screen.viewers == 1
-    seat.screen.end("")
-    seat.sees("gone", GONE)
+    seat.screen.end(line)
+    seat.sees("gone", said)
