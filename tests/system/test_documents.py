@@ -25,6 +25,7 @@ from support.small import DT_S, press, recording, soft_force, training
 from springpot.host.cli import springpot
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
+from springpot.host.study.definition import read_study
 from springpot.trainer.recordings.recording_file import write_recording
 
 TESTED = {"python": "test_python_examples.py", "cpp": "test_chai3d.py", "c": "", "text": ""}
@@ -42,7 +43,9 @@ def known_options(words: list[str]) -> None:
     """Assert that a command and its options exist."""
     context = click.Context(springpot)
     found = springpot.get_command(context, words[1])
-    assert found, f"springpot {words[1]}: no such command"
+    if isinstance(found, click.Group) and words[2:]:
+        found = found.get_command(context, words[2])
+    assert found, f"springpot {' '.join(words[1:3])}: no such command"
     known = {option for parameter in found.params for option in parameter.opts}
     for word in words[2:]:
         if word.startswith("--"):
@@ -55,7 +58,7 @@ def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
         assert block.language in {"", "toml", *TESTED}, block.where
         for name in filter(None, [TESTED.get(block.language)]):
             assert list((ROOT / "tests").rglob(name)), name
-    run = {"README.md", "first-board.md", "devices.md", "stability.md"}
+    run = {"README.md", "first-board.md", "devices.md", "stability.md", "study.md"}
     assert {block.page.name for block in COMMANDS} == run
 
 
@@ -75,6 +78,10 @@ def test_every_command_and_option_exists(page: Path) -> None:
 )
 def test_every_scene_is_one(block: Block, tmp_path: Path) -> None:
     file = tmp_path / "scene.toml"
+    if block.note == "file study.toml":
+        file.write_text(block.text)
+        read_study(file)
+        return
     file.write_text(block.text if "schema" in block.text else KEYS + block.text)
     read_scene(file)
 
@@ -152,6 +159,17 @@ def test_a_page_runs(tmp_path: Path, name: str) -> None:
         shutil.rmtree(tmp_path / "training")
         emit(read_scene(tmp_path / "scene.toml"), tmp_path / "model.spm", tmp_path / "c")
     run_page(name, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_ten_minutes_of_a_study(tmp_path: Path) -> None:
+    printed = " ".join(run_page("study.md", tmp_path).split())
+    assert "18, 3 sessions of 4 trials" in printed
+    assert "R1: " in printed
+    assert "trials 216" in printed
+    page = (tmp_path / "rehearsal" / "report" / "report.html").read_text()
+    assert "RF-FD" in page
+    assert "Hammerstein" in page
 
 
 def table_row(name: str, begins: str) -> list[str]:

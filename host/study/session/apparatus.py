@@ -12,7 +12,7 @@ import numpy as np
 from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.codegen.scene import Device
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.loop_library import LoopRows
+from springpot.host.native.loop_library import COLUMN, LoopRows
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.log import SessionLog
@@ -22,7 +22,7 @@ from springpot.host.session.session import requirements_of
 from springpot.host.study.definition import Stimulus
 from springpot.host.study.folder import StudyFolder
 from springpot.host.study.session.presses import PressLimits, PressWatch
-from springpot.host.study.session.switched import SwitchedScenes
+from springpot.host.study.session.switched import PlacedNotes, SwitchedScenes
 
 _PACED_S = 0.2  # of ticks, to time a scene
 _MARGIN = 1.5  # on the slowest scene's slow ticks
@@ -37,20 +37,31 @@ class TrialLogs:
         self._lock = threading.Lock()
         self._log: SessionLog | None = None
         self._watch: PressWatch | None = None
+        self._begun = False
 
     def append(self, rows: LoopRows) -> None:
         """The next rows, from the loop's own drain thread."""
         with self._lock:
+            rows = self._of_this_trial(rows)
             if self._watch is not None:
                 self._watch.append(rows)
             if self._log is not None:
                 self._log.append(rows)
 
+    def _of_this_trial(self, rows: LoopRows) -> LoopRows:
+        """Rows of the trial before may still come: they end where nothing was felt."""
+        if self._begun or self._watch is None:
+            return rows
+        free = np.flatnonzero(PlacedNotes.of(rows[:, COLUMN["notes"]]).place == 0)
+        self._begun = len(free) > 0
+        return rows[free[0] :] if self._begun else rows[:0]
+
     def begin(self, file: Path, details: Mapping[str, Any], watch: PressWatch) -> None:
+        """Keep the rows from here on; nothing is felt at this moment."""
         log = SessionLog(file, self._dt_s, self._source, details)
         log.__enter__()
         with self._lock:
-            self._log, self._watch = log, watch
+            self._log, self._watch, self._begun = log, watch, False
 
     def end(self, keep: bool) -> None:
         """Finish the trial's file, or leave none of a trial that does not count."""

@@ -116,7 +116,7 @@ class DevicePresenter:
         """Say that the session is over."""
         last = session == self._study.sessions
         thanks = "Thank you. You have finished." if last else "Thank you. This part is finished."
-        self._screen.show(ScreenState("The end", f"{thanks} Please tell the experimenter."))
+        self._screen.end(f"{thanks} Please tell the experimenter.")
 
     def _begin(self, trial: PresentedTrial, record: Record, title: str) -> _Trial:
         limits = self._limits(trial.stimuli)
@@ -196,7 +196,8 @@ class DevicePresenter:
 
     def _warn(self, run: _Trial) -> None:
         watch, now_s = run.watch, time.monotonic()
-        if not (watch.too_deep or watch.too_fast) or now_s - run.warned_s < _WARN_EVERY_S:
+        too_much = run.state.active is not None and (watch.too_deep or watch.too_fast)
+        if not too_much or now_s - run.warned_s < _WARN_EVERY_S:
             return
         run.warned_s = now_s
         run.warnings += 1
