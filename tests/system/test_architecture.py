@@ -113,7 +113,7 @@ def test_only_the_trainer_imports_what_fits() -> None:
 @pytest.mark.parametrize(
     "name",
     ["cli", "commands.scenes.validate", "native.scene_library", "commands.models.train",
-     "commands.recordings.record"],
+     "commands.recordings.record", "study.session.presenter"],
 )  # fmt: skip
 def test_replaying_and_logging_load_no_fit(name: str) -> None:
     module = f"springpot.host.{name}"

@@ -58,7 +58,7 @@ def pair_differences(scores: Samples, conditions: Sequence[str]) -> tuple[PairDi
         half = quantile * deviation / people**0.5
         t = mean / deviation * people**0.5
         q = abs(mean) / (error / people) ** 0.5
-        tukey = float(stats.studentized_range.sf(q, k, error_df)) if k > 2 else None
+        tukey = max(0.0, float(stats.studentized_range.sf(q, k, error_df))) if k > 2 else None
         rows.append((mean, mean - half, mean + half, t, tukey, mean / deviation))
     p_values = [float(2.0 * stats.t.sf(abs(row[3]), df)) for row in rows]
     return tuple(

@@ -22,7 +22,7 @@ _Z = float(stats.norm.ppf(0.95))
 _LEVELS = 3  # that have to be tested: threshold and width, and something to judge them by
 _CUT = float(stats.chi2.ppf(0.95, 1)) / 2  # of the log-posterior: what an interval may lose
 _TAIL = 4.0  # below the top of the log-posterior, where the second grid ends
-_MAX_LAPSE = 0.5
+_MAX_LAPSE, _MAX_GUESS = 0.4, 0.55  # so that some rise is left between them
 _RARE = 10.0  # lapse and guess rates are Beta(1, 10) beforehand
 
 
@@ -58,6 +58,13 @@ def psychometric_share(
     return np.asarray(guess + (1.0 - guess - lapse) * rise)
 
 
+def share_interval(yes: Samples, trials: Samples) -> tuple[Samples, Samples]:
+    """95 % interval of a share (Jeffreys)."""
+    ends = (stats.beta.ppf(q, yes + 0.5, trials - yes + 0.5) for q in (0.025, 0.975))
+    low, high = (np.asarray(end) for end in ends)
+    return low, high
+
+
 def fit_psychometric(
     levels: Samples, right: Samples, trials: Samples, guess: float | None = 0.5
 ) -> PsychometricFit:
@@ -89,7 +96,7 @@ def fit_psychometric(
         np.linspace(levels[0] - 0.5 * span, levels[-1] + 0.5 * span, 41)[1:-1],
         np.geomspace(1.01 * step, 2.99 * span, 40),
         np.linspace(0.0, _MAX_LAPSE, 21),
-        np.linspace(0.0, _MAX_LAPSE, 11) if free_guess else np.array([guess]),
+        np.linspace(0.0, _MAX_GUESS, 12) if free_guess else np.array([guess]),
     ]
     coarse = log_posterior(*np.meshgrid(*axes, indexing="ij", sparse=True))
     fine = [_narrowed(coarse, axes, i, points) for i, points in enumerate((49, 49, 25, 13))]
@@ -98,8 +105,9 @@ def fit_psychometric(
     place = np.unravel_index(heights.argmax(), heights.shape)
     start = [axis[i] for axis, i in zip(fine, place, strict=True)]
     best = _refined(log_posterior, start, free_guess, span)
-    ends = _slope(fine[1][-1], lapse.max(), g.max()), _slope(fine[1][0], lapse.min(), g.min())
-    slopes = np.geomspace(*ends, 2 * len(fine[1]))
+    steepest = _slope(fine[1][0], lapse.min(), g.min())
+    flattest = np.maximum(_slope(fine[1][-1], lapse.max(), g.max()), 1e-3 * steepest)
+    slopes = np.geomspace(flattest, steepest, 2 * len(fine[1]))
     steep = log_posterior(m, _slope(slopes[None, :, None, None], lapse, g), lapse, g)
     return PsychometricFit(
         best[0], _interval(heights, 0, fine[0]), best[1], _interval(heights, 1, fine[1]),
@@ -146,7 +154,9 @@ def _refined(
     """The highest point near a point of the grid."""
 
     def parameters(x: Samples) -> list[np.float64]:
-        rates = np.minimum(x[2:] ** 2, _MAX_LAPSE)  # squares: smooth at the bound, 0
+        rates = np.minimum(
+            x[2:] ** 2, (_MAX_LAPSE, _MAX_GUESS)[: len(x) - 2]
+        )  # squares: smooth at the bound, 0
         return [x[0] * span, np.exp(x[1]), rates[0], rates[1] if free_guess else start[3]]
 
     def height(x: Samples) -> float:

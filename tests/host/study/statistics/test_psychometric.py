@@ -89,3 +89,16 @@ def test_95_percent_intervals_hold_the_truth_of_93_to_97_percent_of_1000_observe
         ]
     assert np.all(held >= 930), held
     assert np.all(held <= 970), held
+
+
+@pytest.mark.parametrize("guess", [0.5, 0.0, None])
+@pytest.mark.parametrize("right", [[0] * 5, [9] * 5, [9, 0, 9, 0, 9], [4, 5, 4, 5, 4]])
+def test_answers_that_do_not_rise_give_a_wide_interval(
+    right: list[int], guess: float | None
+) -> None:
+    fit = fit_psychometric(np.arange(5.0), np.array(right), np.full(5, 9), guess)
+    low, high = fit.threshold_interval
+    assert low <= fit.threshold <= high
+    assert -2.0 <= low < high <= 6.0  # never beyond half the range outside the levels
+    assert high - low > 1.0
+    assert 0.0 < fit.slope_interval[0] <= fit.slope_interval[1] < np.inf
