@@ -12,7 +12,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import read_bounded
 
 T = TypeVar("T")
-_NO_SUCH_KEY = {"unexpected_keyword_argument", "extra_forbidden"}
+_NO_SUCH_KEY = "unexpected_keyword_argument"
 
 
 def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
@@ -41,7 +41,7 @@ def checked_keys(
         place = first["loc"]
         if first["type"] == "missing":
             found = "missing: add this key"
-        elif first["type"] in _NO_SUCH_KEY:
+        elif first["type"] == _NO_SUCH_KEY:
             found = f"no such key: known here are {', '.join(known(place[:-1]))}"
         else:
             found = f"{first['msg']} (found {first['input']!r})"

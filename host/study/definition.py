@@ -21,10 +21,10 @@ _MAX_BYTES = 1 << 18
 class Stimulus:
     """Something to press: an emitted scene (a scene file or an emitted folder), or a real object.
 
-    stiffer: factor on the scene's stiffness. level: its place on the scale that a psychometric
-    function is drawn over; by default `stiffer`. max_depth_mm: how deep it may be pressed; by
-    default the scene's trained depth. simulated: URL of the object that stands for a real one when
-    people are simulated.
+    stiffer: the force at a depth is the scene's at so many times that depth. level: its place on
+    the scale that a psychometric function is drawn over; by default `stiffer`. max_depth_mm: how
+    deep it may be pressed; by default the scene's trained depth. simulated: URL of the object that
+    stands for a real one when people are simulated.
     """
 
     __pydantic_config__ = _CLOSED
