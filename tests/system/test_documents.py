@@ -25,7 +25,7 @@ from support.small import DT_S, press, recording, soft_force, training
 from springpot.host.cli import springpot
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
-from springpot.host.study.definition import read_study
+from springpot.host.study.study_file import read_study
 from springpot.trainer.recordings.recording_file import write_recording
 
 TESTED = {"python": "test_python_examples.py", "cpp": "test_chai3d.py", "c": "", "text": ""}

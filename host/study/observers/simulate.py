@@ -126,11 +126,7 @@ class SimulatedPerson:
         record("pressed", presses=[count.presses for count in counts[: len(presses)]])
         given = answer(self._observer, self._folder.study, presses, self._random)
         record("answered", answer=given)
-        details: dict[str, Any] = {
-            "presses": sum(count.presses for count in counts),
-            "deepest_m": round(max(count.deepest_m for count in counts), 6),
-            "fastest_mps": round(max(count.fastest_mps for count in counts), 6),
-        }
+        details = watch.summary()
         if self._keeps_logs:
             self._write_log(trial, np.concatenate(all_rows))
             details["log"] = trial.log.name

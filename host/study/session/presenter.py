@@ -1,8 +1,7 @@
 """Trials on a device: what the participant feels and sees, what the experimenter has to do."""
 
 import time
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 from springpot.host.study.definition import Question, Stimulus
@@ -11,6 +10,7 @@ from springpot.host.study.session.apparatus import Apparatus
 from springpot.host.study.session.conduct import PresentedTrial, Record, TrialOutcome
 from springpot.host.study.session.experimenter import Experimenter, TrialVoidedError
 from springpot.host.study.session.presses import PressLimits, PressWatch
+from springpot.host.study.session.running_trial import RunningTrial
 from springpot.host.study.session.screen import ParticipantScreen
 from springpot.host.study.session.screen_state import Act, Ask, ScreenState
 from springpot.host.study.session.wording import (
@@ -27,21 +27,6 @@ _WARN_EVERY_S = 1.0
 _CHOOSE = "Press each of them as often as you like, then answer."
 _WAIT = "Please wait: the experimenter changes the object."
 _LIFT = "Lift the tool off the surface."
-
-
-@dataclass
-class _Trial:
-    """One trial under way. felt: slots that were pressed; under: the slot in use, None: nothing."""
-
-    shown: PresentedTrial
-    record: Record
-    watch: PressWatch
-    state: ScreenState
-    felt: set[int] = field(default_factory=set)
-    under: int | None = None
-    pressed: bool = False
-    warnings: int = 0
-    warned_s: float = 0.0
 
 
 class DevicePresenter:
@@ -92,13 +77,13 @@ class DevicePresenter:
         except TrialVoidedError:
             self._experimenter.tell(f"{title}: void; it comes again at the end")
             self._end(keep=False)
-            return TrialOutcome(None, {} if run is None else _details(run))
+            return TrialOutcome(None, {} if run is None else run.details())
         except BaseException:
             self._end(keep=False)
             raise
         record("answered", answer=answer)
         self._end(keep=True)
-        details = _details(run)
+        details = run.details()
         if self._apparatus is not None:
             details["late"] = self._apparatus.runner.state.late - late
             details["overruns"] = self._apparatus.overruns - overruns
@@ -118,7 +103,7 @@ class DevicePresenter:
         thanks = "Thank you. You have finished." if last else "Thank you. This part is finished."
         self._screen.end(f"{thanks} Please tell the experimenter.")
 
-    def _begin(self, trial: PresentedTrial, record: Record, title: str) -> _Trial:
+    def _begin(self, trial: PresentedTrial, record: Record, title: str) -> RunningTrial:
         limits = self._limits(trial.stimuli)
         if self._apparatus is None:
             watch = PressWatch(1.0)
@@ -134,9 +119,9 @@ class DevicePresenter:
             guideline_m=limits.deepest_m,
         )
         self._screen.show(state)
-        return _Trial(trial, record, watch, state)
+        return RunningTrial(trial, record, watch, state)
 
-    def _run(self, run: _Trial) -> float | str:
+    def _run(self, run: RunningTrial) -> float | str:
         while True:
             self._look_after(run)
             act = self._screen.next_act(_LOOK_S)
@@ -154,7 +139,7 @@ class DevicePresenter:
         """A number where one is asked for."""
         return str(act.value) if answers(self._study) else float(act.value)
 
-    def _choose(self, run: _Trial, slot: int) -> None:
+    def _choose(self, run: RunningTrial, slot: int) -> None:
         """What is felt next; real objects are changed by the experimenter."""
         if slot in {run.state.active, run.state.wanted}:
             return
@@ -165,7 +150,7 @@ class DevicePresenter:
         if self._apparatus is not None:
             self._apparatus.want(slot)
 
-    def _change_object(self, run: _Trial, name: str | None) -> None:
+    def _change_object(self, run: RunningTrial, name: str | None) -> None:
         self._free(run.state.title)
         self._show(run, replace(run.state, active=None, wanted=None, instruction=_WAIT))
         stickers = self._key.stickers
@@ -178,7 +163,7 @@ class DevicePresenter:
         self._there = name
         run.state = replace(run.state, instruction=_CHOOSE)
 
-    def _look_after(self, run: _Trial) -> None:
+    def _look_after(self, run: RunningTrial) -> None:
         """The experimenter's keys, the device, warnings, and what has become of a choice."""
         self._experimenter.look()
         self._require_running()
@@ -194,7 +179,7 @@ class DevicePresenter:
             run.record("pressed", presses=[c.presses for c in counts[1 : len(run.felt) + 1]])
         self._warn(run)
 
-    def _warn(self, run: _Trial) -> None:
+    def _warn(self, run: RunningTrial) -> None:
         watch, now_s = run.watch, time.monotonic()
         too_much = run.state.active is not None and (watch.too_deep or watch.too_fast)
         if not too_much or now_s - run.warned_s < _WARN_EVERY_S:
@@ -203,7 +188,7 @@ class DevicePresenter:
         run.warnings += 1
         self._screen.warn(TOO_DEEP if watch.too_deep else TOO_FAST)
 
-    def _show(self, run: _Trial, state: ScreenState) -> None:
+    def _show(self, run: RunningTrial, state: ScreenState) -> None:
         run.state = state
         self._screen.show(state)
 
@@ -253,14 +238,3 @@ class DevicePresenter:
                   self._folder.scenes]  # fmt: skip
         speeds = [limits.warn_speed * scene.max_mps for scene in scenes]
         return PressLimits(min(known_m, default=None), min(speeds, default=None))
-
-
-def _details(run: _Trial) -> dict[str, Any]:
-    counts = run.watch.counts[1:]
-    found: Mapping[str, Any] = {
-        "presses": sum(count.presses for count in counts),
-        "deepest_m": round(max(count.deepest_m for count in counts), 6),
-        "fastest_mps": round(max(count.fastest_mps for count in counts), 6),
-        "warnings": run.warnings,
-    }
-    return dict(found)

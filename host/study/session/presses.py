@@ -1,6 +1,7 @@
 """What a person does with the tool: presses, how deep and how fast; and when that is too much."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -62,6 +63,15 @@ class PressWatch:
         deepest_m, fastest_mps = self.limits.deepest_m, self.limits.fastest_mps
         self.too_deep = deepest_m is not None and bool((position_m > deepest_m).any())
         self.too_fast = fastest_mps is not None and bool((speed_mps[inside] > fastest_mps).any())
+
+    def summary(self) -> dict[str, Any]:
+        """What the journal keeps of a trial, over all its slots."""
+        counts = self.counts[1:]
+        return {
+            "presses": sum(count.presses for count in counts),
+            "deepest_m": round(max(count.deepest_m for count in counts), 6),
+            "fastest_mps": round(max(count.fastest_mps for count in counts), 6),
+        }
 
     def _count_presses(self, position_m: Samples, place: Samples) -> None:
         """A press begins below `_PRESSED_M` and ends at the surface."""

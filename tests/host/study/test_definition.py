@@ -19,8 +19,8 @@ from support.small_study import (
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Runtime, Scene
 from springpot.host.emission.scene_file import write_scene
-from springpot.host.study.definition import read_study
 from springpot.host.study.folder import copy_study, read_folder, write_study
+from springpot.host.study.study_file import read_study
 
 A, B = real_stimulus("a"), real_stimulus("b")
 PAIR = {"left": "a", "right": "b"}

@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from support.small_study import real_stimulus, real_study, study_text
 
-from springpot.host.study.definition import Study, read_study
+from springpot.host.study.definition import Study
 from springpot.host.study.schedule import adaptive_trial, fixed_trials, williams_rows
+from springpot.host.study.study_file import read_study
 
 
 def study_of(folder: Path, text: str) -> Study:
