@@ -18,7 +18,7 @@ from springpot.host.study.frozen_scenes import FrozenScene, emit_scenes
 from springpot.host.study.study_file import read_study
 
 DEFINITION, FROZEN, KEY, PARTICIPANTS = "study.toml", "study.json", "key.json", "participants.tsv"
-MAX_PARTICIPANTS = 999
+OBSERVERS = "observers.json"  # of a simulated study: who they are, and so what it should find
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +53,11 @@ class StudyFolder:
     def session_folder(self, participant: str, session: int) -> Path:
         """Where a session lies; 0 is practice."""
         return self.path / f"sub-{participant}" / f"ses-{session}"
+
+    @property
+    def simulated(self) -> bool:
+        """Whether its people were made up by `springpot study simulate`."""
+        return (self.path / OBSERVERS).exists()
 
     @property
     def deepest_m(self) -> float | None:

@@ -19,7 +19,7 @@ from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
 from springpot.host.simulation.hand_loop import HandLoop, LoopCalls, Operator, Scenario
 from springpot.host.simulation.objects import parse_url
 from springpot.host.study.definition import Question, Stimulus
-from springpot.host.study.folder import StudyFolder, copy_study
+from springpot.host.study.folder import OBSERVERS, StudyFolder, copy_study
 from springpot.host.study.observers.observer import FeltPress, Observer, answer
 from springpot.host.study.session.conduct import (
     PresentedTrial,
@@ -31,7 +31,6 @@ from springpot.host.study.session.conduct import (
 from springpot.host.study.session.presses import PressWatch
 from springpot.host.study.session.switched import SwitchedScenes
 
-OBSERVERS = "observers.json"  # who they are: what a report should find
 _START_M = -1e-3
 _PRESS_S, _LIFT_S = 0.8, 0.3  # in and out; then away
 _INTENDED_M = (0.010, 0.018)  # where the hand intends to go: its spring decides how deep it comes
@@ -62,17 +61,18 @@ def simulate(
             )
     folder = copy_study(of, observers, out)
     scenes = _Scenes(folder)
-    people = {}
+    people = []
+    for k, participant in enumerate(folder.participants):
+        random = np.random.default_rng([seed, k])
+        people.append((participant, Observer.drawn(random), random))
+    known = {participant: observer.as_dict() for participant, observer, _ in people}
+    write_file(folder.path / OBSERVERS, (json.dumps(known, indent=1) + "\n").encode())
     counts: dict[str, int] = {}
-    for done, participant in enumerate(folder.participants):
+    for done, (participant, observer, random) in enumerate(people):
         progress(done, observers)
-        random = np.random.default_rng([seed, done])
-        observer = Observer.drawn(random)
-        people[participant] = observer.as_dict()
         person = SimulatedPerson(folder, scenes, observer, random, keeps_logs=done == 0)
         while (session := next_session(folder, participant)) is not None:
             conduct(folder, participant, session, person, counts)
-    write_file(folder.path / OBSERVERS, (json.dumps(people, indent=1) + "\n").encode())
     return SimulatedStudy(folder, counts.get("done", 0))
 
 

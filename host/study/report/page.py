@@ -84,6 +84,7 @@ def _context(
     return {
         "study": study,
         "title": study.name,
+        "simulated": folder.simulated,
         "summary": summary(analysis),
         "excluded": excluded_words(analysis),
         "people": analysis.people,

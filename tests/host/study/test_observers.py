@@ -20,6 +20,7 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.study.folder import StudyFolder, read_folder
 from springpot.host.study.observers.observer import FeltPress, Observer, answer, felt_strengths
 from springpot.host.study.observers.simulate import simulate
+from springpot.host.study.report.page import write_study_report
 from springpot.host.study.responses import read_responses
 from springpot.host.study.session.switched import require_same_forces
 from springpot.trainer.recordings.recording_file import read_recording
@@ -146,6 +147,8 @@ def test_every_force_of_a_simulated_study_is_that_of_the_emitted_c(tmp_path: Pat
             channels = read_recording(one.log).channels
             compared += require_same_forces(one.log.name, channels, scenes)
     assert compared > 5000
+    page = Path(write_study_report(folder.path)["out"]).read_text()
+    assert "Nobody was asked" in page
 
 
 def test_the_same_seed_gives_the_same_answers(tmp_path: Path) -> None:
