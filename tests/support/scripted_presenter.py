@@ -5,6 +5,7 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 from springpot.host.study.definition import Question
 from springpot.host.study.folder import StudyFolder
@@ -74,9 +75,9 @@ def killed_at(step: int, work: Callable[[], None], before: bool) -> bool:
         if written == step:
             os.kill(os.getpid(), signal.SIGKILL)
 
-    StudyJournal.write = counted  # type: ignore[method-assign]
     try:
-        work()
+        with patch.object(StudyJournal, "write", counted):
+            work()
     except BaseException:
         os._exit(1)
     os._exit(0)

@@ -50,7 +50,8 @@ def refused(screen: ParticipantScreen, number: int, kind: str, value: Any) -> bo
 
 
 def looking(screen: ParticipantScreen) -> IO[bytes]:
-    return urllib.request.urlopen(screen.address + "events", timeout=10)  # type: ignore[no-any-return]
+    stream: IO[bytes] = urllib.request.urlopen(screen.address + "events", timeout=10)
+    return stream
 
 
 def next_event(stream: IO[bytes], name: str) -> Any:
