@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.documents import MAIN
+from support.peer import peer
 from support.small_study import SOFT, planned, scene_stimulus, study_text
 from support.study_participant import ScriptedParticipant
 
@@ -128,3 +129,10 @@ def test_no_device_given(folder: StudyFolder) -> None:
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 2
     assert "give the device, --device URL" in result.stderr
+
+
+def test_a_whole_session_over_a_serial_line(folder: StudyFolder) -> None:
+    with peer("serial_device", "--presses-hz", 1) as device:
+        status, printed = RunningStudy(folder, device.url).end()
+    assert status == 0, printed
+    require_finished(folder)
