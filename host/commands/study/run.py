@@ -1,5 +1,6 @@
 """`springpot study run`: the next session of one participant."""
 
+import sys
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -37,6 +38,10 @@ def run_study(study: Path, participant: str, url: str | None, as_json: bool) -> 
         raise UsageError(f"{study}: participant {participant} has finished all sessions")
     if folder.scenes and url is None:
         raise UsageError("scenes are felt in this study: give the device, --device URL")
+    if any(stimulus.real for stimulus in folder.study.stimulus) and not sys.stdin.isatty():
+        raise UsageError(
+            "real objects are placed by hand, which a key confirms: run it in a terminal"
+        )
     stopped = "the session is over"
     counts = {"done": 0, "void": 0}
     with (

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.documents import MAIN
 from support.peer import peer
-from support.small_study import SOFT, planned, scene_stimulus, study_text
+from support.small_study import SOFT, planned, real_study, scene_stimulus, study_text
 from support.study_participant import ScriptedParticipant
 
 from springpot.host.native.scene_library import SceneLibrary
@@ -122,6 +122,16 @@ def test_a_device_that_ends_in_a_trial(folder: StudyFolder, tmp_path: Path) -> N
     assert "no more samples" in printed
     assert RunningStudy(folder).end()[0] == 0
     require_finished(folder)
+
+
+def test_real_objects_need_a_terminal(tmp_path: Path) -> None:
+    plan = planned(tmp_path, real_study(2))
+    command = [*MAIN, "study", "run", str(plan.path), "--participant", "01"]
+    result = subprocess.run(
+        command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 2
+    assert "run it in a terminal" in result.stderr
 
 
 def test_no_device_given(folder: StudyFolder) -> None:
