@@ -76,7 +76,7 @@ def analyse(study: Study, responses: Sequence[Response], replies: Sequence[Reply
 
 
 def question_rows(study: Study, replies: Sequence[Reply]) -> list[Row]:
-    """How often each answer was given, most often first; choices that nobody took count 0."""
+    """How often each answer was given: choices in the file's order, words most often first."""
     rows: list[Row] = []
     for number, question in enumerate(study.question):
         counts: Counter[str] = Counter(dict.fromkeys(question.choices, 0))
@@ -84,7 +84,7 @@ def question_rows(study: Study, replies: Sequence[Reply]) -> list[Row]:
         of = sum(counts.values())
         rows += [
             {"question": question.text, "answer": answer, "count": count, "of": of}
-            for answer, count in counts.most_common()
+            for answer, count in (counts.items() if question.choices else counts.most_common())
         ]
     return rows
 

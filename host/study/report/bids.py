@@ -29,6 +29,7 @@ _COLUMNS: dict[str, dict[str, Any]] = {
     "fastest": {"Description": "Greatest speed in contact", "Units": "m/s"},
     "warnings": {"Description": "Warnings given: too deep, or too fast"},
     "excluded": {"Description": "Whether a rule set before the data leaves this person out"},
+    "counts": {"Description": "Whether the results are made of it: no practice, nobody left out"},
 }
 _NAMES = {"seconds": "response_time", "deepest_m": "deepest", "fastest_mps": "fastest"}
 _LEFT_OUT = {"participant", "session", "log"}  # they are in the file's name, or of this machine

@@ -27,6 +27,11 @@ def p_digits(p: float) -> str:
     return "< 0.0001" if p < 0.0001 else f"{p:.4f}"
 
 
+def percent(share: float) -> str:
+    """A share as it is printed; what is not certain is never 100 %."""
+    return "over 99 %" if share > 0.99 else f"{100 * share:.0f} %"
+
+
 def verdict(pair: Row, equivalence: Sequence[Row]) -> str:
     """What is shown of a pair: a difference, likeness within the margin, both, or neither."""
     told = pair["p_tukey"] < ALPHA
@@ -90,8 +95,9 @@ def excluded_words(analysis: Analysis) -> str:
         for person in analysis.excluded
     ]
     set_before = "by the rules that the study file set before the data"
+    given = " and ".join(words for rule, words in limits.items() if getattr(rules, rule))
     if not out:
-        return f"Nobody is left out {set_before}."
+        return f"Nobody is left out {set_before} ({given})."
     return f"Left out {set_before}: {', '.join(out)}. Results with everybody stand below."
 
 
@@ -163,8 +169,9 @@ def _pairs(found: Comparisons) -> list[str]:
     if found.equivalence:
         margin = found.equivalence[0]["margin"]
         lines.append(
-            f"{alike} of {of} pairs are shown to be alike within {margin:g}; {still_open} are "
-            "open: neither a difference nor likeness is shown."
+            f"{alike} of {of} pairs are shown to be alike within {margin:g}, each by itself, not "
+            f"corrected for their number; {still_open} are open: neither a difference nor likeness "
+            "is shown."
         )
     elif still_open:
         lines.append(
@@ -187,9 +194,9 @@ def _power(found: Comparisons) -> list[str]:
     if power["margin"] is not None:
         lines.append(
             f"A true difference of the margin, {power['margin']:g}, would be found in "
-            f"{100 * power['difference']:.0f} % of them, and true likeness shown in "
-            f"{100 * power['equivalence']:.0f} %; 80 % would take {power['people_for_difference']} "
-            f"and {power['people_for_equivalence']} people."
+            f"{percent(power['difference'])} of them, and true likeness shown in "
+            f"{percent(power['equivalence'])}; for 80 %, {power['people_for_difference']} people "
+            f"find that difference, and {power['people_for_equivalence']} show likeness."
         )
     return lines
 
@@ -199,8 +206,8 @@ def _agreement(found: Comparisons) -> list[str]:
         if row["name"] == "icc_2_1":
             return [
                 f"One session agrees with another by an intraclass correlation of "
-                f"{row['value']:.2f} ({row['low']:.2f} to {row['high']:.2f}): 1 is the same "
-                "ratings again, 0 is chance."
+                f"{row['value']:.2f} ({row['low']:.2f} to {row['high']:.2f}), over people and the "
+                "conditions that are compared: 1 is the same ratings again, 0 is chance."
             ]
     return []
 

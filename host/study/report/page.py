@@ -22,6 +22,7 @@ from springpot.host.study.report.findings import (
     OPEN,
     excluded_words,
     p_digits,
+    percent,
     summary,
     verdict,
 )
@@ -64,7 +65,9 @@ def write_study_report(
     if loops.conditions:
         write_file(place / "loops.csv", csv_text(loops.rows()).encode())
         tables.append("loops.csv")
-    text = page_text("study_report.html", _context(folder, analysis, loops, tables), p=p_digits)
+    text = page_text(
+        "study_report.html", _context(folder, analysis, loops, tables), p=p_digits, percent=percent
+    )
     write_file(place / PAGE, text.encode())
     result: dict[str, Any] = {"out": str(place / PAGE), **analysis.as_dict(), "tables": tables}
     if bids is not None:
@@ -132,8 +135,8 @@ def _boxes_words(analysis: Analysis) -> str:
     spread = float(np.median([row["max"] - row["min"] for row in rows]))
     return (
         f"Highest is {high['condition']} with a mean of {high['mean']:.1f}, lowest "
-        f"{low['condition']} with {low['mean']:.1f}; people's own means of one "
-        f"condition lie {spread:.0f} apart (median over conditions)."
+        f"{low['condition']} with {low['mean']:.1f}; from the "
+        f"lowest to the highest person a condition spans {spread:.0f} points (median)."
     )
 
 

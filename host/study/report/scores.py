@@ -78,9 +78,15 @@ def by_condition(study: Study, responses: Sequence[Response]) -> dict[int, Mappi
 
 
 def by_session(study: Study, responses: Sequence[Response]) -> Samples:
-    """(person and condition, sessions): mean answers, of those that were given in all sessions."""
+    """(person and condition, sessions): mean answers, of those that were given in all sessions.
+
+    Of the conditions that are compared, where some are: an anchor that everybody rates alike would
+    make sessions agree by itself."""
     found: dict[tuple[str, int], list[list[float]]] = {}
+    compared = {k for k, pair in enumerate(study.pair) if pair.factors}
     for response in responses:
+        if compared and response.pair not in compared:
+            continue
         key = response.participant, response.pair
         rows = found.setdefault(key, [[] for _ in range(study.sessions)])
         rows[response.session - 1].append(float(response.answer))

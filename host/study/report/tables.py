@@ -53,7 +53,10 @@ def csv_text(rows: Sequence[Mapping[str, Any]], delimiter: str = ",", missing: s
 
 
 def trial_rows(analysis: Analysis, responses: Sequence[Response]) -> list[Row]:
-    """A row a finished trial, in the order in which they were done; practice is session 0."""
+    """A row a finished trial, in the order in which they were done; practice is session 0.
+
+    counts: whether the results are made of it.
+    """
     study = analysis.study
     left_out = {person.participant for person in analysis.excluded}
     factors = list(dict.fromkeys(name for pair in study.pair for name in pair.factors))
@@ -80,6 +83,7 @@ def trial_rows(analysis: Analysis, responses: Sequence[Response]) -> list[Row]:
             "fastest_mps": response.fastest_mps,
             "warnings": response.warnings,
             "excluded": response.participant in left_out,
+            "counts": response.session > 0 and response.participant not in left_out,
             "log": response.log.name if response.log else None,
         })  # fmt: skip
     return rows
