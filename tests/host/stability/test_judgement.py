@@ -23,7 +23,7 @@ def outcome(case: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Out
     found: dict[str, Any] = {
         "hand": hand, "delay_samples": delay, "case": case, "bounded": True, "max_depth_m": 0.01,
         "max_force_n": 5.0, "hf_speed_mps": 2e-4, "fidelity_percent": 2.0, "energy_out_j": -0.01,
-        "trace": Trace(still, still, still, still, np.zeros(10, dtype=np.int32), 0),
+        "trace": Trace(*[still] * 6, np.zeros(10, dtype=np.int32), 0),
         "model_only_n": still, "dt_s": np.full(10, 1e-3),
     }  # fmt: skip
     return Outcome(**found | changed)
