@@ -140,17 +140,17 @@ def _curve(study: Study, series: str, person: str, own: Sequence[Response]) -> P
 
 def _counts(study: Study, own: Sequence[Response]) -> tuple[int, int, int, int]:
     """Yes and trials of the first kind, yes and trials of the second."""
-    told: Callable[[Response], bool]
+    claimed: Callable[[Response], bool]
     first: Callable[[Response], bool]
     if study.method == "abx":
-        told, first = (lambda r: r.answer == "A"), (lambda r: r.shown[2] == r.shown[0])
+        claimed, first = (lambda r: r.answer == "A"), (lambda r: r.shown[2] == r.shown[0])
     elif study.method == "same-different":
-        told, first = (lambda r: r.answer == "different"), (lambda r: r.shown[0] != r.shown[1])
+        claimed, first = (lambda r: r.answer == "different"), (lambda r: r.shown[0] != r.shown[1])
     else:
-        told, first = (lambda r: r.answer == "left"), (lambda r: _stiffer_left(study, r))
+        claimed, first = (lambda r: r.answer == "left"), (lambda r: _stiffer_left(study, r))
     signal = [r for r in own if first(r)]
     noise = [r for r in own if not first(r)]
-    return sum(map(told, signal)), len(signal), sum(map(told, noise)), len(noise)
+    return sum(map(claimed, signal)), len(signal), sum(map(claimed, noise)), len(noise)
 
 
 def _stiffer_left(study: Study, response: Response) -> bool:

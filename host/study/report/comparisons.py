@@ -115,8 +115,8 @@ def _pairs(found: Comparisons, within: str, scores: Any, levels: tuple[str, ...]
     pairs = pair_differences(scores, levels)
     found.pairs += [{"within": within, **asdict(pair)} for pair in pairs]
     ranked = sorted(levels, key=lambda level: -float(scores[:, levels.index(level)].mean()))
-    told = [(pair.first, pair.second) for pair in pairs if pair.p_tukey < ALPHA]
-    found.letters[within] = letters(ranked, told)
+    different = [(pair.first, pair.second) for pair in pairs if pair.p_tukey < ALPHA]
+    found.letters[within] = letters(ranked, different)
 
 
 def _alike(

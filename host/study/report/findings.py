@@ -34,13 +34,13 @@ def percent(share: float) -> str:
 
 def verdict(pair: Row, equivalence: Sequence[Row]) -> str:
     """What is shown of a pair: a difference, likeness within the margin, both, or neither."""
-    told = pair["p_tukey"] < ALPHA
+    differs = pair["p_tukey"] < ALPHA
     alike = any(
         row["equivalent"]
         for row in equivalence
         if all(row[key] == pair[key] for key in ("within", "first", "second"))
     )
-    return (BOTH if alike else DIFFERENT) if told else ALIKE if alike else OPEN
+    return (BOTH if alike else DIFFERENT) if differs else ALIKE if alike else OPEN
 
 
 def summary(analysis: Analysis) -> list[str]:
@@ -157,14 +157,14 @@ def _pairs(found: Comparisons) -> list[str]:
     if not found.pairs:
         return []
     verdicts = [verdict(row, found.equivalence) for row in found.pairs]
-    told = [f"{row['first']} and {row['second']}" + (f" ({row['within']})" if row["within"] else "")
+    different = [f"{row['first']} and {row['second']}" + (f" ({row['within']})" if row["within"] else "")
             for row, kind in zip(found.pairs, verdicts, strict=True)
             if kind in (DIFFERENT, BOTH)]  # fmt: skip
     alike = sum(kind in (ALIKE, BOTH) for kind in verdicts)
     still_open = verdicts.count(OPEN)
     of = len(verdicts)
-    lines = [f"{len(told)} of {of} pairs of conditions differ" + (
-        f": {', '.join(told[:8])}{', and others' if len(told) > 8 else ''}." if told else "."
+    lines = [f"{len(different)} of {of} pairs of conditions differ" + (
+        f": {', '.join(different[:8])}{', and others' if len(different) > 8 else ''}." if different else "."
     )]  # fmt: skip
     if found.equivalence:
         margin = found.equivalence[0]["margin"]

@@ -22,10 +22,10 @@ class TrialVoidedError(Exception):
 
 
 class Experimenter:
-    """Tells what to do, and obeys keys."""
+    """Reports what to do, and obeys keys."""
 
-    def __init__(self, keys: PressedKeys, tell: Callable[[str], None] = say) -> None:
-        self._keys, self.tell = keys, tell
+    def __init__(self, keys: PressedKeys, report: Callable[[str], None] = say) -> None:
+        self._keys, self.report = keys, report
 
     def look(self) -> bool:
         """Whether Enter was pressed since the last look.

@@ -58,7 +58,7 @@ class DevicePresenter:
         """Wait until the participant is ready."""
         title = "Practice" if session == 0 else f"Session {session} of {self._study.sessions}"
         self._screen.show(ScreenState(title, "Press Space when you are ready."))
-        self._experimenter.tell(f"{title}: waiting for the participant to press Space")
+        self._experimenter.report(f"{title}: waiting for the participant to press Space")
         self._until("next")
 
     def trial(self, trial: PresentedTrial, record: Record) -> TrialOutcome:
@@ -66,7 +66,7 @@ class DevicePresenter:
         of = "" if trial.of is None else f" of {trial.of}"
         title = f"Trial {trial.number}{of}"
         again = "" if trial.attempt == 1 else f", attempt {trial.attempt}"
-        self._experimenter.tell(f"{title}{again}")
+        self._experimenter.report(f"{title}{again}")
         late = 0 if self._apparatus is None else self._apparatus.runner.state.late
         overruns = 0 if self._apparatus is None else self._apparatus.overruns
         run = None
@@ -75,7 +75,7 @@ class DevicePresenter:
             run = self._begin(trial, record, title)
             answer = self._run(run)
         except TrialVoidedError:
-            self._experimenter.tell(f"{title}: void; it comes again at the end")
+            self._experimenter.report(f"{title}: void; it comes again at the end")
             self._end(keep=False)
             return TrialOutcome(None, {} if run is None else run.details())
         except BaseException:
@@ -156,7 +156,7 @@ class DevicePresenter:
         stickers = self._key.stickers
         away = "" if self._there is None else f"take {stickers[self._there]} away"
         put = "" if name is None else f"put {stickers[name]} under the tool"
-        self._experimenter.tell(f"  {', '.join(filter(None, (away, put)))}; then press Enter")
+        self._experimenter.report(f"  {', '.join(filter(None, (away, put)))}; then press Enter")
         while not self._experimenter.look():
             self._require_running()
             time.sleep(_LOOK_S)
@@ -197,11 +197,11 @@ class DevicePresenter:
         if self._apparatus is None:
             return
         self._apparatus.release()
-        told = False
+        shown = False
         while not self._apparatus.is_free():
-            if not told:
+            if not shown:
                 self._screen.show(ScreenState(title, _LIFT))
-                told = True
+                shown = True
             self._experimenter.look()
             self._require_running()
             time.sleep(_LOOK_S)
@@ -217,7 +217,7 @@ class DevicePresenter:
             try:
                 self._experimenter.look()
             except TrialVoidedError:
-                self._experimenter.tell("no trial is under way: nothing to void")
+                self._experimenter.report("no trial is under way: nothing to void")
             self._require_running()
             act = self._screen.next_act(_LOOK_S)
             if act is not None and act.kind == kind:

@@ -4,7 +4,7 @@ const CALM_MS = 400; // nobody reads a new question sooner: keys until then were
 
 const picture = new Picture(), answer = new AnswerPanel();
 let state = null, about = "", shown_ms = 0;
-let told = Promise.resolve(); // what was sent last is answered
+let pending = Promise.resolve(); // what was sent last is answered
 let waiting = true; // for the session: something was sent, or nothing is asked yet
 
 // A question stays the same while the thing under the tool changes: what was typed stays too.
@@ -54,7 +54,7 @@ function slot_of(key) {
 function while_answering(key) {
   if (key === "Enter") {
     say(answer.complaint);
-    if (answer.complaint === "") told = send("answer", answer.value);
+    if (answer.complaint === "") pending = send("answer", answer.value);
     return true;
   }
   if (key === "Escape") {
@@ -80,7 +80,7 @@ function while_feeling(key) {
     return true;
   }
   if ((key === "Enter" || key === " ") && is_plain(state)) {
-    told = send("next", 0);
+    pending = send("next", 0);
     return true;
   }
   return false;
@@ -97,7 +97,7 @@ addEventListener("keydown", (event) => {
 
 listen({
   state: async (next) => {
-    await told; // whether it was taken decides whether this is a new question
+    await pending; // whether it was taken decides whether this is a new question
     take_state(next);
   },
   warning: warn,
