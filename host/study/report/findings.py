@@ -157,15 +157,16 @@ def _pairs(found: Comparisons) -> list[str]:
     if not found.pairs:
         return []
     verdicts = [verdict(row, found.equivalence) for row in found.pairs]
-    different = [f"{row['first']} and {row['second']}" + (f" ({row['within']})" if row["within"] else "")
-            for row, kind in zip(found.pairs, verdicts, strict=True)
-            if kind in (DIFFERENT, BOTH)]  # fmt: skip
+    different = [
+        f"{row['first']} and {row['second']}" + (f" ({row['within']})" if row["within"] else "")
+        for row, kind in zip(found.pairs, verdicts, strict=True)
+        if kind in (DIFFERENT, BOTH)
+    ]
     alike = sum(kind in (ALIKE, BOTH) for kind in verdicts)
     still_open = verdicts.count(OPEN)
     of = len(verdicts)
-    lines = [f"{len(different)} of {of} pairs of conditions differ" + (
-        f": {', '.join(different[:8])}{', and others' if len(different) > 8 else ''}." if different else "."
-    )]  # fmt: skip
+    named = ", ".join(different[:8]) + (", and others" if len(different) > 8 else "")
+    lines = [f"{len(different)} of {of} pairs of conditions differ{': ' if named else ''}{named}."]
     if found.equivalence:
         margin = found.equivalence[0]["margin"]
         lines.append(
