@@ -170,7 +170,11 @@ def test_a_killed_host_leaves_no_force(tmp_path: Path, emitted: Emitted, board: 
     assert 0 < zero * SLOW_DT_S <= 0.05
     assert not forces_n[zero:].any()
     after = relay.calls[last + 1 + zero :]
-    assert all(call["force_n"] == 0 and call["notes"] & LATCHED for call in after)
+    assert not any(call["force_n"] for call in after)
+    # A small force has faded before the watchdog trips; once latched, it stays so.
+    latched = [bool(call["notes"] & LATCHED) for call in relay.calls[last:]]
+    assert latched.index(True) * SLOW_DT_S <= 0.05
+    assert all(latched[latched.index(True) :])
 
 
 def test_a_board_whose_self_test_fails_renders_nothing(tmp_path: Path, emitted: Emitted) -> None:
