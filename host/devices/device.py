@@ -27,6 +27,7 @@ class DeviceRequirements:
     presses: the loop drives the tool into an object, to record it.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
+    effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
     """
 
     rate_hz: float
@@ -40,6 +41,8 @@ class DeviceRequirements:
     zero_turns: float = 0.0
     max_torque_nm: float | None = None
     nm_per_a: float | None = None
+    effector_mass_kg: float | None = None
+    weight_n: float = 0.0
 
 
 class OpenedDevice(Protocol):
@@ -54,7 +57,7 @@ class OpenedDevice(Protocol):
 
     @property
     def failure(self) -> str:
-        """Why it is gone, where something below it says so; or empty."""
+        """Why it is gone or off, where something below it says so; or empty."""
         ...
 
     def link(self, library: "CLibrary") -> Any:

@@ -1,4 +1,4 @@
-"""Device addresses: sim://, replay://, serial://, odrive:// and their settings."""
+"""Device addresses: sim://, replay://, serial://, odrive://, dhd:// and their settings."""
 
 import math
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ SCHEMES = {
     "serial": "serial:///dev/ttyACM0?baud=921600",
     "odrive": "odrive://slcan//dev/ttyACM0?node=0, odrive://socketcan/can0?node=0, or "
     "odrive://INTERFACE/CHANNEL?node=0 for another interface of python-can",
+    "dhd": "dhd://, the first Force Dimension device, or dhd://1, the second",
 }
 
 
@@ -60,7 +61,7 @@ def parse_device(url: str) -> Address:
         )
     interface = parts.netloc if parts.scheme == "odrive" else ""
     place = parts.path.removeprefix("/") if interface else parts.netloc + parts.path
-    if not place or (parts.scheme == "odrive" and not interface):
+    if (not place and parts.scheme != "dhd") or (parts.scheme == "odrive" and not interface):
         raise UsageError(f"{url}: not complete: use {SCHEMES[parts.scheme]}")
     settings = dict(parse_qsl(parts.query, keep_blank_values=True))
     return Address(url, parts.scheme, interface, unquote(place), settings)

@@ -50,6 +50,8 @@ class CLoop:
                 "max_force_n": settings.max_force_n,
                 "max_depth_m": settings.max_depth_m,
                 "latched_note": LATCHED,
+                "reversed": int(settings.reversed),
+                "sensed": int(settings.sensed),
                 "priority": _PRIORITY if settings.real_time else 0,
                 "cpu": _spare_cpu(),
                 "rows": self._rows(self._ring),

@@ -9,12 +9,17 @@ from springpot.host.native.loop_library import LoopRows
 
 @dataclass(frozen=True)
 class LoopSettings:
-    """period_s: of a tick. seconds: 0, until it is stopped. Beyond the limits the loop ends."""
+    """period_s: of a tick. seconds: 0, until it is stopped. Beyond the limits the loop ends.
+
+    reversed: the device pulls for a positive force. sensed: a sensor beside the device measures.
+    """
 
     period_s: float
     seconds: float = 0.0
     max_force_n: float = float("inf")
     max_depth_m: float = float("inf")
+    reversed: bool = False
+    sensed: bool = False
     real_time: bool = True
 
 
@@ -50,6 +55,7 @@ class LinkCounts:
     crc_errors: int = 0
     sequence_gaps: int = 0
     unsent: int = 0
+    saturated: int = 0
     device_error: int = 0
 
 

@@ -79,6 +79,7 @@ static void first_deadline(sp_loop *self)
 static void stop_device(sp_loop *self)
 {
     for (int i = 0; i < 3 && self->link != NULL; i++) {
+        self->link->released = 1;
         if (self->link->write(self->link, sp_loop_now(), 0.0) == SP_LINK_GONE) {
             sp_loop_lose_link(self);
         }
@@ -170,6 +171,12 @@ void sp_loop_reset(sp_loop *loop)
 void sp_loop_attach(sp_loop *loop, sp_link *link)
 {
     loop->next_link = link;
+}
+
+void sp_loop_sense(sp_loop *loop, double measured_n)
+{
+    loop->sensed_n = measured_n;
+    loop->sensed_ns = sp_loop_now();
 }
 
 void sp_loop_get_status(sp_loop *loop, sp_loop_state *state)
