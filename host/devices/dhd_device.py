@@ -48,6 +48,11 @@ class DhdDevice:
         self._url, self._address, self._required = address.url, address, requirements
         self._axis, self._sign = _axis(address)
         self._walls_npm = address.number("walls_npm", 0.0, 0.0, _MAX_WALL_NPM)
+        if self._watched and requirements.rate_hz * _WATCHDOG_STEP_S * _MAX_STEPS < 2:
+            raise UsageError(
+                f"{self._url}: its watchdog waits {1e3 * _WATCHDOG_STEP_S * _MAX_STEPS:.0f} ms at "
+                "most, which needs at least 63 Hz: raise runtime.rate_hz"
+            )
         number = None if address.place == "" else _number(address)
         self._sdk = DhdLibrary(address.url, address.settings.get("library"))
         self._sdk.require(*_NEEDED)

@@ -11,9 +11,10 @@ enum { AXES = 3, UP = 2 };
 
 /* Its status and button are asked for at every so manieth sample: within 8 ms at 1 kHz. */
 enum { LOOK_EVERY = 8 };
-/* So many forces that were not taken, one after the other, and the motors are switched off. */
+/* So many forces that were not taken, one after the other, and the motors are switched off; or the
+ * device is gone, where it gives no position either. */
 enum { MAX_UNTAKEN = 2 };
-static const uint64_t gone_ns = 100000000;  /* without a good call */
+static const uint64_t gone_ns = 100000000;  /* without a position */
 static const uint64_t frozen_ns = 50000000; /* moving, and always at the same place */
 static const double moving_mps = 0.005;
 /* A wall's damping in seconds of its stiffness: what the SDK's own estimate of velocity bears. */
@@ -28,6 +29,7 @@ typedef struct {
     uint64_t placed_ns; /* of the last change of place */
     uint32_t looks;
     uint32_t untaken;
+    uint32_t unread;
     int tripped;
     int pressed;
 } device;
@@ -104,6 +106,7 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
     if (got < 0 ||
         dhd->get_linear_velocity(&at_mps[0], &at_mps[1], &at_mps[2], (char)dhd->id) < 0) {
         link->crc_errors++;
+        self->unread++;
         link->device_error = (uint32_t)dhd->error_get_last();
         watch_call(self, begin_ns);
         return now_ns - self->good_ns > gone_ns ? SP_LINK_GONE
@@ -111,6 +114,7 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
                                                 : 0;
     }
     self->good_ns = now_ns;
+    self->unread = 0;
     look_at_device(self);
     watch_call(self, begin_ns);
     if (self->pressed) {
@@ -162,6 +166,9 @@ static int write_device(sp_link *link, uint64_t now_ns, double force_n)
     watch_call(self, begin_ns); /* the next reading says so: this force was taken */
     if (self->untaken >= MAX_UNTAKEN) {
         /* The device keeps the last force that it took. */
+        if (self->unread >= MAX_UNTAKEN) {
+            return SP_LINK_GONE;
+        }
         (void)dhd->enable_force(OFF, (char)dhd->id);
         trip(self, link->device_error);
         return SP_LINK_TRIPPED;

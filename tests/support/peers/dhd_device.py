@@ -54,7 +54,7 @@ class Firmware:
     def __init__(self, options: argparse.Namespace, page: Page) -> None:
         self.options, self.page = options, page
         self.begin_s: float | None = None
-        self.enabled = self.gone = self.hung = self.tripped_once = False
+        self.enabled = self.gone = self.held = self.tripped_once = False
         self.acting_n = 0.0
 
     def now(self, kind: str) -> bool:
@@ -68,13 +68,12 @@ class Firmware:
         force_n = max(abs(page[f"force_{axis}"]) for axis in "xyz")
         if self.begin_s is None and force_n > ACTING_N:
             self.begin_s = time.monotonic()
-        for kind, state in (("fail", "fails"), ("stale", "stale"), ("frozen", "frozen"),
+        for kind, state in (("fail", "fails"), ("silent", "stale"), ("frozen", "frozen"),
                             ("refuse", "refuses"), ("button", "button")):  # fmt: skip
             page[state] = self.now(kind)
-        if self.now("hang") and not self.hung:
-            self.hung = True
-            page["hangs_s"] = self.options.hang_s
-            say(event="hang")
+        if self.now("burst") and not self.held:  # one call takes as long
+            self.held = True
+            page["hangs_s"] = self.options.burst_for
         gone = self.now("gone")
         if gone != self.gone:
             say(event="gone" if gone else "back", was_n=force_n)
@@ -106,7 +105,10 @@ class Firmware:
         if self.page["enabled"] and not self.enabled:
             say(event="start")
         elif self.enabled and not self.page["enabled"]:
-            say(event="stop", force_n=max(abs(self.page[f"force_{axis}"]) for axis in "xyz"))
+            say(event="stop", force_n=max(abs(self.page[f"force_{axis}"]) for axis in "xyz"),
+                max_force_n=self.page["max_force_n"], mass_kg=self.page["mass_kg"],
+                watchdog_s=self.page["watchdog_s"],
+                place_m=[self.page[f"place_{axis}"] for axis in "xyz"])  # fmt: skip
         self.enabled = bool(self.page["enabled"])
         if self.acting_n > ACTING_N and force_n == 0:
             say(event="zero", was_n=self.acting_n)
@@ -115,10 +117,9 @@ class Firmware:
 
 def main() -> None:
     parser = arguments(__doc__.splitlines()[0])
-    for kind in ("fail", "stale", "frozen", "refuse", "button", "hang", "trip"):
+    for kind in ("fail", "frozen", "refuse", "button", "trip"):
         parser.add_argument(f"--{kind}-after", type=float, metavar="S")
         parser.add_argument(f"--{kind}-for", type=float, default=1e9, metavar="S")
-    parser.add_argument("--hang-s", type=float, default=0.05)
     parser.add_argument("--pressing", action="store_true", help="on the object, nobody holds it")
     parser.add_argument("--surface-mm", type=float, default=0.0, help="height of the surface")
     parser.add_argument("--sideways-n", type=float, default=0.0, help="pushes across the axis")

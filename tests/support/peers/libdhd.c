@@ -204,6 +204,9 @@ int dhdOpenID(signed char id)
     if (page[IN_USE] != 0) {
         return fail(IN_USE_ERROR);
     }
+    if (call() < 0) {
+        return -1;
+    }
     started = 0;
     page[WATCHDOG_S] = page[ENABLED] = page[FORCES] = 0;
     page[FORCE_X] = page[FORCE_Y] = page[FORCE_Z] = 0;
