@@ -149,13 +149,9 @@ def absent_reason(usb: Path = _USB) -> str:
             continue
         node = Path("/dev/bus/usb", *(f"{number:03d}" for number in numbers))
         if not os.access(node, os.R_OK | os.W_OK):
-            return (
-                f"a Force Dimension device is on USB ({node}) and not yours: {_REMEDIES[_DRIVER]}"
-            )
+            return f"a Force Dimension device is on USB ({node}), not yours: {_REMEDIES[_DRIVER]}"
         return "a Force Dimension device is on USB, but another program holds it: end that one"
-    return (
-        "no Force Dimension device on USB: check cable and power (in a container, pass it through)"
-    )
+    return "no Force Dimension device on USB: check cable and power; in a container, pass it on"
 
 
 def force_off_words(cause: int) -> str:

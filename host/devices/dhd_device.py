@@ -1,4 +1,4 @@
-"""A Force Dimension device (dhd://): opened, checked, its watchdog proved; then the loop calls it."""
+"""A Force Dimension device (dhd://): opened, checked, armed; then the loop calls it."""
 
 import contextlib
 import math
