@@ -24,7 +24,7 @@ def at_most(value: float) -> str:
 class DeviceRequirements:
     """What a session asks of a device.
 
-    presses: the loop drives the tool into an object, to record it.
+    presses: the loop drives the tool into an object, to record it. senses: it is read only.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
@@ -35,6 +35,7 @@ class DeviceRequirements:
     max_n: float
     hash: str = ""
     presses: bool = False
+    senses: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None
     sign: int = 1

@@ -72,6 +72,9 @@ class CLoop:
         if self._runner:
             self._c.sp_loop_ask_stop(self._loop)
 
+    def sense(self, measured_n: float) -> None:
+        self._c.sp_loop_sense(self._loop, measured_n)
+
     def pause(self, paused: bool) -> None:
         """Zero force, and no calls until it is resumed; then the scene is reset."""
         self._c.sp_loop_pause(self._loop, int(paused))

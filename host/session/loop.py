@@ -35,6 +35,7 @@ class LoopState:
     watchdog_trips: int = 0
     disconnects: int = 0
     resets: int = 0
+    start_ns: int = 0
     newest_row: int = 0
     elapsed_s: float = 0.0
     latched: int = 0
@@ -74,6 +75,10 @@ class Loop(Protocol):
 
     def ask_stop(self) -> None:
         """End with zero force."""
+        ...
+
+    def sense(self, measured_n: float) -> None:
+        """A sensor beside the device measured this, just now; from any thread."""
         ...
 
     def pause(self, paused: bool) -> None:

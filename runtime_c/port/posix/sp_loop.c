@@ -71,6 +71,7 @@ static void first_deadline(sp_loop *self)
         self->deadline_ns = sp_loop_now() + self->period_ns / 4;
     }
     self->start_ns = self->deadline_ns;
+    self->begun_ns = self->start_ns;
     self->end_ns = self->config.seconds > 0
                        ? self->start_ns + (uint64_t)(1e9 * self->config.seconds)
                        : UINT64_MAX;
@@ -189,6 +190,7 @@ void sp_loop_get_status(sp_loop *loop, sp_loop_state *state)
                              .watchdog_trips = loop->trips,
                              .disconnects = loop->disconnects,
                              .resets = loop->resets,
+                             .start_ns = loop->begun_ns,
                              .newest_row = loop->ring.head,
                              .elapsed_s = 1e-9 * (double)loop->elapsed_ns,
                              .latched = loop->latched,

@@ -94,6 +94,7 @@ typedef struct {
     uint64_t watchdog_trips;
     uint64_t disconnects;
     uint64_t resets;
+    uint64_t start_ns;   /* of CLOCK_MONOTONIC, where rows count from */
     uint64_t newest_row; /* rows put into the ring since the start */
     double elapsed_s;
     int32_t latched;

@@ -7,15 +7,18 @@ The first line is the URL to use, then one JSON object for each event. Stops on 
 
 import argparse
 import os
+import random
 import re
 import shutil
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from line import Clock, arguments, be_a_device, say
+from line import Clock, Port, arguments, be_a_device, say
 
+from springpot.host.devices.wire import Receiver, Sender, constant, layout
 from springpot.host.native.compiler import shared_library
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES
 from springpot.runtime_c.paths import SIM
@@ -115,11 +118,50 @@ class Firmware:
         self.acting_n = force_n
 
 
+class LoadCell:
+    """A force sensor on a serial line of its own: it sends late what is between tool and object."""
+
+    def __init__(self, late_s: float, page: Page) -> None:
+        self.port, self._page = Port(), page
+        self._late_s, self._draw = late_s, random.Random(1)
+        self._sender, self._receiver = Sender(), Receiver()
+        self._felt: list[tuple[float, float]] = []
+        self._next_s = 0.0
+
+    def tick(self) -> None:
+        now_s = time.monotonic()
+        self._felt.append((now_s, self._page["object_n"]))
+        for frame in self._receiver.feed(self.port.read() or b""):
+            if frame.name == "ask":
+                self._receiver.restart()
+                self._send("hello", layout=layout(), role=constant("SIMPLE"), model=bytes(32),
+                           rate_hz=1000.0, max_n=0.0)  # fmt: skip
+            elif frame.name == "command":
+                self._send("ack", command=frame.sequence, refused=0)
+                started = frame.values["action"] == constant("START")
+                self._next_s = now_s if started else 0.0
+        while self._next_s and self._next_s <= now_s:
+            measured_n = self._felt_n(self._next_s) + self._draw.gauss(0, 0.01)
+            self._send("sample", status=constant("LOAD_CELL"), position_m=0.0, velocity_mps=0.0,
+                       measured_n=measured_n)  # fmt: skip
+            self._next_s += 1e-3
+
+    def _felt_n(self, at_s: float) -> float:
+        while len(self._felt) > 2 and self._felt[1][0] < at_s - self._late_s:
+            self._felt.pop(0)
+        times_s, forces_n = zip(*self._felt, strict=True)
+        return float(np.interp(at_s - self._late_s, times_s, forces_n))
+
+    def _send(self, name: str, **values: Any) -> None:
+        self.port.write(self._sender.encode(name, **values))
+
+
 def main() -> None:
     parser = arguments(__doc__.splitlines()[0])
     for kind in ("fail", "frozen", "refuse", "button", "trip"):
         parser.add_argument(f"--{kind}-after", type=float, metavar="S")
         parser.add_argument(f"--{kind}-for", type=float, default=1e9, metavar="S")
+    parser.add_argument("--cell-ms", type=float, help="a load cell on a serial line, so late")
     parser.add_argument("--pressing", action="store_true", help="on the object, nobody holds it")
     parser.add_argument("--surface-mm", type=float, default=0.0, help="height of the surface")
     parser.add_argument("--sideways-n", type=float, default=0.0, help="pushes across the axis")
@@ -133,13 +175,18 @@ def main() -> None:
         shutil.copy(built, library)
         page = Page(library.with_name("libdhd.so.state"))
         set_up(page, options)
+        cell = None if options.cell_ms is None else LoadCell(1e-3 * options.cell_ms, page)
         firmware, clock = Firmware(options, page), Clock(PERIOD_S)
         be_a_device()
         print(f"dhd://?library={library}&surface_mm={-options.surface_mm:g}", flush=True)
+        if cell is not None:
+            say(event="cell", url=f"serial://{cell.port.path}?baud=4000000")
         parent = os.getppid()
         while os.getppid() == parent:
             clock.wait()
             firmware.tick()
+            if cell is not None:
+                cell.tick()
 
 
 def set_up(page: Page, options: argparse.Namespace) -> None:
