@@ -177,13 +177,13 @@ class _Fit:
 
 
 def _require_sense(found: _Found, url: str) -> None:
-    if found.coefficients[0] <= 0:
-        raise DeviceError(
-            f"{url}: its force falls where the motor pushes harder: turn its sign, &n_per_unit=-1"
-        )
     share = np.sqrt(max(0.0, found.unexplained))
     if share > _MAX_UNEXPLAINED:
         raise DeviceError(
             f"{url}: {100 * share:.0f} % of its force does not fit the tool's motion: is it "
             "between tool and object, firmly fixed, and along the device's axis?"
+        )
+    if found.coefficients[0] <= 0:
+        raise DeviceError(
+            f"{url}: its force falls where the motor pushes harder: turn its sign, &n_per_unit=-1"
         )
