@@ -24,7 +24,8 @@ def at_most(value: float) -> str:
 class DeviceRequirements:
     """What a session asks of a device.
 
-    presses: the loop drives the tool into an object, to record it.
+    presses: the loop drives the tool into an object, to record it. free: it moves a tool that
+    nobody holds, to measure the device.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     """
@@ -34,6 +35,7 @@ class DeviceRequirements:
     max_n: float
     hash: str = ""
     presses: bool = False
+    free: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None
     sign: int = 1
@@ -46,6 +48,11 @@ class OpenedDevice(Protocol):
     """A device that was opened, checked and started: it sends samples and takes forces."""
 
     comes_back: bool  # can be unplugged and plugged in again
+
+    @property
+    def max_n(self) -> float | None:
+        """The largest force that it promises; None where it says nothing."""
+        ...
 
     @property
     def rate_advice(self) -> str:
