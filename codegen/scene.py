@@ -63,14 +63,24 @@ class Guard:
 
 @dataclass(frozen=True)
 class Device:
-    """What loop checks assume and drivers need.
+    """What loop checks assume and drivers need; None: not measured, or not stated.
 
+    delay_samples or delay_s: how late its force acts. mass_kg, viscous_nspm, coulomb_n: what a
+    hand moves and what brakes it, without the hand. resolution_um: the smallest step of its
+    position; velocity_noise_mps: standard deviation of its velocity.
     m_per_turn, sign, zero_turns, max_torque_nm: the transmission of a motor drive;
-    nm_per_a: its motor's torque constant. resolution_um: the smallest step of its position.
+    nm_per_a: its motor's torque constant.
+    force_sign: -1 where a positive command pulls the wrong way. effector_mass_kg: what its own
+    gravity compensation carries. weight_n: what the handle weighs beyond that.
     """
 
     __pydantic_config__ = _CLOSED
     delay_samples: Annotated[int, Interval(ge=0, le=10)] = 0
+    delay_s: Annotated[float, Interval(ge=0, le=0.02)] | None = None
+    mass_kg: Annotated[float, Interval(ge=1e-3, le=100)] | None = None
+    viscous_nspm: Annotated[float, Interval(ge=0, le=1e4)] | None = None
+    coulomb_n: Annotated[float, Interval(ge=0, le=1e3)] | None = None
+    velocity_noise_mps: Annotated[float, Interval(ge=0, le=10)] | None = None
     velocity: Literal["estimate", "device"] = "estimate"
     surface_mm: float = 0.0
     m_per_turn: Annotated[float, Interval(gt=0, le=100)] | None = None
@@ -79,6 +89,10 @@ class Device:
     max_torque_nm: Annotated[float, Gt(0)] | None = None
     nm_per_a: Annotated[float, Gt(0)] | None = None
     resolution_um: Annotated[float, Interval(gt=0, le=1e4)] = 10.0
+    force_sign: Literal[1, -1] = 1
+    max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
+    effector_mass_kg: Annotated[float, Interval(ge=0, le=100)] | None = None
+    weight_n: Annotated[float, Interval(ge=-100, le=100)] = 0.0
 
 
 @dataclass(frozen=True)

@@ -85,6 +85,8 @@ def _checked(text: str, where: str) -> Scene:
         )
     if "\0" in scene.model:
         raise UsageError(f"{where}: model: {scene.model!r}: give the path of a model file")
+    if scene.device.delay_samples and scene.device.delay_s is not None:
+        raise UsageError(f"{where}: device.delay_s: beside delay_samples: state one of the two")
     return scene
 
 

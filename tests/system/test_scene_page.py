@@ -16,7 +16,8 @@ from springpot.codegen.scene import Scene
 PAGE = ROOT / "docs" / "scene.md"
 UNITS = {"_hz": "Hz", "_npm": "N/m", "_nspm": "N s/m", "_kg": "kg", "_s": "s", "_n": "N",
          "_ms": "ms", "_mm": "mm", "_nm": "N m", "_per_a": "N m/A", "_bytes": "bytes", "_us": "µs",
-         "_um": "um", "m_per_turn": "m", "_turns": "turns", "_samples": "ticks"}  # fmt: skip
+         "_um": "um", "m_per_turn": "m", "_turns": "turns", "_samples": "ticks",
+         "_mps": "m/s"}  # fmt: skip
 
 
 def page_rows() -> dict[str, list[str]]:
@@ -82,7 +83,7 @@ def test_a_row_says_what_the_code_reads(name: str) -> None:
     for part in parts(kind):
         if isinstance(part, Interval):
             low = part.ge if part.ge is not None else part.gt
-            numbers = [float(word) for word in re.findall(r"[\d.]+(?:e-?\d+)?", may_be)]
+            numbers = [float(word) for word in re.findall(r"-?[\d.]+(?:e-?\d+)?", may_be)]
             assert numbers == [low, part.le]
             assert ("above" in may_be) == (part.gt is not None)
         elif isinstance(part, Gt):

@@ -30,13 +30,21 @@ NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
     "guard.max_force_n": (None, [1e-9, 1e4], [0.0, 1.001e4]),
     "guard.watchdog_ms": (None, [1e-9, 1000], [0.0, 1000.1]),
     "guard.onset_mm": (None, [1e-4, 100], [0.999e-4, 100.1]),
-    "device.delay_samples": (0, [0, 10], [-1, 11]),
+    "device.delay_samples": (0, [10, 0], [-1, 11]),
+    "device.delay_s": (None, [0.0, 0.02], [-1e-9, 0.0201]),
+    "device.mass_kg": (None, [1e-3, 100], [0.999e-3, 100.1]),
+    "device.viscous_nspm": (None, [0.0, 1e4], [-1e-9, 1.001e4]),
+    "device.coulomb_n": (None, [0.0, 1e3], [-1e-9, 1.001e3]),
+    "device.velocity_noise_mps": (None, [0.0, 10], [-1e-9, 10.1]),
     "device.surface_mm": (0.0, [-1e9, 1e9], []),
     "device.m_per_turn": (None, [1e-9, 100], [0.0, 100.1]),
     "device.zero_turns": (0.0, [-1e9, 1e9], []),
     "device.max_torque_nm": (None, [1e-9, 1e9], [0.0]),
     "device.nm_per_a": (None, [1e-9, 1e9], [0.0]),
     "device.resolution_um": (10.0, [1e-3, 1e4], [0.0, 1.001e4]),
+    "device.max_force_n": (None, [1e-9, 1e4], [0.0, 1.001e4]),
+    "device.effector_mass_kg": (None, [0.0, 100], [-1e-9, 100.1]),
+    "device.weight_n": (0.0, [-100, 100], [-100.1, 100.1]),
     "budget.flash_bytes": (None, [1, 10**12], [0]),
     "budget.ram_bytes": (None, [1, 10**12], [0]),
     "budget.stack_bytes": (None, [1, 10**12], [0]),
@@ -54,6 +62,7 @@ WORDS: dict[str, tuple[Any, list[Any]]] = {
     "guard.contact": (None, ["surface", "always"]),
     "device.velocity": ("estimate", ["estimate", "device"]),
     "device.sign": (1, [1, -1]),
+    "device.force_sign": (1, [1, -1]),
 }
 
 
@@ -123,6 +132,15 @@ def test_a_name_that_would_end_a_comment_is_refused(name: str) -> None:
     refused("name", name)
 
 
+def test_a_delay_is_stated_once() -> None:
+    content = json.loads(scene_to_json(PLAIN))
+    content["device"] |= {"delay_samples": 1, "delay_s": 0.001}
+    with pytest.raises(UsageError) as error:
+        scene_from_json(json.dumps(content), "scene.toml")
+    told = "scene.toml: device.delay_s: beside delay_samples: state one of the two"
+    assert str(error.value) == told
+
+
 def test_names_and_paths_are_texts_of_any_language() -> None:
     assert scene_from_json(with_key("name", "Grün * / ? 软"), "").name == "Grün * / ? 软"
     refused("model", "a\0b")
@@ -131,7 +149,7 @@ def test_names_and_paths_are_texts_of_any_language() -> None:
 
 
 def whole() -> Scene:
-    """A scene without a key at its default."""
+    """A scene without a key at its default, but for the delay in ticks beside that in seconds."""
     content = json.loads(scene_to_json(PLAIN))
     content["name"], content["model"] = "Grün", "folder/a\x7f b.spm"
     for name, (_, fits, *_rest) in {**NUMBERS, **WORDS}.items():
