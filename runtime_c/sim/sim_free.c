@@ -68,26 +68,38 @@ static double drive(const sim_free *device, double motor_n)
     return drive_n;
 }
 
-/* Half a kick, drift, half a kick, until it comes to rest; from rest only what exceeds friction
- * moves it. */
-static void slide(sim_free *device, double motor_n, double step_s)
+/* Half a kick, drift, half a kick in one direction; what is left of the time once it came to rest.
+ */
+static double slide_one_way(sim_free *device, double drive_n, double way, double step_s)
 {
     const sim_free_settings *is = &device->is;
-    const double drive_n = drive(device, motor_n);
-    double way = device->velocity_mps > 0.0 ? 1.0 : -1.0;
-    if (device->velocity_mps == 0.0) {
-        if (fabs(drive_n) <= is->coulomb_n) {
-            return;
-        }
-        way = drive_n > 0.0 ? 1.0 : -1.0;
-    }
     const double push_n = drive_n - way * is->coulomb_n;
     const double half_s = 0.5 * step_s / is->mass_kg;
-    const double middle_mps =
-        device->velocity_mps + half_s * (push_n - is->viscous_nspm * device->velocity_mps);
-    device->position_m += step_s * middle_mps;
-    const double end_mps = middle_mps + half_s * (push_n - is->viscous_nspm * middle_mps);
-    device->velocity_mps = way * end_mps > 0.0 ? end_mps : 0.0;
+    const double begin_mps = device->velocity_mps;
+    const double middle_mps = begin_mps + half_s * (push_n - is->viscous_nspm * begin_mps);
+    const double end_mps = (middle_mps + half_s * push_n) / (1.0 + half_s * is->viscous_nspm);
+    if (way * end_mps > 0.0) {
+        device->position_m += step_s * middle_mps;
+        device->velocity_mps = end_mps;
+        return 0.0;
+    }
+    const double rest_s = step_s * begin_mps / (begin_mps - end_mps);
+    device->position_m += 0.5 * rest_s * begin_mps;
+    device->velocity_mps = 0.0;
+    return step_s - rest_s;
+}
+
+/* From rest only what exceeds friction moves it. */
+static void slide(sim_free *device, double motor_n, double step_s)
+{
+    const double drive_n = drive(device, motor_n);
+    double left_s = step_s;
+    if (device->velocity_mps != 0.0) {
+        left_s = slide_one_way(device, drive_n, copysign(1.0, device->velocity_mps), step_s);
+    }
+    if (left_s > 0.0 && fabs(drive_n) > device->is.coulomb_n) {
+        (void)slide_one_way(device, drive_n, copysign(1.0, drive_n), left_s);
+    }
 }
 
 /* Canudas de Wit and others 1995: bristles that bend, and more friction at rest. */
