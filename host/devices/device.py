@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from springpot.codegen.errors import DeviceError
+
 if TYPE_CHECKING:
     from springpot.host.devices.serial_device import SerialDevice
     from springpot.host.native.c_library import CLibrary
@@ -42,6 +44,22 @@ class DeviceRequirements:
     zero_turns: float = 0.0
     max_torque_nm: float | None = None
     nm_per_a: float | None = None
+
+
+def too_weak(
+    url: str, gives: str, required: DeviceRequirements, max_n: float, other: str = ""
+) -> DeviceError:
+    """The refusal of a device that gives less force, max_n, than is required.
+
+    gives: that in words. other: what else would help.
+    """
+    limit = at_most(max_n)
+    who, setting = (
+        ("test", f"give --max-force-n {limit}")
+        if required.free
+        else ("scene", f"set guard.max_force_n = {limit}")
+    )
+    return DeviceError(f"{url}: {gives} and the {who} up to {required.max_n:g} N: {setting}{other}")
 
 
 class OpenedDevice(Protocol):

@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.devices.device import DeviceRequirements, OpenedDevice
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice, too_weak
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand
@@ -54,6 +54,9 @@ class SimulatedFreeDevice:
             )
         truth = _free_truth(address)
         self.max_n: float | None = truth.max_n
+        if truth.max_n < requirements.max_n:
+            gives = f"gives at most {truth.max_n:g} N"
+            raise too_weak(address.url, gives, requirements, truth.max_n)
         self._device = FreeDevice(truth, 1 / requirements.rate_hz)
         self._memory: Any = None
 

@@ -18,7 +18,7 @@ _STEPS = np.array([1e-4, 1e-4, 1e-5, 1e-5, 2e-6, 1e-7, 1e-5])
 _LEAST = np.array([1e-4, 0.0, 0.0, -np.inf, 0.0])
 _COUNT = len(_LEAST)
 _STATE_SCALE = np.array([1e-6, 1e-4])
-_BEGIN_TICKS = 12  # that give a segment's first position and velocity
+_BEGIN_S = 0.012  # that give a segment's first position and velocity
 # 97.5 % of Student's t for 8, 12, 16, 20, 30 and many degrees of freedom.
 _FREEDOM, _STUDENT = (8, 12, 16, 20, 30, 1000), (2.31, 2.18, 2.12, 2.09, 2.04, 1.96)
 
@@ -54,8 +54,8 @@ class _Segments:
 
     def first_states(self) -> Matrix:
         """Position and velocity at each begin, of a line or a curve through its first ticks."""
-        time_s = np.arange(_BEGIN_TICKS) * self.motion.dt_s
-        found = np.polynomial.polynomial.polyfit(time_s, self.position_m[:, :_BEGIN_TICKS].T, 2)
+        time_s = np.arange(round(_BEGIN_S / self.motion.dt_s)) * self.motion.dt_s
+        found = np.polynomial.polynomial.polyfit(time_s, self.position_m[:, : len(time_s)].T, 2)
         return np.column_stack([found[0], found[1]])
 
     def simulate(self, values: Matrix, states: Matrix) -> tuple[Matrix, Matrix]:
