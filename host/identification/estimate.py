@@ -28,7 +28,9 @@ def estimate_device(
             "let go of it, and hold it so that it stays where it is"
         )
     fit = fit_model(motion, guess)
-    step = position_step(np.concatenate([motion.position_m[motion.fresh], quiet.position_m]))
+    step = position_step(
+        np.concatenate([motion.position_m[motion.fresh], quiet.position_m[quiet.fresh]])
+    )
     sensor_m = max(_white_m(fit), _STEP_NOISE * (step.value or 0.0))
     widen = _widening(fit.rms_m / sensor_m if sensor_m > 0 else 1.0)
     mass_kg, viscous_nspm, coulomb_n, bias_n, delay_s = fit.values

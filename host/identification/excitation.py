@@ -13,9 +13,10 @@ from springpot.host.session.step_functions import StepFunctions
 
 WATCHDOG_S = 0.02
 QUIET_S = 0.5
-SEEN_M = 1e-4
+SEEN_M = 2e-4
 SWEEP_S = 9.0
-_PULSE_S, _PAUSE_S = 0.025, 0.1
+PULSE_S = 0.03  # either way
+_PAUSE_S = 0.1
 _WEAKEST, _STRONGER = 0.02, 1.25  # of the force limit; from pulse to pulse
 _FAST_HZ, _SLOW_HZ = 25.0, 1.5
 _SWING = 0.4  # of the travel limit
@@ -51,7 +52,7 @@ class Excitation:
 
 def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
     """Silence, then stronger and stronger pulses to and fro, up to the force limit."""
-    half, pause = round(_PULSE_S * rate_hz), round(_PAUSE_S * rate_hz)
+    half, pause = round(PULSE_S * rate_hz), round(_PAUSE_S * rate_hz)
     quiet = np.zeros(round(QUIET_S * rate_hz))
     count = int(np.ceil(np.log(1 / _WEAKEST) / np.log(_STRONGER)))
     sizes = [min(1.0, _WEAKEST * _STRONGER**k) for k in range(count + 1)]

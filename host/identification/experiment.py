@@ -8,6 +8,7 @@ import numpy as np
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.identification.estimate import estimate_device
 from springpot.host.identification.excitation import (
+    PULSE_S,
     QUIET_S,
     SEEN_M,
     WATCHDOG_S,
@@ -16,6 +17,7 @@ from springpot.host.identification.excitation import (
     pulses,
     sweep,
 )
+from springpot.host.identification.force_sign import positive_raises
 from springpot.host.identification.free_motion import FreeMotion, free_motion
 from springpot.host.identification.result import DeviceMeasured
 from springpot.host.native.loop_library import LoopRows
@@ -62,19 +64,18 @@ def _find_sign(
     """The rest before the pulses, and 1 where a positive force pushes the tool out, else -1."""
     excitation = pulses(rate_hz, limits)
     rows, excite = mover(excitation, limits)
-    _require_within(excite, limits, url)
     dt_s = 1 / rate_hz
     quiet = free_motion(rows[: excitation.quiet_ticks], 1, dt_s, url)
     _require_rest(quiet, limits, url)
+    _require_within(excite, limits, url)
     if not excite.seen:
         raise DeviceError(
-            f"{url}: does not move: {limits.max_force_n:g} N for 25 ms moved it by no more than "
-            f"{1e3 * SEEN_M:g} mm: switch its power on, release its brake, free the tool, or give "
+            f"{url}: does not move: {limits.max_force_n:g} N for {1e3 * PULSE_S:g} ms moved it "
+            f"by no more than {1e3 * SEEN_M:g} mm: switch its power on, release its brake, free the tool, or give "
             "more force with --max-force-n"
         )
-    begin = excite.n - excitation.pulse_ticks
-    way = float(excitation.command[begin])
-    return quiet, -1 if way * excite.seen_at_m > 0 else 1
+    played = free_motion(rows[: excite.n], 1, dt_s, url)
+    return quiet, -1 if positive_raises(excitation, played.position_m) else 1
 
 
 def _require_rest(quiet: FreeMotion, limits: MoveLimits, url: str) -> None:

@@ -22,7 +22,7 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
     weight = (1 - at**2) ** 3
     slope = np.gradient(weight, dt_s)
     bend = np.gradient(slope, dt_s)
-    speed_mps = np.gradient(_smooth(motion.position_m, round(_SMOOTH_S / dt_s)), dt_s)
+    speed_mps = np.gradient(_smooth(motion.position_m, max(1, round(_SMOOTH_S / dt_s))), dt_s)
     position_m = motion.position_m - motion.position_m.mean()
 
     def windows(values: Samples, weights: Samples) -> Samples:
@@ -36,7 +36,8 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
             windows(np.ones_like(position_m), weight),
         ]
     )
-    best, least = (np.zeros(4), 0.0), np.inf
+    best: Samples = np.zeros(4)
+    best_delay_s, least = 0.0, np.inf
     middle = np.arange(len(motion.force_n)) * dt_s
     for delay_s in np.arange(0.0, _MAX_DELAY_S, _DELAY_STEP_S):
         # Held forces, as a line through the middles of their ticks.
@@ -45,14 +46,14 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
         found, *_ = np.linalg.lstsq(table, target, rcond=None)
         error = float(np.sum((table @ found - target) ** 2))
         if error < least:
-            best, least = (found, float(delay_s)), error
-    (mass_kg, viscous_nspm, coulomb_n, bias_n), delay_s = best
+            best, best_delay_s, least = found, float(delay_s), error
+    mass_kg, viscous_nspm, coulomb_n, bias_n = best
     return (
         float(mass_kg if mass_kg < 0 else max(mass_kg, _LEAST_KG)),
         float(max(viscous_nspm, _LEAST_NSPM)),
         float(max(coulomb_n, 0.0)),
         float(bias_n),
-        delay_s,
+        best_delay_s,
     )
 
 

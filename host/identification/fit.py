@@ -54,7 +54,7 @@ class _Segments:
 
     def first_states(self) -> Matrix:
         """Position and velocity at each begin, of a line or a curve through its first ticks."""
-        time_s = np.arange(round(_BEGIN_S / self.motion.dt_s)) * self.motion.dt_s
+        time_s = np.arange(max(4, round(_BEGIN_S / self.motion.dt_s))) * self.motion.dt_s
         found = np.polynomial.polynomial.polyfit(time_s, self.position_m[:, : len(time_s)].T, 2)
         return np.column_stack([found[0], found[1]])
 
@@ -150,4 +150,5 @@ def _half_width(residual_m: Matrix, slopes: Matrix) -> Matrix:
     by_segment = inverse @ (pulls.T @ pulls) @ inverse * count / freedom
     by_tick = inverse * np.sum(rest_m**2) / (count * (ticks - 2) - _COUNT)
     variance = np.maximum(np.diag(by_segment), np.diag(by_tick))
-    return np.interp(freedom, _FREEDOM, _STUDENT) * np.sqrt(variance)
+    half_width: Matrix = np.interp(freedom, _FREEDOM, _STUDENT) * np.sqrt(variance)
+    return half_width

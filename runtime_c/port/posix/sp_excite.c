@@ -2,9 +2,7 @@
 
 #include <math.h>
 
-static const double velocity_time_s = 0.003; /* of the low-pass on the difference of positions */
-static const double soft_share = 0.6;        /* of the travel; beyond it a stiffer spring */
-static const double min_factor = 0.4;        /* of the gain after a swing that was too large */
+static const double soft_share = 0.6; /* of the travel; beyond it a stiffer spring */
 
 static void begin(sp_excite *excite, double position_m)
 {
@@ -32,13 +30,13 @@ static void watch_pulses(sp_excite *excite, double position_m)
         return;
     }
     const uint32_t into = (excite->at - excite->quiet_ticks) % excite->pulse_ticks;
-    if (into == 0) {
+    if (into == 0u) {
         excite->pulse_m = position_m;
     }
     const double moved_m = position_m - excite->pulse_m;
     const double least_m = fmax(excite->seen_m, 3.0 * (excite->high_m - excite->low_m));
     if (!excite->seen && fabs(moved_m) > least_m) {
-        const uint32_t end_at = excite->at - into + excite->pulse_ticks;
+        const uint32_t end_at = excite->at - into + 2u * excite->pulse_ticks;
         excite->seen = 1;
         excite->seen_at_m = moved_m;
         excite->n = end_at < excite->n ? end_at : excite->n;
@@ -48,7 +46,8 @@ static void watch_pulses(sp_excite *excite, double position_m)
 /* After each half swing of the command: wider, or less wide. */
 static void adapt_gain(sp_excite *excite)
 {
-    if (excite->at == 0 || excite->at >= excite->n ||
+    const double min_factor = 0.4; /* after a swing that was too large */
+    if (excite->at == 0u || excite->at >= excite->n ||
         (excite->command[excite->at] > 0.0) == (excite->command[excite->at - 1] > 0.0)) {
         return;
     }
@@ -70,6 +69,33 @@ static double centring(const sp_excite *excite, double offset_m)
                            excite->damping_nspm * excite->velocity_mps);
 }
 
+/* The velocity, of differences of positions. */
+static void follow(sp_excite *excite, double position_m)
+{
+    const double time_s = 0.003; /* of the low-pass */
+    const double passed_s = excite->dt_s + excite->silent_s;
+    const double difference_mps = (position_m - excite->before_m) / passed_s;
+    excite->velocity_mps +=
+        (difference_mps - excite->velocity_mps) * (passed_s / (passed_s + time_s));
+    excite->before_m = position_m;
+    excite->silent_s = 0.0;
+}
+
+/* What is played in this tick; in the hard part of the travel nothing that pushes outwards. */
+static double play(sp_excite *excite, double offset_m)
+{
+    double played_n = 0.0;
+    if (excite->at < excite->n) {
+        played_n = excite->gain_n * excite->command[excite->at];
+        excite->at++;
+    }
+    if (-excite->sign * played_n * offset_m > 0.0 &&
+        fabs(offset_m) > soft_share * excite->max_travel_m) {
+        played_n = 0.0;
+    }
+    return played_n;
+}
+
 int sp_excite_step(sp_excite *excite, double position_m, double velocity_mps, double *force_n)
 {
     (void)velocity_mps; /* not every device has one */
@@ -84,27 +110,15 @@ int sp_excite_step(sp_excite *excite, double position_m, double velocity_mps, do
     if (excite->latched) {
         return excite->latched_note;
     }
-    const double passed_s = excite->dt_s + excite->silent_s;
-    excite->velocity_mps += ((position_m - excite->before_m) / passed_s - excite->velocity_mps) *
-                            passed_s / (passed_s + velocity_time_s);
-    excite->before_m = position_m;
-    excite->silent_s = 0.0;
-    if (excite->pulse_ticks > 0) {
+    follow(excite, position_m);
+    if (excite->pulse_ticks > 0u) {
         watch_pulses(excite, position_m);
     }
     if (excite->swing_m > 0.0) {
         excite->half_m = fmax(excite->half_m, fabs(offset_m));
         adapt_gain(excite);
     }
-    double played_n = 0.0;
-    if (excite->at < excite->n) {
-        played_n = excite->gain_n * excite->command[excite->at++];
-    }
-    const int outwards = -excite->sign * played_n * offset_m > 0.0;
-    if (outwards && fabs(offset_m) > soft_share * excite->max_travel_m) {
-        played_n = 0.0;
-    }
-    const double wanted_n = played_n + centring(excite, offset_m);
+    const double wanted_n = play(excite, offset_m) + centring(excite, offset_m);
     *force_n = fmin(fmax(wanted_n, -excite->max_force_n), excite->max_force_n);
     return 0;
 }

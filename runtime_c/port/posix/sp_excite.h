@@ -15,8 +15,8 @@ typedef struct {
     uint32_t n;
     uint32_t at;
     uint32_t quiet_ticks; /* at the beginning: how much the position varies by itself */
-    uint32_t pulse_ticks; /* from then on: of a pulse, which is played to its end; 0: no pulses */
-    double seen_m; /* pulses end where one moved the tool so far, or thrice by itself; 0: never */
+    uint32_t pulse_ticks; /* from then on: of a pulse, to and fro; 0: no pulses */
+    double seen_m;        /* one more pulse once it moved so far, and thrice as far as by itself */
     double dt_s;
     double max_force_n;
     double max_travel_m;
