@@ -51,16 +51,14 @@ def identify_device(
     SpringpotError where it came to the travel limit.
     """
     say_step("pulses, until it moves")
-    quiet, sign = _find_sign(mover, limits, rate_hz, url)
+    quiet, sign = find_sign(mover, limits, rate_hz, url)
     say_step(f"a sweep of {sweep(rate_hz, limits, sign).command.size / rate_hz:g} s")
     rows, excite = mover(sweep(rate_hz, limits, sign), limits)
     _require_within(excite, limits, url)
     return estimate_device(free_motion(rows, sign, 1 / rate_hz, url), quiet, sign, mover.max_n, url)
 
 
-def _find_sign(
-    mover: Mover, limits: MoveLimits, rate_hz: float, url: str
-) -> tuple[FreeMotion, int]:
+def find_sign(mover: Mover, limits: MoveLimits, rate_hz: float, url: str) -> tuple[FreeMotion, int]:
     """The rest before the pulses, and 1 where a positive force pushes the tool out, else -1."""
     excitation = pulses(rate_hz, limits)
     rows, excite = mover(excitation, limits)
@@ -71,8 +69,8 @@ def _find_sign(
     if not excite.seen:
         raise DeviceError(
             f"{url}: does not move: {limits.max_force_n:g} N for {1e3 * PULSE_S:g} ms moved it "
-            f"by no more than {1e3 * SEEN_M:g} mm: switch its power on, release its brake, free the tool, or give "
-            "more force with --max-force-n"
+            f"by no more than {1e3 * SEEN_M:g} mm: switch its power on, release its brake, free "
+            "the tool, or give more force with --max-force-n"
         )
     played = free_motion(rows[: excite.n], 1, dt_s, url)
     return quiet, -1 if positive_raises(excitation, played.position_m) else 1

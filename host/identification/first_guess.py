@@ -46,7 +46,7 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
         found, *_ = np.linalg.lstsq(table, target, rcond=None)
         error = float(np.sum((table @ found - target) ** 2))
         if error < least:
-            best, best_delay_s, least = found, float(delay_s), error
+            best, best_delay_s, least = found.astype(np.float64), float(delay_s), error
     mass_kg, viscous_nspm, coulomb_n, bias_n = best
     return (
         float(mass_kg if mass_kg < 0 else max(mass_kg, _LEAST_KG)),

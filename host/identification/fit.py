@@ -12,11 +12,12 @@ from springpot.host.identification.motion_model import ModelLanes, simulate_lane
 Matrix = NDArray[np.float64]
 
 _SEGMENT_S = 0.4
-_ROUNDS, _DONE = 25, 1e-7
+_ROUNDS, _DONE = 25, 1e-5
 # Steps of the differences: kg (a share), N s/m, N, N, s, m, m/s.
 _STEPS = np.array([1e-4, 1e-4, 1e-5, 1e-5, 2e-6, 1e-7, 1e-5])
 _LEAST = np.array([1e-4, 0.0, 0.0, -np.inf, 0.0])
 _COUNT = len(_LEAST)
+_MOST_DAMPING = 1e6
 _STATE_SCALE = np.array([1e-6, 1e-4])
 _BEGIN_S = 0.012  # that give a segment's first position and velocity
 # 97.5 % of Student's t for 8, 12, 16, 20, 30 and many degrees of freedom.
@@ -99,14 +100,15 @@ def fit_model(motion: FreeMotion, guess: Matrix) -> Fit:
         new_states = states + state_change
         new_residual_m, new_slopes = segments.linearise(new_values, new_states)
         new_cost = float(np.sum(new_residual_m**2))
+        done = abs(cost - new_cost) < _DONE * cost
         if not new_cost < cost:
             damping *= 10.0
-            if damping > 1e6:
+            if done or damping > _MOST_DAMPING:
                 break
             continue
         values, states, residual_m, slopes = new_values, new_states, new_residual_m, new_slopes
         damping = max(damping / 10, 1e-9)
-        if cost - new_cost < _DONE * cost:
+        if done:
             break
     half_width = _half_width(residual_m, slopes)
     _, velocity_mps = segments.simulate(values[None], states[None])

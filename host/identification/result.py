@@ -56,6 +56,7 @@ class DeviceMeasured:
 
 def judged(value: float, half_width: float, unit: str, scale: float, advice: str) -> Found:
     """A value that cannot be negative, or why it is none. scale: of the unit that is printed."""
+    value, half_width = float(value), float(half_width)
     low, high = max(0.0, value - half_width), value + half_width
     if half_width <= WIDEST * value:
         return Found(value, low, high)

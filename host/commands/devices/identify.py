@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from springpot.host.identification.excitation import MoveLimits
     from springpot.host.identification.result import DeviceMeasured, Found
 
-_RATE_HZ = 1000.0
+_RATE_HZ = 1000.0  # where the scene says none
+_LEAST_RATE_HZ = 100.0
 # Names of the result: what a person reads, the unit, and how many of it are one of ours.
 _ROWS = {
     "mass_kg": ("mass", "kg", 1.0),
@@ -71,6 +72,10 @@ def identify(
     parse_device(url)
     rendered = None if scene is None else read_scene(scene)
     rate_hz = (rendered.runtime.rate_hz if rendered else None) or _RATE_HZ
+    if rate_hz < _LEAST_RATE_HZ:
+        raise UsageError(
+            f"{scene}: runtime.rate_hz = {rate_hz:g}: the test takes {_LEAST_RATE_HZ:g} Hz or more"
+        )
     limits = MoveLimits(max_force_n, max_travel_mm / 1e3)
     _ask_consent(url, limits, yes)
     session = FreeSession(url, rendered.device if rendered else Device())

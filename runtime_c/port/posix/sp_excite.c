@@ -38,7 +38,6 @@ static void watch_pulses(sp_excite *excite, double position_m)
     if (!excite->seen && fabs(moved_m) > least_m) {
         const uint32_t end_at = excite->at - into + 2u * excite->pulse_ticks;
         excite->seen = 1;
-        excite->seen_at_m = moved_m;
         excite->n = end_at < excite->n ? end_at : excite->n;
     }
 }
@@ -48,7 +47,7 @@ static void adapt_gain(sp_excite *excite)
 {
     const double min_factor = 0.4; /* after a swing that was too large */
     if (excite->at == 0u || excite->at >= excite->n ||
-        (excite->command[excite->at] > 0.0) == (excite->command[excite->at - 1] > 0.0)) {
+        (excite->command[excite->at] > 0.0) == (excite->command[excite->at - 1u] > 0.0)) {
         return;
     }
     if (excite->half_m > excite->swing_m) {

@@ -34,7 +34,6 @@ typedef struct {
     double high_m;
     double pulse_m; /* where this pulse began */
     double half_m;  /* farthest in this half swing */
-    double seen_at_m;
     double before_m;
     double velocity_mps; /* filtered */
     double silent_s;
