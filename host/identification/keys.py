@@ -53,18 +53,33 @@ def write_keys(scene: Path, keys: dict[str, float | int]) -> None:
     A line `delay_samples` makes room for delay_s. Raises UsageError, and leaves the file alone,
     where its [device] is no table of its own, or where it would not read as a scene.
     """
-    read_scene(scene)
-    before = scene.read_bytes().decode()
-    after = _with_keys(before, keys)
-    if tomllib.loads(after) != _expected(before, keys):
-        raise UsageError(
-            f"{scene}: its [device] is not written as one table with a key a line: paste the keys "
-            "by hand"
-        )
+    after = _checked_text(scene, keys)
     with written_aside(scene) as aside:
         aside.write_bytes(after.encode())
         aside.chmod(scene.stat().st_mode & 0o777)
         read_scene(aside)
+
+
+def require_writable_device(scene: Path) -> None:
+    """Raise UsageError where `write_keys` would not take the scene."""
+    _checked_text(scene, {"mass_kg": 1.0})
+
+
+def _checked_text(scene: Path, keys: dict[str, float | int]) -> str:
+    """The scene with the keys: as TOML, the old content and them."""
+    read_scene(scene)
+    before = scene.read_bytes().decode()
+    after = _with_keys(before, keys)
+    try:
+        right = tomllib.loads(after) == _expected(before, keys)
+    except tomllib.TOMLDecodeError:
+        right = False
+    if not right:
+        raise UsageError(
+            f"{scene}: its [device] is not one table with a key a line: write it so, or leave "
+            "--scene out and paste the keys"
+        )
+    return after
 
 
 def _expected(before: str, keys: dict[str, float | int]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import SpringpotError, UsageError
 from springpot.host.console.options import POSITIVE
 from springpot.host.console.output import json_option, print_result, say
 
@@ -66,11 +66,13 @@ def identify(
     from springpot.host.identification.excitation import MoveLimits
     from springpot.host.identification.experiment import identify_device
     from springpot.host.identification.free_session import FreeSession
-    from springpot.host.identification.keys import device_keys, keys_as_toml, write_keys
+    from springpot.host.identification.keys import device_keys, require_writable_device, write_keys
     from springpot.host.session.terminal import stopping_on_sigterm
 
     parse_device(url)
     rendered = None if scene is None else read_scene(scene)
+    if scene is not None:
+        require_writable_device(scene)
     rate_hz = (rendered.runtime.rate_hz if rendered else None) or _RATE_HZ
     if rate_hz < _LEAST_RATE_HZ:
         raise UsageError(
@@ -82,11 +84,22 @@ def identify(
     with stopping_on_sigterm():
         measured = identify_device(session, limits, rate_hz, url, say)
     keys = device_keys(measured)
+    error = None
     if scene is not None:
-        write_keys(scene, keys)
+        try:
+            write_keys(scene, keys)
+        except (SpringpotError, OSError) as failed:
+            error, scene = failed, None
     print_result(_as_json(measured, url, limits, keys, scene), as_json, _as_rows(measured))
-    if as_json:
-        return
+    if not as_json:
+        _say_keys(measured, keys, scene)
+    if error is not None:
+        raise error
+
+
+def _say_keys(measured: DeviceMeasured, keys: dict[str, float | int], scene: Path | None) -> None:
+    from springpot.host.identification.keys import keys_as_toml
+
     if measured.misfit > 1.5:
         say(
             f"the device is not quite as the model: it leaves {measured.misfit:.2g} times what the "

@@ -60,7 +60,7 @@ def test_bristles_give_way_before_they_slide() -> None:
     assert 18e-6 < bent_m < 30e-6
     for push_n in np.linspace(0.2, 0.5, 1000):
         device.step(-push_n)
-    assert device.true_motion()[0] < 100e-6  # 0.6 N hold it at rest
+    assert device.true_motion()[0] < 200e-6  # 0.6 N hold it at rest
     for push_n in np.linspace(0.5, 0.7, 1000):
         device.step(-push_n)
     assert device.true_motion()[0] > 1e-3
