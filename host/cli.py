@@ -40,6 +40,8 @@ _COMMANDS = {
         "Replay recordings through the C of an emitted FOLDER."),
     "run": LazyCommand("scenes.run:run",
         "Render a scene on a device."),
+    "identify": LazyCommand("devices.identify:identify",
+        "Measure a device that nobody holds: mass, friction, delay, sensors. It moves by itself."),
     "bench": LazyCommand("models.bench:bench",
         "Measure every kind and size of model on your recordings; mark the front; pick."),
     "report": LazyCommand("scenes.report:report",

@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from springpot.codegen.errors import DeviceError
+
 if TYPE_CHECKING:
     from springpot.host.devices.serial_device import SerialDevice
     from springpot.host.native.c_library import CLibrary
@@ -25,6 +27,7 @@ class DeviceRequirements:
     """What a session asks of a device.
 
     presses: the loop drives the tool into an object, to record it. senses: it is read only.
+    free: the loop moves a tool that nobody holds, to measure the device.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
@@ -36,6 +39,7 @@ class DeviceRequirements:
     hash: str = ""
     presses: bool = False
     senses: bool = False
+    free: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None
     sign: int = 1
@@ -46,10 +50,31 @@ class DeviceRequirements:
     weight_n: float = 0.0
 
 
+def too_weak(
+    url: str, gives: str, required: DeviceRequirements, max_n: float, other: str = ""
+) -> DeviceError:
+    """The refusal of a device that gives less force, max_n, than is required.
+
+    gives: that in words. other: what else would help.
+    """
+    limit = at_most(max_n)
+    who, setting = (
+        ("test", f"give --max-force-n {limit}")
+        if required.free
+        else ("scene", f"set guard.max_force_n = {limit}")
+    )
+    return DeviceError(f"{url}: {gives} and the {who} up to {required.max_n:g} N: {setting}{other}")
+
+
 class OpenedDevice(Protocol):
     """A device that was opened, checked and started: it sends samples and takes forces."""
 
     comes_back: bool  # can be unplugged and plugged in again
+
+    @property
+    def max_n(self) -> float | None:
+        """The largest force that it promises; None where it says nothing."""
+        ...
 
     @property
     def rate_advice(self) -> str:
