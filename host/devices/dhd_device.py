@@ -37,6 +37,7 @@ class DhdDevice:
     """One device, its tool on a line along one axis; forces on, none given yet."""
 
     comes_back = True
+    max_n = None  # the SDK does not say
     rate_advice = (
         "end other programs, plug it into a port of its own, or render a scene of its rate "
         "([runtime] rate_hz, where the model allows it)"
