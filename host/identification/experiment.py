@@ -54,6 +54,7 @@ def identify_device(
     quiet, sign = find_sign(mover, limits, rate_hz, url)
     say_step(f"a sweep of {sweep(rate_hz, limits, sign).command.size / rate_hz:g} s")
     rows, excite = mover(sweep(rate_hz, limits, sign), limits)
+    _require_awake(excite, url)
     _require_within(excite, limits, url)
     return estimate_device(free_motion(rows, sign, 1 / rate_hz, url), quiet, sign, mover.max_n, url)
 
@@ -62,6 +63,7 @@ def find_sign(mover: Mover, limits: MoveLimits, rate_hz: float, url: str) -> tup
     """The rest before the pulses, and 1 where a positive force pushes the tool out, else -1."""
     excitation = pulses(rate_hz, limits)
     rows, excite = mover(excitation, limits)
+    _require_awake(excite, url)
     dt_s = 1 / rate_hz
     quiet = free_motion(rows[: excitation.quiet_ticks], 1, dt_s, url)
     _require_rest(quiet, limits, url)
@@ -94,7 +96,10 @@ def _require_within(excite: Any, limits: MoveLimits, url: str) -> None:
             f"{1e3 * limits.max_travel_m:g} mm, force zero: give more room with --max-travel-mm, "
             "less force with --max-force-n, or see what pulls it"
         )
-    if excite.latched:
+
+
+def _require_awake(excite: Any, url: str) -> None:
+    if excite.latched and not excite.beyond:
         raise DeviceError(
             f"{url}: silent for {1e3 * WATCHDOG_S:g} ms, force zero, stopped: check cable, rate "
             "and power"

@@ -25,7 +25,7 @@ _FREEDOM, _STUDENT = (8, 12, 16, 20, 30, 1000), (2.31, 2.18, 2.12, 2.09, 2.04, 1
 
 
 @dataclass(frozen=True)
-class Fit:
+class MotionFit:
     """values, half_width: mass_kg, viscous_nspm, coulomb_n, bias_n, delay_s; the half of 95 %.
 
     residual_m: (segments, ticks), measured less simulated. velocity_mps, acceleration_mps2: of
@@ -86,8 +86,8 @@ class _Segments:
         return residual_m, np.moveaxis(slopes, 0, 2) * self.weight[:, :, None]
 
 
-def fit_model(motion: FreeMotion, guess: Matrix) -> Fit:
-    """Fit from a first guess of the five values, (5,)."""
+def fit_motion(motion: FreeMotion, guess: Matrix) -> MotionFit:
+    """MotionFit from a first guess of the five values, (5,)."""
     segments = _Segments(motion)
     values, states = np.maximum(guess, _LEAST), segments.first_states()
     damping = 1e-3
@@ -112,7 +112,7 @@ def fit_model(motion: FreeMotion, guess: Matrix) -> Fit:
             break
     half_width = _half_width(residual_m, slopes)
     _, velocity_mps = segments.simulate(values[None], states[None])
-    return Fit(values, half_width, residual_m, velocity_mps[0], segments.begins)
+    return MotionFit(values, half_width, residual_m, velocity_mps[0], segments.begins)
 
 
 def _without_states(residual_m: Matrix, slopes: Matrix) -> tuple[Matrix, Matrix, Matrix]:

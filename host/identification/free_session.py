@@ -16,6 +16,7 @@ from springpot.host.identification.excitation import (
     excite_step_functions,
 )
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
+from springpot.host.recording.indentation import trip_error
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import Progress, SessionRunner
 from springpot.host.session.session import requirements_of
@@ -84,6 +85,8 @@ class FreeSession:
                 self._on_progress(progress)
                 if set(keys.pressed()) & set("q \x1b"):
                     raise KeyboardInterrupt
+                if progress.state.tripped and not played.full:
+                    raise trip_error(self._url, progress.state)
                 if played.full or excite.latched or excite.at >= excite.n:
                     runner.stop()
 

@@ -6,7 +6,7 @@ WIDEST = 0.1  # half of an interval, of its value: beyond it there is no value
 
 
 @dataclass(frozen=True)
-class Found:
+class Measured:
     """One value with its interval. value: None where it was not found; why: the reason then.
 
     low, high: None where nothing is known.
@@ -35,15 +35,15 @@ class DeviceMeasured:
     position sensor explains of it.
     """
 
-    mass_kg: Found
-    viscous_nspm: Found
-    coulomb_n: Found
-    delay_s: Found
-    position_step_m: Found
-    velocity_noise_mps: Found
-    force_sign: Found
-    max_force_n: Found
-    bias_n: Found
+    mass_kg: Measured
+    viscous_nspm: Measured
+    coulomb_n: Measured
+    delay_s: Measured
+    position_step_m: Measured
+    velocity_noise_mps: Measured
+    force_sign: Measured
+    max_force_n: Measured
+    bias_n: Measured
     position_noise_m: float
     residual_m: float
     sensor_m: float
@@ -54,14 +54,14 @@ class DeviceMeasured:
         return self.residual_m / self.sensor_m if self.sensor_m > 0 else 1.0
 
 
-def judged(value: float, half_width: float, unit: str, scale: float, advice: str) -> Found:
+def judged(value: float, half_width: float, unit: str, scale: float, advice: str) -> Measured:
     """A value that cannot be negative, or why it is none. scale: of the unit that is printed."""
     value, half_width = float(value), float(half_width)
     low, high = max(0.0, value - half_width), value + half_width
     if half_width <= WIDEST * value:
-        return Found(value, low, high)
+        return Measured(value, low, high)
     if low == 0.0:
         why = f"below {scale * high:.2g} {unit}: {advice}"
     else:
         why = f"between {scale * low:.2g} and {scale * high:.2g} {unit}: {advice}"
-    return Found(None, low, high, why)
+    return Measured(None, low, high, why)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from support.in_process import spring
+from support.peer import peer
 
 from springpot.host.emission.scene_file import read_scene
 
@@ -77,3 +78,19 @@ def test_the_whole_test_in_real_time(tmp_path: Path) -> None:
     for name, value in answer["keys"].items():
         assert getattr(device, name) == value
     assert device.resolution_um == pytest.approx(10.0)
+
+
+@pytest.mark.realtime
+def test_a_device_on_a_serial_line() -> None:
+    truth = {"mass_kg": 0.3, "viscous_nspm": 3.0, "coulomb_n": 0.2, "delay_s": 0.002,
+             "position_noise_m": 3e-6}  # fmt: skip
+    with peer("serial_device", "--free", json.dumps(truth)) as device:
+        done = spring("identify", "--device", device.url, "--yes", "--json")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["force_sign"]["value"] == 1
+    assert answer["max_force_n"]["value"] == 20.0
+    assert answer["mass_kg"]["value"] == pytest.approx(0.3, rel=0.1)
+    for name in ("viscous_nspm", "coulomb_n", "delay_s"):
+        found = answer[name]["value"]
+        assert found == pytest.approx(truth[name], rel=0.1) if found else answer[name]["why"]
