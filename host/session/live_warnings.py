@@ -65,7 +65,7 @@ class LiveWarnings:
         self._recent_m = np.full(self._before, np.nan)
         self._waiting = empty_rows(0)
         self._events: list[dict[str, Any]] = []
-        self._lines: list[str] = []
+        self._over: dict[str, str] = {}  # what ended since the last line, and how to say it
         self._silent_until_s = -np.inf
         self._conditions = {
             "deep": _Condition(NOTE_WORDS[OUTSIDE], "mm", 1e3, float(plan.range.max_m)),
@@ -155,18 +155,21 @@ class LiveWarnings:
         if not condition.said_elsewhere:
             lasted_s = condition.last_s - condition.begin_s + self._dt_s
             over = "over" if condition.announced else f"at {condition.begin_s:.1f} s"
-            self._lines.append(
-                f"{over}: {condition.words}{condition.figure()}, for {lasted_s:.2g} s"
-            )
+            told = f"{over}: {condition.words}{condition.figure()}, for {lasted_s:.2g} s"
+            self._over[condition.words] = told
         condition.count = 0
 
     def _speak(self, now_s: float) -> None:
-        """One line of all that is new, where the last one was long enough ago."""
+        """One line of all that is new, where the last one was long enough ago.
+
+        What ended and began again meanwhile is told as what begins.
+        """
         new = [item for item in self._conditions.values()
                if item.count and not item.announced and not item.said_elsewhere]  # fmt: skip
-        if now_s >= self._silent_until_s and (new or self._lines):
-            parts = [f"warning: {item.words}{item.figure()}" for item in new] + self._lines
-            self._alarm(f"{now_s:.1f} s: {'; '.join(parts)}", bool(new))
-            self._silent_until_s, self._lines = now_s + LINE_S, []
+        if now_s >= self._silent_until_s and (new or self._over):
+            parts = {item.words: f"warning: {item.words}{item.figure()}" for item in new}
+            parts |= {words: told for words, told in self._over.items() if words not in parts}
+            self._alarm(f"{now_s:.1f} s: {'; '.join(parts.values())}", bool(new))
+            self._silent_until_s, self._over = now_s + LINE_S, {}
             for item in new:
                 item.announced = True
