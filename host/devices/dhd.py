@@ -80,7 +80,7 @@ class DhdLibrary:
                 self.c: Any = self.ffi.dlopen(name)
                 return
             except OSError as error:
-                failures.append(str(error))
+                failures.append(str(error).partition(".  Additionally")[0])
         raise DeviceError(
             f"{url}: Force Dimension's SDK is not found ({failures[0]}): install it from its maker "
             f"and name its libdhd.so by ?library=, by {LIBRARY_VARIABLE}, or in the loader's path"
