@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from springpot.codegen.errors import DeviceError
+
 if TYPE_CHECKING:
     from springpot.host.devices.serial_device import SerialDevice
     from springpot.host.native.c_library import CLibrary
@@ -24,9 +26,11 @@ def at_most(value: float) -> str:
 class DeviceRequirements:
     """What a session asks of a device.
 
-    presses: the loop drives the tool into an object, to record it.
+    presses: the loop drives the tool into an object, to record it. senses: it is read only.
+    free: the loop moves a tool that nobody holds, to measure the device.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
+    effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
     """
 
     rate_hz: float
@@ -34,12 +38,32 @@ class DeviceRequirements:
     max_n: float
     hash: str = ""
     presses: bool = False
+    senses: bool = False
+    free: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None
     sign: int = 1
     zero_turns: float = 0.0
     max_torque_nm: float | None = None
     nm_per_a: float | None = None
+    effector_mass_kg: float | None = None
+    weight_n: float = 0.0
+
+
+def too_weak(
+    url: str, gives: str, required: DeviceRequirements, max_n: float, other: str = ""
+) -> DeviceError:
+    """The refusal of a device that gives less force, max_n, than is required.
+
+    gives: that in words. other: what else would help.
+    """
+    limit = at_most(max_n)
+    who, setting = (
+        ("test", f"give --max-force-n {limit}")
+        if required.free
+        else ("scene", f"set guard.max_force_n = {limit}")
+    )
+    return DeviceError(f"{url}: {gives} and the {who} up to {required.max_n:g} N: {setting}{other}")
 
 
 class OpenedDevice(Protocol):
@@ -48,13 +72,18 @@ class OpenedDevice(Protocol):
     comes_back: bool  # can be unplugged and plugged in again
 
     @property
+    def max_n(self) -> float | None:
+        """The largest force that it promises; None where it says nothing."""
+        ...
+
+    @property
     def rate_advice(self) -> str:
         """What to do where it sends fewer samples than the scene wants."""
         ...
 
     @property
     def failure(self) -> str:
-        """Why it is gone, where something below it says so; or empty."""
+        """Why it is gone or off, where something below it says so; or empty."""
         ...
 
     def link(self, library: "CLibrary") -> Any:

@@ -1,18 +1,20 @@
-"""Open the device of a URL: a dictionary of four schemes."""
+"""Open the device of a URL: a dictionary of schemes."""
 
 from collections.abc import Callable
 
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
+from springpot.host.devices.dhd_device import DhdDevice
 from springpot.host.devices.odrive_device import OdriveDevice
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.url import Address, parse_device
-from springpot.host.devices.virtual import ReplayDevice, SimulatedDevice
+from springpot.host.devices.virtual import ReplayDevice, simulated_device
 
 _DRIVERS: dict[str, Callable[[Address, DeviceRequirements], OpenedDevice]] = {
-    "sim": SimulatedDevice,
+    "sim": simulated_device,
     "replay": ReplayDevice,
     "serial": SerialDevice,
     "odrive": OdriveDevice,
+    "dhd": DhdDevice,
 }
 
 

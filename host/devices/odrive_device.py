@@ -8,7 +8,7 @@ from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
-from springpot.host.devices.device import DeviceRequirements, at_most
+from springpot.host.devices.device import DeviceRequirements, at_most, too_weak
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.serial_port import require_fast_adapter
@@ -80,6 +80,11 @@ class OdriveDevice:
         except BaseException:
             self.bus.close()
             raise
+
+    @property
+    def max_n(self) -> float | None:
+        """At the limit of torque."""
+        return self.transmission.max_n
 
     @property
     def rate_advice(self) -> str:
@@ -171,9 +176,7 @@ def _transmission(address: Address, requirements: DeviceRequirements) -> Transmi
         nm_per_a=nm_per_a,
     )
     if found.max_n < requirements.max_n * (1 - 1e-6):
-        raise DeviceError(
-            f"{address.url}: {max_torque_nm:g} Nm give {at_most(found.max_n)} N and the scene up "
-            f"to {requirements.max_n:g} N: set guard.max_force_n = {at_most(found.max_n)}, or "
-            "device.max_torque_nm"
-        )
+        gives = f"{max_torque_nm:g} Nm give {at_most(found.max_n)} N"
+        other = ", or device.max_torque_nm"
+        raise too_weak(address.url, gives, requirements, found.max_n, other)
     return found

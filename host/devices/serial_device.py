@@ -9,7 +9,7 @@ from typing import Any, Self
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.device import ZERO_S, DeviceRequirements, at_most
+from springpot.host.devices.device import ZERO_S, DeviceRequirements, too_weak
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.url import Address
@@ -46,7 +46,8 @@ class SerialDevice:
             self._check(self.hello)
             self.command("PRESS" if requirements.presses else "START")
             if not self.renders:
-                self._prove_watchdog()
+                if not requirements.senses:
+                    self._prove_watchdog()
                 self._require_rate()
         except BaseException:
             self.close()
@@ -58,6 +59,11 @@ class SerialDevice:
         if self.requirements.max_n == 0.0:  # a replay: nobody holds it
             return self.requirements.watchdog_s
         return min(self.requirements.watchdog_s, _WATCHDOG_S)
+
+    @property
+    def max_n(self) -> float | None:
+        """As it says in HELLO."""
+        return float(self.hello["max_n"])
 
     @property
     def renders(self) -> bool:
@@ -234,7 +240,4 @@ class SerialDevice:
                 f"{required.hash[:12] or 'none'}: flash the scene, or give the one that it renders"
             )
         if not self.renders and hello["max_n"] < required.max_n * (1 - 1e-6):
-            raise DeviceError(
-                f"{url}: gives at most {hello['max_n']:g} N and the scene up to "
-                f"{required.max_n:g} N: set guard.max_force_n = {at_most(hello['max_n'])}"
-            )
+            raise too_weak(url, f"gives at most {hello['max_n']:g} N", required, hello["max_n"])

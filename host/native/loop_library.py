@@ -41,6 +41,7 @@ class Stop(IntEnum):
     ENDED = 5
     MISUSE = 6
     RATE = 7
+    BUTTON = 8
 
 
 LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
@@ -49,7 +50,7 @@ LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 @cache
 def loop_library(real: str) -> CLibrary:
     """What the posix port declares, for one number type; real: "float" or "double"."""
-    names = ("sp_link.h", "sp_loop.h", "sp_press.h", "sp_switch.h")
+    names = ("sp_link.h", "sp_loop.h", "sp_press.h", "sp_excite.h", "sp_switch.h")
     headers = [PORT_POSIX / name for name in names]
     sources = [*sorted(PORT_POSIX.glob("*.c")), PORT_WIRE / "sp_wire.c", *sorted(SIM.glob("*.c"))]
     library = load(headers, sources, real, ["-pthread"])

@@ -78,6 +78,11 @@ class SessionRunner:
         self._ticks_s: list[Any] = []
         self._stopped = False
 
+    @property
+    def max_n(self) -> float | None:
+        """The largest force that the device promises; None where it says nothing."""
+        return self._supervisor.device.max_n
+
     def start(self) -> None:
         if self._drain_thread is not None:
             raise UsageError("this session was started already: make a new one")
@@ -85,6 +90,10 @@ class SessionRunner:
         self._supervisor.saw_sample()
         self._drain_thread = threading.Thread(target=self._drain, daemon=True)
         self._drain_thread.start()
+
+    def sense(self, measured_n: float) -> None:
+        """A sensor beside the device measured this, just now; from any thread."""
+        self._loop.sense(measured_n)
 
     def pause(self) -> None:
         """Zero force until `resume`; the device stays in use."""

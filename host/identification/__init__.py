@@ -1,0 +1,1 @@
+"""A device that is free to move, measured: mass, friction, delay, sensors."""
