@@ -16,7 +16,7 @@ from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_row
 from springpot.host.session.note_words import NOTE_WORDS
 
 WINDOW_S = 0.05  # rows are looked at together
-QUIET_S = 0.5  # without the condition: it is over
+CALM_S = 0.5  # without the condition: it is over
 LINE_S = 1.0  # at most one line in this time
 FASTER = 4.0  # than the trained speed, inside the object
 HELD_SHARE = 0.1  # of the ticks of a window: a single lost sample is no warning
@@ -100,7 +100,7 @@ class LiveWarnings:
             condition = self._conditions[name]
             if ticks.sum() > condition.share * self._ticks:
                 self._count(condition, time_s[ticks], values[ticks])
-            elif condition.count and now_s - condition.last_s > QUIET_S:
+            elif condition.count and now_s - condition.last_s > CALM_S:
                 self._end(condition)
         self._speak(now_s)
 

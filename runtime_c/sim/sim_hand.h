@@ -8,7 +8,7 @@
 #define SIM_DEVICE_MASS_KG 0.3
 #define SIM_DEVICE_DAMPING_NSPM 4.0
 
-enum { SIM_HAND_MAX_SUBSTEPS = 4096 };
+#define SIM_HAND_MAX_SUBSTEPS 4096U /* in a tick */
 
 typedef struct {
     double mass_kg;
@@ -37,7 +37,8 @@ static inline uint32_t sim_hand_substeps(const sim_hand *hand, const sim_moved *
     const double braked = dt_s * (hand->damping_nspm + moved->viscous_nspm) / mass_kg;
     const double swung = 0.36 * dt_s * dt_s * hand->stiffness_npm / mass_kg;
     uint32_t steps = at_least;
-    while (steps < SIM_HAND_MAX_SUBSTEPS && (steps < braked || (double)steps * steps < swung)) {
+    while (steps < SIM_HAND_MAX_SUBSTEPS &&
+           ((double)steps < braked || (double)steps * (double)steps < swung)) {
         steps++;
     }
     return steps;
@@ -46,10 +47,15 @@ static inline uint32_t sim_hand_substeps(const sim_hand *hand, const sim_moved *
 /* Dry friction holds a speed that it can take away within the step at 0. */
 static inline double sim_hand_stuck(double velocity_mps, double taken_mps)
 {
+    double left_mps = 0.0;
     if (velocity_mps > taken_mps) {
-        return velocity_mps - taken_mps;
+        left_mps = velocity_mps - taken_mps;
+    } else if (velocity_mps < -taken_mps) {
+        left_mps = velocity_mps + taken_mps;
+    } else {
+        /* held */
     }
-    return velocity_mps < -taken_mps ? velocity_mps + taken_mps : 0.0;
+    return left_mps;
 }
 
 /* Half a step of leapfrog: what the hand's own force and the rendered one do to the speed. */

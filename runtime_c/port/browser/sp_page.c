@@ -119,8 +119,8 @@ static double acting_n(double newest_n)
 static void move_hand(double dt_s, double to_m, double acts_n)
 {
     const uint32_t substeps = sim_hand_substeps(&hand, &moved, dt_s, SUBSTEPS);
-    const double step_s = dt_s / substeps;
-    const double stride_m = (to_m - intends_m) / substeps;
+    const double step_s = dt_s / (double)substeps;
+    const double stride_m = (to_m - intends_m) / (double)substeps;
     for (uint32_t i = 0; i < substeps; i++) {
         sim_hand_pull(&hand, &moved, &motion, 0.5 * step_s, intends_m + i * stride_m, acts_n);
         motion.position_m += step_s * motion.velocity_mps;
