@@ -40,6 +40,8 @@ _COMMANDS = {
         "Replay recordings through the C of an emitted FOLDER."),
     "run": LazyCommand("scenes.run:run",
         "Render a scene on a device."),
+    "place": LazyCommand("devices.place:place",
+        "Find the surface: touch it with the tool three times, the Enter key each time."),
     "identify": LazyCommand("devices.identify:identify",
         "Measure a device that nobody holds: mass, friction, delay, sensors. It moves by itself."),
     "bench": LazyCommand("models.bench:bench",

@@ -2,6 +2,9 @@
 
 import json
 import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from rich.console import Console
@@ -9,23 +12,59 @@ from rich.table import Table
 
 from springpot.host.console.output import json_option
 
+if TYPE_CHECKING:
+    from springpot.host.devices.doctor import Diagnosis
+
 
 @click.command()
+@click.option("--device", "url", help="Examine this device in place of the machine.")
+@click.option(
+    "--scene", type=click.Path(path_type=Path), help="Whose [device] says what the device is."
+)
+@click.option("--yes", is_flag=True, help="The device may push with one newton for half a second.")
 @json_option
-def doctor(as_json: bool) -> None:
-    """Show what this machine offers, and what to do where something is missing."""
-    from springpot.host.devices.doctor import examine
+def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> None:
+    """Show what this machine offers, and what to do where something is missing.
 
-    findings = examine()
+    With --device: is it reached, armed, sampled, and of the right sign.
+    """
+    if url is None:
+        from springpot.host.devices.doctor import examine
+
+        findings = examine()
+        essential, status = "C compiler", 1
+    else:
+        findings = _device_findings(url, scene, yes)
+        essential, status = "reached and armed", 5
     if as_json:
         click.echo(json.dumps({"findings": [finding.as_dict() for finding in findings]}))
     else:
-        table = Table("what", "", box=None, pad_edge=False)
-        for column in ("seen", "what to do"):
-            table.add_column(column, overflow="fold")  # paths are whole
-        for finding in findings:
-            mark = "ok" if finding.found else "--"
-            table.add_row(finding.what, mark, finding.seen, finding.do)
-        Console(file=sys.stdout).print(table)
-    if not next(finding for finding in findings if finding.what == "C compiler").found:
+        _print(findings)
+    if not next(finding for finding in findings if finding.what == essential).found:
+        sys.exit(status)
+    if url is not None and not all(finding.found for finding in findings):
         sys.exit(1)
+
+
+def _device_findings(url: str, scene: Path | None, yes: bool) -> "list[Diagnosis]":
+    from springpot.codegen.scene import Device
+    from springpot.host.emission.scene_file import read_scene
+    from springpot.host.recording.device_check import PUSH_N, PUSH_S, check_device
+
+    keys = Device() if scene is None else read_scene(scene).device
+    push = yes or (
+        sys.stdin.isatty()
+        and click.confirm(
+            f"Hold the handle loosely: may {url} push with {PUSH_N:g} N for {PUSH_S:g} s?", err=True
+        )
+    )
+    return check_device(url, keys, push=push)
+
+
+def _print(findings: "Sequence[Diagnosis]") -> None:
+    table = Table("what", "", box=None, pad_edge=False)
+    for column in ("seen", "what to do"):
+        table.add_column(column, overflow="fold")  # paths are whole
+    for finding in findings:
+        table.add_row(finding.what, "ok" if finding.found else "--", finding.seen, finding.do)
+    Console(file=sys.stdout).print(table)

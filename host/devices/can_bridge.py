@@ -31,7 +31,7 @@ class CanBridge:
 
     def __init__(self, address: Address, bitrate: int) -> None:
         """Open the bus. Raises DeviceError with python-can's own reason."""
-        self._bus = _python_can_bus(address, bitrate)
+        self._bus = python_can_bus(address, bitrate)
         self.near, self._far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.near.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _WAITING_BYTES)
         self.failure = ""
@@ -92,7 +92,8 @@ class CanBridge:
             )
 
 
-def _python_can_bus(address: Address, bitrate: int) -> "can.BusABC":
+def python_can_bus(address: Address, bitrate: int) -> "can.BusABC":
+    """Open a bus of python-can. Raises DeviceError with its own reason."""
     import can
 
     more: dict[str, Any] = {"bitrate": bitrate}

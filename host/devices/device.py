@@ -26,10 +26,11 @@ def at_most(value: float) -> str:
 class DeviceRequirements:
     """What a session asks of a device.
 
-    presses: the loop drives the tool into an object, to record it. free: it moves a tool that
-    nobody holds, to measure the device.
+    presses: the loop drives the tool into an object, to record it. senses: it is read only.
+    free: the loop moves a tool that nobody holds, to measure the device.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
+    effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
     """
 
     rate_hz: float
@@ -37,6 +38,7 @@ class DeviceRequirements:
     max_n: float
     hash: str = ""
     presses: bool = False
+    senses: bool = False
     free: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None
@@ -44,6 +46,8 @@ class DeviceRequirements:
     zero_turns: float = 0.0
     max_torque_nm: float | None = None
     nm_per_a: float | None = None
+    effector_mass_kg: float | None = None
+    weight_n: float = 0.0
 
 
 def too_weak(
@@ -79,7 +83,7 @@ class OpenedDevice(Protocol):
 
     @property
     def failure(self) -> str:
-        """Why it is gone, where something below it says so; or empty."""
+        """Why it is gone or off, where something below it says so; or empty."""
         ...
 
     def link(self, library: "CLibrary") -> Any:

@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass
 
 from serial.tools import list_ports
 
+from springpot.codegen.errors import DeviceError
+from springpot.host.devices.dhd import LIBRARY_VARIABLE, DhdLibrary, absent_reason
 from springpot.host.devices.serial_port import latency_timer
 from springpot.host.native.compiler import (
     CompilerError,
@@ -36,7 +38,7 @@ class Diagnosis:
 def examine() -> list[Diagnosis]:
     """Look at everything that springpot uses on this machine."""
     checks: tuple[Callable[[], Diagnosis], ...] = (_compiler, _cache, _scheduling, _locked, _timer)
-    findings = [check() for check in checks] + _serial_ports()
+    findings = [check() for check in checks] + _serial_ports() + [_force_dimension()]
     for program, package, why in (
         ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
         ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "C for RISC-V boards"),
@@ -126,6 +128,21 @@ def _serial_port(device: str, description: str) -> Diagnosis:
         do = f"`echo {_LATENCY_MS} | sudo tee {found[0]}`: {ms} ms: {1000 // ms} exchanges a second"
         return Diagnosis(what, False, f"{description}: latency timer {ms} ms", do)
     return Diagnosis(what, True, description)
+
+
+def _force_dimension() -> Diagnosis:
+    what = "Force Dimension's SDK"
+    try:
+        sdk = DhdLibrary("dhd://", None)
+        sdk.require("dhdGetDeviceCount")
+    except DeviceError:
+        do = f"for dhd:// devices: install the maker's SDK; {LIBRARY_VARIABLE} names its libdhd.so"
+        return Diagnosis(what, False, "not found", do)
+    count = sdk.c.dhdGetDeviceCount()
+    if count <= 0:
+        seen, _, do = absent_reason().partition(": ")
+        return Diagnosis(what, True, f"found; {seen}", do)
+    return Diagnosis(what, True, f"{count} devices: `springpot doctor --device dhd://`")
 
 
 def _program(program: str, package: str, why: str) -> Diagnosis:

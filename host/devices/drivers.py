@@ -1,8 +1,9 @@
-"""Open the device of a URL: a dictionary of four schemes."""
+"""Open the device of a URL: a dictionary of schemes."""
 
 from collections.abc import Callable
 
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
+from springpot.host.devices.dhd_device import DhdDevice
 from springpot.host.devices.odrive_device import OdriveDevice
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.url import Address, parse_device
@@ -13,6 +14,7 @@ _DRIVERS: dict[str, Callable[[Address, DeviceRequirements], OpenedDevice]] = {
     "replay": ReplayDevice,
     "serial": SerialDevice,
     "odrive": OdriveDevice,
+    "dhd": DhdDevice,
 }
 
 

@@ -46,7 +46,7 @@ def identifier(node: int, command: int) -> int:
 
 @dataclass(frozen=True)
 class DriveLimits:
-    """Of the motor: beyond them the drive gives less torque than it is told, or none."""
+    """Of the motor: beyond them the drive gives less torque than was asked for, or none."""
 
     turns_per_s: float
     current_a: float

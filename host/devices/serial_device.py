@@ -46,7 +46,8 @@ class SerialDevice:
             self._check(self.hello)
             self.command("PRESS" if requirements.presses else "START")
             if not self.renders:
-                self._prove_watchdog()
+                if not requirements.senses:
+                    self._prove_watchdog()
                 self._require_rate()
         except BaseException:
             self.close()

@@ -41,6 +41,7 @@ class Stop(IntEnum):
     ENDED = 5
     MISUSE = 6
     RATE = 7
+    BUTTON = 8
 
 
 LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))

@@ -14,7 +14,8 @@ from springpot.codegen.reference.notes import LATCHED
 from springpot.host.console.keys import reading_keys
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.url import parse_device
-from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, loop_library
+from springpot.host.native.loop_library import loop_library
+from springpot.host.recording.press_rows import PressRows
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, SessionRunner
@@ -26,7 +27,7 @@ _REST_S = 0.5  # between two presses
 _MORE_TICKS = 50  # so that none of the command's is missing when clocks differ
 # Force control through a link with a period of delay: gentler than that of the simulated device.
 _GAINS = {"p_gain": 1.0, "d_gain_s": 0.01, "d_time_s": 0.0015}
-_OPEN = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
+OPEN = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
 
 
 @dataclass(frozen=True)
@@ -42,12 +43,18 @@ class PressedDevice:
 
     rate_hz = RATE_HZ
 
+    sensed = False  # a sensor beside the device measures
+
     def __init__(
         self, url: str, object_name: str, limits: Limits, on_progress: Callable[[Progress], None]
     ) -> None:
         self.object_name = object_name
-        self._url, self._limits = url, limits
+        self.url, self._limits = url, limits
         self._on_progress = on_progress
+
+    def prepare(self) -> dict[str, Any]:
+        """Make ready for the first press; what the recordings say of the device."""
+        return {}
 
     def press(
         self,
@@ -60,20 +67,42 @@ class PressedDevice:
         lead: of so many values at its beginning no sample is kept.
         Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
         """
-        max_n = float(np.max(np.abs(command_n)))
-        rows = _Taken(len(command_n), on_samples, lead)
+        rows = self.rows(len(command_n), on_samples, lead)
         # A drive's torque is its own command: fed back, it would only chase itself.
-        gains = _OPEN if parse_device(self._url).scheme == "odrive" else _GAINS
+        gains = OPEN if parse_device(self.url).scheme == "odrive" else self.gains
+        self.drive(command_n, gains, rows)
+        time.sleep(_REST_S)
+        return rows.position_m[lead:], rows.force_n[lead:]
+
+    @property
+    def gains(self) -> Mapping[str, float]:
+        """Of the force control."""
+        return _GAINS
+
+    def rows(self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int) -> PressRows:
+        """Where the rows of a press of n commands go."""
+        return PressRows(n, on_samples, lead)
+
+    def attach(self, runner: SessionRunner) -> None:
+        """A press begins with this loop."""
+
+    def drive(
+        self, command_n: Samples, gains: Mapping[str, float], rows: PressRows, room: float = 1.3
+    ) -> None:
+        """Let the loop follow the command; room: of the limit over it. Raises as `press`."""
+        max_n = float(np.max(np.abs(command_n)))
         steps = press_step_functions(command_n, _HEADROOM * max_n, gains)
         settings = LoopSettings(
             period_s=1 / RATE_HZ,
             seconds=(len(command_n) + _MORE_TICKS) / RATE_HZ + 1.0,
-            max_force_n=self._limits.max_force_n or 1.3 * max_n,
+            max_force_n=self._limits.max_force_n or room * max_n,
             max_depth_m=self._limits.max_depth_m,
+            sensed=self.sensed,
         )
         requirements = DeviceRequirements(RATE_HZ, _WATCHDOG_S, _HEADROOM * max_n, presses=True)
-        runner = SessionRunner(steps, self._url, requirements, settings, log=rows, reconnect_s=0.0)
+        runner = SessionRunner(steps, self.url, requirements, settings, log=rows, reconnect_s=0.0)
         try:
+            self.attach(runner)
             runner.start()
             self._watch(runner, rows)
         finally:
@@ -82,30 +111,32 @@ class PressedDevice:
         if error is not None and not rows.full:
             raise error
         if not rows.full:
-            raise SpringpotError(f"{self._url}: the press was stopped before its end")
-        time.sleep(_REST_S)
-        return rows.position_m[lead:], rows.force_n[lead:]
+            raise SpringpotError(f"{self.url}: the press was stopped before its end")
 
-    def _watch(self, runner: SessionRunner, rows: "_Taken") -> None:
+    def _watch(self, runner: SessionRunner, rows: PressRows) -> None:
         with reading_keys() as keys:
             for progress in runner.watch(0.05):
                 self._on_progress(progress)
                 if set(keys.pressed()) & set("q \x1b"):
                     raise KeyboardInterrupt
                 if rows.unmeasured:
-                    raise DeviceError(
-                        f"{self._url}: measures no force: recording needs a load cell, or an "
-                        "ODrive of firmware 0.6 that sends its torques (0x1C)"
-                    )
+                    raise self.unmeasured()
                 if rows.unlocated:
                     raise DeviceError(
-                        f"{self._url}: sent a position that is no number, force zero, stopped: "
+                        f"{self.url}: sent a position that is no number, force zero, stopped: "
                         "check its position sensor; what came before is kept"
                     )
                 if progress.state.watchdog_trips and not rows.full:
-                    raise trip_error(self._url, progress.state)
+                    raise trip_error(self.url, progress.state)
                 if rows.full:
                     runner.stop()
+
+    def unmeasured(self) -> SpringpotError:
+        """The error of a press that measures no force."""
+        return DeviceError(
+            f"{self.url}: measures no force: recording needs a load cell, an ODrive of firmware "
+            "0.6 that sends its torques (0x1C), or a sensor beside it, --force URL"
+        )
 
 
 def trip_error(url: str, state: LoopState) -> DeviceError:
@@ -121,37 +152,6 @@ def trip_error(url: str, state: LoopState) -> DeviceError:
         f"{url}: silent for {ms:g} ms while pressing, force zero, stopped: check cable, rate and "
         "power"
     )
-
-
-class _Taken:
-    """Rows of one press, from the first call on."""
-
-    def __init__(
-        self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int = 0
-    ) -> None:
-        self._n, self._on_samples, self._lead = n, on_samples, lead
-        self.position_m, self.force_n = np.empty(0), np.empty(0)
-        self.unmeasured = self.unlocated = False
-
-    @property
-    def full(self) -> bool:
-        return len(self.position_m) == self._n
-
-    def append(self, rows: LoopRows) -> None:
-        rows = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
-        rows = rows[: self._n - len(self.position_m)]
-        position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["measured_n"]]
-        self.unmeasured |= bool(np.isnan(force_n).any())
-        self.unlocated |= not np.isfinite(position_m).all()
-        # An infinite force is beyond the limit: the loop has stopped.
-        if self.unlocated or not np.isfinite(force_n).all():
-            return
-        if len(rows):
-            skipped = max(0, self._lead - len(self.position_m))
-            self.position_m = np.concatenate((self.position_m, position_m))
-            self.force_n = np.concatenate((self.force_n, force_n))
-            if skipped < len(rows):
-                self._on_samples(position_m[skipped:], force_n[skipped:])
 
 
 def press_step_functions(

@@ -3,15 +3,17 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.url import parse_device
+from springpot.host.force_sensor.sensor import ForceSensor
 from springpot.host.recording.indentation import Limits, PressedDevice
 from springpot.host.recording.protocols import RATE_HZ, Profile
+from springpot.host.recording.sensed_press import SensedPressDevice
 from springpot.host.session.runner import Progress
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
@@ -32,6 +34,10 @@ class ForceControlled(Protocol):
     @property
     def rate_hz(self) -> int:
         """Of the samples that `press` returns."""
+        ...
+
+    def prepare(self) -> dict[str, Any]:
+        """Make ready for the first press; what the recordings say of the device."""
         ...
 
     def press(
@@ -68,19 +74,25 @@ def open_press_device(
     object_name: str = "object",
     limits: Limits | None = None,
     on_progress: Callable[[Progress], None] = lambda _progress: None,
+    sensor: ForceSensor | None = None,
 ) -> ForceControlled:
     """Open the device of a URL; `default_seed` seeds a simulated one whose URL has no seed.
 
     object_name, limits: of what lies under a device that is not simulated. on_progress: called
-    several times a second while such a device presses.
+    several times a second while such a device presses. sensor: of force, beside the device.
     Raises DeviceError for a scheme that no driver serves, UsageError for a wrong URL.
     """
     scheme = parse_device(url).scheme
     if scheme == "sim":
+        if sensor is not None:
+            raise UsageError(f"{url}: it measures its force itself: leave --force out")
         return SimulatedBench(parse_url(url, default_seed))
     if scheme == "replay":
         raise UsageError(f"{url}: a recording cannot be pressed: give a device, or sim://OBJECT")
-    return PressedDevice(url, object_name, limits or Limits(), on_progress)
+    limits = limits or Limits()
+    if sensor is None:
+        return PressedDevice(url, object_name, limits, on_progress)
+    return SensedPressDevice(url, object_name, limits, on_progress, sensor)
 
 
 def record_session(
@@ -118,9 +130,10 @@ def record_session(
             folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
+    of_device = device.prepare()
     qualities = []
     for name, file, profile in zip(names, files, profiles, strict=True):
-        details = {"protocol": label, "command": dict(profile.metadata)}
+        details = {"protocol": label, "command": dict(profile.metadata), **of_device}
         dt_s = 1 / device.rate_hz
         with JournalWriter(file, name, dt_s, source, details) as journal:
             position_m, force_n = device.press(profile.command_n, journal.append, profile.lead)

@@ -69,6 +69,9 @@ class BoardLoop:
     def ask_stop(self) -> None:
         self._want_stop = True
 
+    def sense(self, measured_n: float) -> None:
+        """Nothing: a board renders by its own sensors."""
+
     def pause(self, paused: bool) -> None:
         self._actions.append("STOP" if paused else "START")
         self._update(paused=int(paused))

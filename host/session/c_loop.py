@@ -50,6 +50,8 @@ class CLoop:
                 "max_force_n": settings.max_force_n,
                 "max_depth_m": settings.max_depth_m,
                 "latched_note": LATCHED,
+                "reversed": int(settings.reversed),
+                "sensed": int(settings.sensed),
                 "priority": _PRIORITY if settings.real_time else 0,
                 "cpu": _spare_cpu(),
                 "rows": self._rows(self._ring),
@@ -69,6 +71,9 @@ class CLoop:
     def ask_stop(self) -> None:
         if self._runner:
             self._c.sp_loop_ask_stop(self._loop)
+
+    def sense(self, measured_n: float) -> None:
+        self._c.sp_loop_sense(self._loop, measured_n)
 
     def pause(self, paused: bool) -> None:
         """Zero force, and no calls until it is resumed; then the scene is reset."""

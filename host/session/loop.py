@@ -9,12 +9,17 @@ from springpot.host.native.loop_library import LoopRows
 
 @dataclass(frozen=True)
 class LoopSettings:
-    """period_s: of a tick. seconds: 0, until it is stopped. Beyond the limits the loop ends."""
+    """period_s: of a tick. seconds: 0, until it is stopped. Beyond the limits the loop ends.
+
+    reversed: the device pulls for a positive force. sensed: a sensor beside the device measures.
+    """
 
     period_s: float
     seconds: float = 0.0
     max_force_n: float = float("inf")
     max_depth_m: float = float("inf")
+    reversed: bool = False
+    sensed: bool = False
     real_time: bool = True
 
 
@@ -30,6 +35,7 @@ class LoopState:
     watchdog_trips: int = 0
     disconnects: int = 0
     resets: int = 0
+    start_ns: int = 0
     newest_row: int = 0
     elapsed_s: float = 0.0
     latched: int = 0
@@ -50,6 +56,7 @@ class LinkCounts:
     crc_errors: int = 0
     sequence_gaps: int = 0
     unsent: int = 0
+    saturated: int = 0
     device_error: int = 0
 
 
@@ -68,6 +75,10 @@ class Loop(Protocol):
 
     def ask_stop(self) -> None:
         """End with zero force."""
+        ...
+
+    def sense(self, measured_n: float) -> None:
+        """A sensor beside the device measured this, just now; from any thread."""
         ...
 
     def pause(self, paused: bool) -> None:

@@ -43,6 +43,8 @@ def why_stopped(
                 f"no sample came, force zero: {rate_advice}"
             )
             return line, DeviceError(line)
+        case Stop.BUTTON:
+            line = "stopped by the device's button"
         case Stop.MISUSE:
             return _stopped("the scene refused its arguments: report this")
         case Stop.TIME:

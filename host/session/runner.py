@@ -90,6 +90,10 @@ class SessionRunner:
         self._drain_thread = threading.Thread(target=self._drain, daemon=True)
         self._drain_thread.start()
 
+    def sense(self, measured_n: float) -> None:
+        """A sensor beside the device measured this, just now; from any thread."""
+        self._loop.sense(measured_n)
+
     def pause(self) -> None:
         """Zero force until `resume`; the device stays in use."""
         self._loop.pause(True)

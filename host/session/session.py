@@ -58,6 +58,7 @@ class Session:
             seconds=seconds,
             max_force_n=max_n if max_force_n is None else max_force_n,
             max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
+            reversed=plan.scene.device.force_sign == -1,
         )
         self._rate_hz, self._settings, self._report = 1 / plan.dt_s, settings, report
         requirements = requirements_of(
@@ -157,6 +158,7 @@ class Session:
             "stale_samples": state.stale,
             "unused_samples": state.unused,
             "unsent": counts.unsent,
+            "saturated": counts.saturated,
             "crc_errors": counts.crc_errors,
             "watchdog_trips": state.watchdog_trips,
             "disconnects": state.disconnects,
@@ -203,5 +205,7 @@ def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
         zero_turns=keys.zero_turns,
         max_torque_nm=keys.max_torque_nm,
         nm_per_a=keys.nm_per_a,
+        effector_mass_kg=keys.effector_mass_kg,
+        weight_n=keys.weight_n,
         **requirements,
     )

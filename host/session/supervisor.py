@@ -51,7 +51,8 @@ class DeviceSupervisor:
             self._reported_trips = state.watchdog_trips
             if state.tripped:
                 error = self._loop.counts().device_error
-                code = f" (its error 0x{error:x})" if error else ""
+                why = self.device.failure or (f"its error 0x{error:x}" if error else "")
+                code = f" ({why})" if why else ""
                 self._report(
                     f"the device switched its motor off{code}: force zero until reset (r), or stop"
                 )

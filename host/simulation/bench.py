@@ -78,6 +78,10 @@ class SimulatedBench:
         """Of the samples that are kept."""
         return self.simulated.presses.rate_hz
 
+    def prepare(self) -> dict[str, Any]:
+        """Nothing: it is ready."""
+        return {}
+
     def press(
         self,
         command_n: Samples,

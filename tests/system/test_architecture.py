@@ -20,9 +20,9 @@ ROOMS = {
     "trainer": ["paper", "recordings", "features", "models", "kinds", "selection", "ensemble",
                 "estimator", "parallel"],
     "host": ["console", "page", "plot_style", "metrics", "native", "simulation", "stability",
-             "emission", "devices", "session", "recording", "identification", "boards",
-             "validation", "browser", "study", "paper", "benchmark", "material", "demo", "api",
-             "commands", "cli"],
+             "emission", "devices", "force_sensor", "session", "recording", "identification",
+             "boards", "validation", "browser", "study", "paper", "benchmark", "material", "demo",
+             "api", "commands", "cli"],
 }  # fmt: skip
 MAX_FILES = 15  # of a folder, its own name apart
 

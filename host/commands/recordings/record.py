@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     help="paper, validation, extended, a FILE.toml of profiles, or one with folders of training "
     "and test: left-out-depth, third-repeat, slow-ramps, one-long, one-speed, preload.",
 )
+@click.option("--force", "sensor_url", help="Force sensor beside it: serial:///... or can://...")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write to.")
 @click.option(
     "--seed",
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
 def record(
     url: str,
     protocol: str,
+    sensor_url: str | None,
     out: Path,
     seed: int,
     object_name: str | None,
@@ -55,6 +58,7 @@ def record(
 
     On a real device, the key q and Ctrl-C stop with zero force.
     """
+    from springpot.host.force_sensor.sources import open_sensor
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
@@ -77,11 +81,12 @@ def record(
         progress.update(task, description=quality.name, advance=quality.duration_s)
 
     limits = Limits(max_force_n, max_depth_mm / 1e3)
-    device = open_press_device(url, seed, object_name or "object", limits, on_progress)
     profiles = load_protocol(protocol, seed)
+    sensor = nullcontext() if sensor_url is None else closing(open_sensor(sensor_url))
     total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
-    progress.update(task, description=device.object_name, total=total_s)
-    with progress, stopping_on_sigterm():
+    with sensor as opened, progress, stopping_on_sigterm():
+        device = open_press_device(url, seed, object_name or "object", limits, on_progress, opened)
+        progress.update(task, description=device.object_name, total=total_s)
         qualities = record_session(device, url, protocol, profiles, out, on_press)
     click.echo(_as_json(out, qualities) if as_json else _as_text(qualities), nl=False)
 

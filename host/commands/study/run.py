@@ -38,6 +38,8 @@ def run_study(study: Path, participant: str, url: str | None, as_json: bool) -> 
         raise UsageError(f"{study}: participant {participant} has finished all sessions")
     if folder.scenes and url is None:
         raise UsageError("scenes are felt in this study: give the device, --device URL")
+    if url is not None and not folder.scenes:
+        raise UsageError("no scene is felt in this study: leave --device out")
     if any(stimulus.real for stimulus in folder.study.stimulus) and not sys.stdin.isatty():
         raise UsageError(
             "real objects are placed by hand, which a key confirms: run it in a terminal"
@@ -48,9 +50,7 @@ def run_study(study: Path, participant: str, url: str | None, as_json: bool) -> 
         stopping_on_sigterm(),
         ParticipantScreen(folder.deepest_m or DEEPEST_M) as screen,
         reading_keys() as keys,
-        nullcontext()
-        if url is None or not folder.scenes
-        else Apparatus(folder, url, screen, say) as apparatus,
+        nullcontext() if url is None else Apparatus(folder, url, screen, say) as apparatus,
     ):
         say(f"participant's screen: {screen.address}")
         say(f"keys here: {KEYS}")

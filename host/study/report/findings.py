@@ -230,7 +230,7 @@ def _sensitivity(analysis: Analysis) -> list[str]:
         if row["participant"] != EVERYBODY:
             continue
         high = "no bound" if row["high"] is None else f"{row['high']:.2f}"
-        seen = "are told apart" if row["low"] > 0.0 else "are not shown to be told apart"
+        seen = "are distinguished" if row["low"] > 0.0 else "are not shown to be distinguished"
         lines.append(
             f"{row['condition']} {seen}: d' {row['d_prime']:.2f} (95 %: {row['low']:.2f} to "
             f"{high}), {100 * row['correct']:.0f} % right."

@@ -92,7 +92,7 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def letters(conditions: Sequence[str], different: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Conditions that share a letter are not told apart; the first condition has an `a`.
+    """Conditions that share a letter are not shown to differ; the first condition has an `a`.
 
     Piepho's insertion and absorption (2004): every group that holds a pair that differs is split in
     two, one without each of them, and a group within another is dropped."""

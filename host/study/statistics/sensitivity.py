@@ -1,4 +1,4 @@
-"""How well two stimuli are told apart: d', free of a person's bias, with its interval.
+"""How well a person distinguishes two stimuli: d', free of a person's bias, with its interval.
 
 Each method asks two kinds of trials, and a person answers "yes" to each with some rate. In choices
 of two and in ABX, yes is the first of two answers, and the kinds are those where it is right and

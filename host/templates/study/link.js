@@ -1,4 +1,4 @@
-// What the session shows, and what it is told: each act with the number of the state it answers.
+// What the session shows, and the acts sent back to it: each with the number of the state it answers.
 
 const find = (id) => document.getElementById(id);
 const GONE = "The session has ended or was interrupted. Please wait for the experimenter.";

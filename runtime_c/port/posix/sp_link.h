@@ -10,8 +10,9 @@
 enum {
     SP_LINK_GONE = -1, /* unplugged, or the other end closed */
     SP_LINK_TRIPPED =
-        -2,            /* the device switched its motor off by itself, and stays off until reset */
-    SP_LINK_ENDED = -3 /* a replay has no more samples */
+        -2,             /* the device switched its motor off by itself, and stays off until reset */
+    SP_LINK_ENDED = -3, /* a replay has no more samples */
+    SP_LINK_BUTTON = -4 /* the device's own button was pressed: stop */
 };
 
 typedef struct {
@@ -23,8 +24,9 @@ typedef struct {
 
 typedef struct sp_link sp_link;
 struct sp_link {
-    int fd;    /* to wait on, or -1: a sample is there whenever it is asked for */
-    int ready; /* takes forces; 0 until the device has answered a reset */
+    int fd;       /* to wait on, or -1: a sample is there whenever it is asked for */
+    int ready;    /* takes forces; 0 until the device has answered a reset */
+    int released; /* set by the loop: nothing holds the tool, no force acts on any axis */
 
     /* Take all that has come: how many samples were new, the newest `room` of them at motions, in
      * order; or negative. */
@@ -38,7 +40,8 @@ struct sp_link {
     uint32_t crc_errors;    /* damaged frames, lines or answers */
     uint32_t sequence_gaps; /* frames that never came */
     uint32_t unsent;        /* forces for which there was no room */
-    uint32_t device_error;  /* what a drive says is wrong with it; its own numbers */
+    uint32_t saturated;     /* forces of which the motors gave less */
+    uint32_t device_error;  /* what a device says is wrong with it; its own numbers */
 };
 
 /* springpot serial, a simple device: position in, force out. surface_m: position of the undeformed
@@ -64,6 +67,35 @@ typedef struct {
 } sp_odrive;
 uint32_t sp_link_odrive_size(void);
 sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive);
+
+/* A Force Dimension device through the functions of its SDK, which one thread calls at a time.
+ * position = sign * p[axis] - surface_m. The other axes are free, or drawn to a line by springs of
+ * wall_npm, each of max_n at most. weight_n acts upwards, along the last axis, beside all else. A
+ * call that takes longer than max_call_s trips the link: meanwhile the last force stayed. */
+typedef struct {
+    int (*get_position)(double *, double *, double *, char);
+    int (*get_linear_velocity)(double *, double *, double *, char);
+    int (*set_force)(double, double, double, char);
+    int (*get_status)(int *, char);
+    int (*get_button)(int, char);
+    int (*enable_force)(unsigned char, char);
+    int (*error_get_last)(void);
+    int32_t id;
+    int32_t axis;
+    double sign;
+    double surface_m;
+    double line_m[3];
+    double wall_npm;
+    double max_n;
+    double weight_n;
+    double max_call_s;
+} sp_dhd;
+enum { /* device_error of such a link, beyond the SDK's own numbers */
+       SP_DHD_SLOW_CALL = 0x100,
+       SP_DHD_FORCE_OFF = 0x200 /* and the SDK's number of the cause */
+};
+uint32_t sp_link_dhd_size(void);
+sp_link *sp_link_dhd_init(void *memory, const sp_dhd *dhd);
 
 /* A simulated hand (runtime_c/sim) that holds the device and presses to and fro: it intends to be
  * at depth_m / 2 * (1 - cos(2 pi frequency_hz t)). tool: a sim_tool, initialised. */

@@ -71,6 +71,7 @@ static void first_deadline(sp_loop *self)
         self->deadline_ns = sp_loop_now() + self->period_ns / 4;
     }
     self->start_ns = self->deadline_ns;
+    self->begun_ns = self->start_ns;
     self->end_ns = self->config.seconds > 0
                        ? self->start_ns + (uint64_t)(1e9 * self->config.seconds)
                        : UINT64_MAX;
@@ -79,6 +80,7 @@ static void first_deadline(sp_loop *self)
 static void stop_device(sp_loop *self)
 {
     for (int i = 0; i < 3 && self->link != NULL; i++) {
+        self->link->released = 1;
         if (self->link->write(self->link, sp_loop_now(), 0.0) == SP_LINK_GONE) {
             sp_loop_lose_link(self);
         }
@@ -172,6 +174,12 @@ void sp_loop_attach(sp_loop *loop, sp_link *link)
     loop->next_link = link;
 }
 
+void sp_loop_sense(sp_loop *loop, double measured_n)
+{
+    loop->sensed_n = measured_n;
+    loop->sensed_ns = sp_loop_now();
+}
+
 void sp_loop_get_status(sp_loop *loop, sp_loop_state *state)
 {
     *state = (sp_loop_state){.ticks = loop->ticks,
@@ -182,6 +190,7 @@ void sp_loop_get_status(sp_loop *loop, sp_loop_state *state)
                              .watchdog_trips = loop->trips,
                              .disconnects = loop->disconnects,
                              .resets = loop->resets,
+                             .start_ns = loop->begun_ns,
                              .newest_row = loop->ring.head,
                              .elapsed_s = 1e-9 * (double)loop->elapsed_ns,
                              .latched = loop->latched,

@@ -35,7 +35,8 @@ enum { /* why a loop ended */
        SP_STOP_DEPTH = 4,  /* beyond max_depth_m */
        SP_STOP_ENDED = 5,  /* the replay has no more samples */
        SP_STOP_MISUSE = 6, /* the scene refused its arguments */
-       SP_STOP_RATE = 7    /* for a fifth of the last 100 periods no sample came */
+       SP_STOP_RATE = 7,   /* for a fifth of the last 100 periods no sample came */
+       SP_STOP_BUTTON = 8  /* the device's own button */
 };
 
 enum {                     /* bits of sp_row.call */
@@ -76,6 +77,8 @@ typedef struct {
     double max_force_n;
     double max_depth_m;
     int32_t latched_note;
+    int32_t reversed; /* the device pulls for a positive force: it is sent with the other sign */
+    int32_t sensed;   /* what is measured comes by sp_loop_sense, not with the samples */
     int32_t priority; /* of SCHED_FIFO; 0: do not ask for it */
     int32_t cpu;      /* to run on, or negative */
     sp_row *rows;     /* the ring, `capacity` of them, a power of two */
@@ -91,6 +94,7 @@ typedef struct {
     uint64_t watchdog_trips;
     uint64_t disconnects;
     uint64_t resets;
+    uint64_t start_ns;   /* of CLOCK_MONOTONIC, where rows count from */
     uint64_t newest_row; /* rows put into the ring since the start */
     double elapsed_s;
     int32_t latched;
@@ -118,6 +122,9 @@ void sp_loop_pause(sp_loop *loop, int pause);
 void sp_loop_reset(sp_loop *loop);
 /* After a disconnect: go on with this link, the scene reset once, unless it had tripped before. */
 void sp_loop_attach(sp_loop *loop, sp_link *link);
+/* A force sensor beside the device measured this, just now; from any thread. Where nothing came for
+ * 100 ms, or never, rows have NaN. */
+void sp_loop_sense(sp_loop *loop, double measured_n);
 void sp_loop_get_status(sp_loop *loop, sp_loop_state *state);
 /* Copy up to n rows that were not drained yet; how many. One thread only. */
 uint32_t sp_loop_drain(sp_loop *loop, sp_row *rows, uint32_t n);

@@ -27,6 +27,8 @@ static void take(sp_loop *self)
         sp_loop_trip(self);
     } else if (count == SP_LINK_ENDED && !self->reason) {
         self->reason = SP_STOP_ENDED;
+    } else if (count == SP_LINK_BUTTON && !self->reason) {
+        self->reason = SP_STOP_BUTTON;
     }
 }
 

@@ -43,9 +43,11 @@ struct sp_loop {
     _Atomic int want_pause;
     _Atomic int want_reset;
     _Atomic(sp_link *) next_link;
+    _Atomic double sensed_n;
+    _Atomic uint64_t sensed_ns; /* 0: never */
 
     /* Read by the other thread, under no lock: each by itself. */
-    _Atomic uint64_t ticks, late, stale, unused, trips, disconnects, resets, elapsed_ns;
+    _Atomic uint64_t ticks, late, stale, unused, trips, disconnects, resets, elapsed_ns, begun_ns;
     _Atomic int connected, latched, tripped, tripped_before_disconnect, paused, reason, over, got;
 
     /* The thread's own. */

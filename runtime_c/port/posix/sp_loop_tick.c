@@ -4,6 +4,8 @@
 
 #include "sp_loop_self.h"
 
+static const uint64_t silent_sensor_ns = 100000000;
+
 static void begin_row(sp_loop *self, const sp_period *period)
 {
     sp_row *row = &self->row;
@@ -13,6 +15,13 @@ static void begin_row(sp_loop *self, const sp_period *period)
     row->call = 0;
     row->notes = 0;
     row->tick_s = 0;
+}
+
+/* What the sensor beside the device measured last; NaN where that is long ago. */
+static double sensed_n(sp_loop *self, uint64_t now_ns)
+{
+    const uint64_t at_ns = self->sensed_ns;
+    return at_ns != 0 && now_ns < at_ns + silent_sensor_ns ? self->sensed_n : (double)NAN;
 }
 
 /* What there is of the period's sample; now_ns: when the tick began. */
@@ -26,6 +35,9 @@ static void take_sample(sp_loop *self, uint64_t now_ns, int fresh)
         row->age_s = 1e-9 * (double)(int64_t)(now_ns - self->motion.arrived_ns);
     } else if (self->link == NULL) {
         self->motion.measured_n = (double)NAN; /* what a device that is gone last measured is old */
+    }
+    if (self->config.sensed) {
+        self->motion.measured_n = sensed_n(self, now_ns);
     }
     row->measured_n = self->motion.measured_n;
 }
@@ -130,7 +142,9 @@ static int send_force(sp_loop *self, int behind, int *put)
     const double force_n = silent ? 0.0 : self->row.returned_n;
     *put = 1;
     if (self->link != NULL && !behind) {
-        *put = self->link->write(self->link, sp_loop_now(), force_n);
+        self->link->released = silent || self->latched;
+        *put = self->link->write(self->link, sp_loop_now(),
+                                 self->config.reversed ? -force_n : force_n);
         if (*put == 0) {
             self->sent_n = force_n;
         } else if (*put == SP_LINK_GONE) {

@@ -26,7 +26,11 @@ int sp_press_step(sp_press *press, double position_m, double velocity_mps, doubl
         const double change_n =
             (error_n - press->error_n) * (press->dt_s / (press->dt_s + press->d_time_s));
         press->error_n += change_n;
+        const double most_n = 0.5 * press->max_force_n;
+        press->integral_n = fmin(
+            fmax(press->integral_n + press->i_gain_per_s * press->dt_s * error_n, -most_n), most_n);
         motor_n += press->p_gain * error_n + press->d_gain_s * change_n / press->dt_s;
+        motor_n += press->integral_n;
     }
     return push(press, motor_n, force_n);
 }
@@ -42,6 +46,7 @@ int sp_press_idle(sp_press *press, double dt_s, double *force_n)
 void sp_press_reset(sp_press *press)
 {
     press->error_n = 0.0;
+    press->integral_n = 0.0;
     press->silent_s = 0.0;
     press->latched = 0;
 }

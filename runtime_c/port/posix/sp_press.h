@@ -1,8 +1,8 @@
 /* Force control while recording: the tool presses with a commanded force. To the loop it is a
  * scene: the force that it returns drives the motor, so that it is negative while pressing.
  *
- * The motor gets the command and a part of the measured error. Without samples for the watchdog's
- * time the press is over: no force, latched. */
+ * The motor gets the command, a part of the measured error, and a part of its sum. Without samples
+ * for the watchdog's time the press is over: no force, latched. */
 #ifndef SP_PRESS_H
 #define SP_PRESS_H
 
@@ -15,13 +15,15 @@ typedef struct {
     uint32_t at;
     double dt_s;
     double max_force_n;
-    double p_gain;   /* N/N */
-    double d_gain_s; /* N/(N/s) */
-    double d_time_s; /* of the low-pass on the D part */
+    double p_gain;       /* N/N */
+    double d_gain_s;     /* N/(N/s) */
+    double d_time_s;     /* of the low-pass on the D part */
+    double i_gain_per_s; /* N/(N s); the sum is half of max_force_n at most */
     double watchdog_s;
     int32_t latched_note;
     double measured_n;
     double error_n; /* filtered */
+    double integral_n;
     double silent_s;
     int32_t latched;
 } sp_press;

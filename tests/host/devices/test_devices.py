@@ -54,7 +54,7 @@ def test_another_layout_of_messages():
 
 
 def test_another_protocol_version(tmp_path):
-    """A device of the next version: its frames are whole, and told apart from damage."""
+    """A device of the next version: its frames are whole, and no damage."""
     script = (
         "import sys; sys.path.insert(0, sys.argv[1]); sys.argv = sys.argv[1:]\n"
         "import springpot.host.devices.wire as wire\n"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.host.native.loop_library import COLUMN, empty_rows
-from springpot.host.recording.indentation import _Taken
+from springpot.host.recording.press_rows import PressRows
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -14,7 +14,7 @@ from springpot.host.recording.indentation import _Taken
 def test_samples_that_are_no_numbers_are_not_kept(column: str, unlocated: bool, bad: float) -> None:
     """A journal that held one could be read by nobody."""
     kept = []
-    taken = _Taken(10, lambda position_m, _force_n: kept.append(position_m))
+    taken = PressRows(10, lambda position_m, _force_n: kept.append(position_m))
     taken.append(empty_rows(4))
     rows = empty_rows(3)
     rows[1, COLUMN[column]] = bad
@@ -27,7 +27,7 @@ def test_samples_that_are_no_numbers_are_not_kept(column: str, unlocated: bool, 
 
 def test_samples_of_the_lead_reach_no_journal() -> None:
     handed_on: list[np.ndarray] = []
-    taken = _Taken(10, lambda position_m, _force_n: handed_on.append(position_m), lead=5)
+    taken = PressRows(10, lambda position_m, _force_n: handed_on.append(position_m), lead=5)
     for begin in (0, 3, 6, 9):
         rows = empty_rows(3)
         rows[:, COLUMN["position_m"]] = np.arange(begin, begin + 3)

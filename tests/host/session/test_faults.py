@@ -4,6 +4,7 @@ says why."""
 import json
 import os
 import random
+import re
 import resource
 import signal
 import subprocess
@@ -21,6 +22,7 @@ from springpot.host.native.loop_library import NONE, RESET, SILENT
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
+HELD = ("serial_device", "dhd_device")  # by a hand that presses
 ROUNDS = int(os.environ.get("SPRINGPOT_ROUNDS", "1"))
 
 
@@ -62,10 +64,11 @@ def wait_for_force(device: Peer, log: Path) -> None:
 
 
 @pytest.mark.realtime
+@pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("round_", range(ROUNDS))
-def test_host_killed_in_a_press(tmp_path, folder, round_):
+def test_host_killed_in_a_press(tmp_path, folder, round_, kind):
     """SIGKILL: no force within 50 ms, by the device itself; the log reads to the last second."""
-    with peer("serial_device") as device:
+    with peer(kind) as device:
         host = Host(folder, device, tmp_path / "a.h5")
         wait_for_force(device, host.log)
         time.sleep(random.uniform(0, 0.1))
@@ -76,7 +79,7 @@ def test_host_killed_in_a_press(tmp_path, folder, round_):
     assert tripped["was_n"] > 0
     assert tripped["at_s"] - killed_s < 0.050
     read = faithful(folder, host.log)
-    started_s = device.named("start")[0]["at_s"]
+    started_s = device.named("start")[-1]["at_s"]
     assert read.duration_s > killed_s - started_s - 1.0
     assert "recovered" in read.details
 
@@ -98,20 +101,23 @@ def test_host_killed_over_slcan(tmp_path, folder):
 
 
 @pytest.mark.realtime
+@pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("round_", range(ROUNDS))
-def test_device_gone_and_back(tmp_path, folder, round_):
+def test_device_gone_and_back(tmp_path, folder, round_, kind):
     """Unplugged in a press, back in time: zero between, one reset by the host, ramped in, all
     logged."""
-    with peer("serial_device", "--gone-after", 0.8, "--gone-for", 0.4) as device:
+    with peer(kind, "--gone-after", 0.8, "--gone-for", 0.4) as device:
         host = Host(folder, device, tmp_path / "a.h5", "--seconds", 2.6)
         result, err = host.end()
+        back_s = device.named("back")[0]["at_s"]
         starts = [event["at_s"] for event in device.named("start")]
     assert result["watchdog_trips"] == 1
     assert host.process.returncode == 0, err
-    assert "gone, force zero" in err
+    assert re.search(r"gone( \(communication error\))?, force zero", err)
     assert "force ramps in" in err
     assert result["disconnects"] == 1
-    assert len(starts) == 2
+    again = [start_s for start_s in starts if start_s > back_s]
+    assert 0 < len(again) < len(starts)
     read = faithful(folder, host.log)
     assert abs(len(read.position_m) - 2600) <= 3
     call, notes = (read.channels[name].astype(int) for name in ("call", "notes"))
@@ -126,8 +132,9 @@ def test_device_gone_and_back(tmp_path, folder, round_):
     assert result["latched"] is False
 
 
-def test_device_gone_for_good(tmp_path, folder):
-    with peer("serial_device", "--gone-after", 0.5) as device:
+@pytest.mark.parametrize("kind", HELD)
+def test_device_gone_for_good(tmp_path, folder, kind):
+    with peer(kind, "--gone-after", 0.5) as device:
         host = Host(folder, device, tmp_path / "a.h5", "--seconds", 20, "--reconnect-s", 0.7)
         result, err = host.end()
     assert host.process.returncode == 5
@@ -139,10 +146,11 @@ def test_device_gone_for_good(tmp_path, folder):
 
 
 @pytest.mark.realtime
+@pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("round_", range(ROUNDS))
-def test_device_silent_and_back(tmp_path, folder, round_):
+def test_device_silent_and_back(tmp_path, folder, round_, kind):
     """A trip that was no disconnect stays until the user resets, though samples come again."""
-    with peer("serial_device", "--silent-after", 0.8, "--silent-for", 0.3) as device:
+    with peer(kind, "--silent-after", 0.8, "--silent-for", 0.3) as device:
         host = Host(folder, device, tmp_path / "a.h5", "--seconds", 2.0)
         result, err = host.end()
     assert result["watchdog_trips"] == 1
@@ -159,8 +167,9 @@ def test_device_silent_and_back(tmp_path, folder, round_):
     assert np.all(read.force_n[latched[0] + 20 :] == 0)
 
 
-def test_device_silent_for_good(tmp_path, folder):
-    with peer("serial_device", "--silent-after", 0.5) as device:
+@pytest.mark.parametrize("kind", HELD)
+def test_device_silent_for_good(tmp_path, folder, kind):
+    with peer(kind, "--silent-after", 0.5) as device:
         host = Host(folder, device, tmp_path / "a.h5", "--seconds", 20, "--reconnect-s", 0.5)
         _, err = host.end()
     assert host.process.returncode == 5
@@ -168,8 +177,9 @@ def test_device_silent_for_good(tmp_path, folder):
     faithful(folder, host.log)
 
 
+@pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("kilobytes", [60, 150])
-def test_disk_full_while_logging(tmp_path, folder, kilobytes):
+def test_disk_full_while_logging(tmp_path, folder, kilobytes, kind):
     """The session ends with zero force and one line; what was written reads."""
     limit = kilobytes << 10
 
@@ -177,7 +187,7 @@ def test_disk_full_while_logging(tmp_path, folder, kilobytes):
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 
-    with peer("serial_device") as device:
+    with peer(kind) as device:
         host = Host(folder, device, tmp_path / "a.h5", "--seconds", 20, preexec_fn=full)
         _, err = host.end()
         stop = device.wait_for("stop")
@@ -189,11 +199,12 @@ def test_disk_full_while_logging(tmp_path, folder, kilobytes):
 
 
 @pytest.mark.realtime
+@pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("held_s", [0.008, 0.030, 0.120])
-def test_a_burst_of_late_samples(tmp_path, folder, held_s):
+def test_a_burst_of_late_samples(tmp_path, folder, held_s, kind):
     """Shorter than the watchdog's time: held, and on. Longer: zero, until the user resets."""
     log = tmp_path / "a.h5"
-    with peer("serial_device", "--burst-after", 0.7, "--burst-for", held_s) as device:
+    with peer(kind, "--burst-after", 0.7, "--burst-for", held_s) as device:
         host = Host(folder, device, log, "--seconds", 1.6)
         result, err = host.end()
     assert host.process.returncode == 0, err
@@ -206,9 +217,10 @@ def test_a_burst_of_late_samples(tmp_path, folder, held_s):
 
 
 @pytest.mark.realtime
+@pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_asked_to_end_in_a_press(tmp_path, folder, number):
-    with peer("serial_device") as device:
+def test_asked_to_end_in_a_press(tmp_path, folder, number, kind):
+    with peer(kind) as device:
         host = Host(folder, device, tmp_path / "a.h5")
         wait_for_force(device, host.log)
         host.process.send_signal(number)

@@ -141,6 +141,14 @@ def test_no_device_given(folder: StudyFolder) -> None:
     assert "give the device, --device URL" in result.stderr
 
 
+def test_a_device_without_a_scene_to_feel(tmp_path: Path) -> None:
+    plan = planned(tmp_path, real_study(2))
+    command = [*MAIN, "study", "run", str(plan.path), "--participant", "01", "--device", "sim://x"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert "leave --device out" in result.stderr
+
+
 def test_a_whole_session_over_a_serial_line(folder: StudyFolder) -> None:
     with peer("serial_device", "--presses-hz", 1) as device:
         status, printed = RunningStudy(folder, device.url).end()

@@ -98,7 +98,7 @@ def read_can_log(
 
 def _signals(path: Path, database: Path) -> dict[str, _Signal]:
     """Decode every frame that the database knows; other frames are not part of the recording."""
-    known = _database(database)
+    known = can_database(database)
     signals: dict[str, _Signal] = {}
     unknown: dict[int, int] = defaultdict(int)
     for place, frame in _frames(path):
@@ -129,7 +129,8 @@ def _signals(path: Path, database: Path) -> dict[str, _Signal]:
     return signals
 
 
-def _database(path: Path) -> Any:
+def can_database(path: Path) -> Any:
+    """Read a CAN database. Raises DataError where it is none."""
     import cantools
 
     try:

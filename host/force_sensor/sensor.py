@@ -1,0 +1,115 @@
+"""A force sensor's samples, taken by a thread: each with its own time stamp."""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.errors import DeviceError, SpringpotError
+from springpot.host.force_sensor.arrivals import ArrivalLine
+
+MIN_RATE_HZ = 400.0
+_COUNT_S = 0.5  # in which the rate is measured
+_SILENT_S = 0.1
+
+
+@dataclass(frozen=True)
+class Stamped:
+    """One sample: its own time, s of the sensor's clock, and the force, N."""
+
+    stamp_s: float
+    force_n: float
+
+
+class SensorSource(Protocol):
+    """Where samples come from."""
+
+    def read(self) -> Sequence[Stamped]:
+        """Samples that have come, oldest first; waits up to 50 ms for one. Raises DeviceError."""
+        ...
+
+    def close(self) -> None: ...
+
+
+class ForceSensor:
+    """Samples since the start, on the host's clock (of time.monotonic).
+
+    on_force: called with each force as it comes, in the thread's time.
+    """
+
+    def __init__(self, url: str, source: SensorSource) -> None:
+        self.url = url
+        self.on_force: Callable[[float], None] = lambda _force_n: None
+        self.error: SpringpotError | None = None
+        self.lost = 0
+        self._source = source
+        self._line = ArrivalLine()
+        self._lock = threading.Lock()
+        self._stamps_s: list[float] = []
+        self._forces_n: list[float] = []
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._take, daemon=True)
+        self._thread.start()
+
+    def require_rate(self) -> None:
+        """Wait until its rate is known. Raises DeviceError where it is too low, or it failed."""
+        begin_s, before = time.monotonic(), len(self._stamps_s)
+        self._over.wait(_COUNT_S)
+        self.require_alive()
+        rate_hz = (len(self._stamps_s) - before) / (time.monotonic() - begin_s)
+        if rate_hz < MIN_RATE_HZ:
+            raise DeviceError(
+                f"{self.url}: sends {rate_hz:.0f} samples a second, a recording at 1 kHz needs "
+                f"{MIN_RATE_HZ:g}: between two of its samples a press changes by more than its "
+                "noise (an HX711 board gives 80): take a faster one"
+            )
+
+    def require_alive(self) -> None:
+        """Raise what ended the thread, where something did."""
+        if self.error is not None:
+            raise self.error
+
+    def forget(self) -> None:
+        """Drop the samples up to now; the clock's line is kept."""
+        with self._lock:
+            self._stamps_s.clear()
+            self._forces_n.clear()
+
+    def samples(self) -> tuple[Samples, Samples]:
+        """Times on the host's clock, s, and forces, N, since `forget`: each (n,), oldest first."""
+        with self._lock:
+            stamps_s, forces_n = np.array(self._stamps_s), np.array(self._forces_n)
+            if not len(stamps_s):
+                return stamps_s, forces_n
+            first_s, last_s = (self._line.host_s(stamp) for stamp in stamps_s[[0, -1]])
+        span_s = stamps_s[-1] - stamps_s[0]
+        rate = (last_s - first_s) / span_s if span_s else 1.0
+        return first_s + rate * (stamps_s - stamps_s[0]), forces_n
+
+    def close(self) -> None:
+        self._over.set()
+        self._thread.join(1.0)
+        self._source.close()
+
+    def _take(self) -> None:
+        try:
+            while not self._over.is_set():
+                self._keep(self._source.read(), time.monotonic())
+        except SpringpotError as error:
+            self.error = error
+            self._over.set()
+
+    def _keep(self, taken: Sequence[Stamped], now_s: float) -> None:
+        with self._lock:
+            for sample in taken:
+                if self._stamps_s and sample.stamp_s <= self._stamps_s[-1]:
+                    continue
+                self._line.add(sample.stamp_s, now_s)
+                self._stamps_s.append(sample.stamp_s)
+                self._forces_n.append(sample.force_n)
+        if taken:
+            self.on_force(taken[-1].force_n)

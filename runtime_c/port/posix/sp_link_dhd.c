@@ -1,0 +1,201 @@
+/* A Force Dimension device: the functions of its SDK (libdhd), called in the tick. */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <time.h>
+
+#include "sp_link.h"
+
+/* Of the SDK, as CHAI3D's public header has them. */
+enum { MAX_STATUS = 32, STATUS_FORCE = 5, STATUS_FORCE_OFF_CAUSE = 14, ON = 1, OFF = 0 };
+enum { AXES = 3, UP = 2 };
+
+/* Its status and button are asked for at every so manieth sample: within 8 ms at 1 kHz. */
+enum { LOOK_EVERY = 8 };
+/* So many forces that were not taken, one after the other, and the motors are switched off; or the
+ * device is gone, where it gives no position either. */
+enum { MAX_UNTAKEN = 2 };
+static const uint64_t gone_ns = 100000000;  /* without a position */
+static const uint64_t frozen_ns = 50000000; /* moving, and always at the same place */
+static const double moving_mps = 0.005;
+/* A wall's damping in seconds of its stiffness: what the SDK's own estimate of velocity bears. */
+static const double wall_damping_s = 0.005;
+
+typedef struct {
+    sp_link link;
+    sp_dhd dhd;
+    double at_m[AXES];
+    double at_mps[AXES];
+    uint64_t good_ns;   /* of the last call that succeeded */
+    uint64_t placed_ns; /* of the last change of place */
+    uint32_t looks;
+    uint32_t untaken;
+    uint32_t unread;
+    int tripped;
+    int pressed;
+} device;
+
+static uint64_t clock_ns(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+}
+
+static void trip(device *self, uint32_t why)
+{
+    if (!self->tripped) {
+        self->link.device_error = why;
+    }
+    self->tripped = 1;
+}
+
+/* A call of the SDK came back: a slow one kept the last force for as long. */
+static void watch_call(device *self, uint64_t begin_ns)
+{
+    if ((double)(clock_ns() - begin_ns) > 1e9 * self->dhd.max_call_s) {
+        trip(self, SP_DHD_SLOW_CALL);
+    }
+}
+
+static void look_at_device(device *self)
+{
+    const sp_dhd *dhd = &self->dhd;
+    int status[MAX_STATUS] = {0};
+    if (self->looks++ % LOOK_EVERY != 0) {
+        return;
+    }
+    if (self->link.ready && dhd->get_status(status, (char)dhd->id) >= 0 && !status[STATUS_FORCE]) {
+        trip(self, SP_DHD_FORCE_OFF + (uint32_t)(status[STATUS_FORCE_OFF_CAUSE] & 15));
+    }
+    self->pressed = dhd->get_button(0, (char)dhd->id) > 0;
+}
+
+/* Whether the place is one that the device has now: a device that moves changes its place. */
+static int is_new_place(device *self, uint64_t now_ns, const double *at_m, const double *at_mps)
+{
+    int same = 1, moving = 0;
+    for (int i = 0; i < AXES; i++) {
+        if (!isfinite(at_m[i]) || !isfinite(at_mps[i])) {
+            self->link.crc_errors++;
+            return 0;
+        }
+    }
+    for (int i = 0; i < AXES; i++) {
+        same = same && at_m[i] == self->at_m[i];
+        moving = moving || fabs(at_mps[i]) > moving_mps;
+        self->at_m[i] = at_m[i];
+        self->at_mps[i] = at_mps[i];
+    }
+    if (!same || !moving) {
+        self->placed_ns = now_ns;
+    }
+    return now_ns - self->placed_ns <= frozen_ns;
+}
+
+static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
+{
+    device *self = (device *)link;
+    const sp_dhd *dhd = &self->dhd;
+    const uint64_t begin_ns = clock_ns();
+    double at_m[AXES], at_mps[AXES];
+    (void)capacity;
+    if (self->good_ns == 0) {
+        self->good_ns = now_ns;
+    }
+    const int got = dhd->get_position(&at_m[0], &at_m[1], &at_m[2], (char)dhd->id);
+    if (got < 0 ||
+        dhd->get_linear_velocity(&at_mps[0], &at_mps[1], &at_mps[2], (char)dhd->id) < 0) {
+        link->crc_errors++;
+        self->unread++;
+        link->device_error = (uint32_t)dhd->error_get_last();
+        watch_call(self, begin_ns);
+        return now_ns - self->good_ns > gone_ns ? SP_LINK_GONE
+               : self->tripped                  ? SP_LINK_TRIPPED
+                                                : 0;
+    }
+    self->good_ns = now_ns;
+    self->unread = 0;
+    look_at_device(self);
+    watch_call(self, begin_ns);
+    if (self->pressed) {
+        return SP_LINK_BUTTON;
+    }
+    /* Above 0: the SDK has answered with what it had read before. */
+    const int fresh = got == 0 && is_new_place(self, now_ns, at_m, at_mps);
+    if (fresh) {
+        link->samples++;
+        motion->position_m = dhd->sign * at_m[dhd->axis] - dhd->surface_m;
+        motion->velocity_mps = dhd->sign * at_mps[dhd->axis];
+        motion->measured_n = (double)NAN;
+        motion->arrived_ns = now_ns;
+    }
+    return self->tripped ? SP_LINK_TRIPPED : fresh;
+}
+
+/* What holds the tool on its line, and its handle up. */
+static double held_n(const device *self, int axis)
+{
+    const sp_dhd *dhd = &self->dhd;
+    double force_n = axis == UP ? dhd->weight_n : 0.0;
+    if (axis != dhd->axis && dhd->wall_npm > 0) {
+        const double wall_n = -dhd->wall_npm * (self->at_m[axis] - dhd->line_m[axis] +
+                                                wall_damping_s * self->at_mps[axis]);
+        force_n += wall_n > dhd->max_n ? dhd->max_n : wall_n < -dhd->max_n ? -dhd->max_n : wall_n;
+    }
+    return force_n;
+}
+
+static int write_device(sp_link *link, uint64_t now_ns, double force_n)
+{
+    device *self = (device *)link;
+    const sp_dhd *dhd = &self->dhd;
+    const uint64_t begin_ns = clock_ns();
+    double force[AXES];
+    (void)now_ns;
+    for (int i = 0; i < AXES; i++) {
+        force[i] = link->released ? 0.0 : held_n(self, i);
+    }
+    force[dhd->axis] -= dhd->sign * force_n;
+    const int put = dhd->set_force(force[0], force[1], force[2], (char)dhd->id);
+    link->saturated += put > 0;
+    self->untaken = put < 0 ? self->untaken + 1 : 0;
+    if (put < 0) {
+        link->device_error = (uint32_t)dhd->error_get_last();
+        link->unsent++;
+    }
+    watch_call(self, begin_ns); /* the next reading says so: this force was taken */
+    if (self->untaken >= MAX_UNTAKEN) {
+        /* The device keeps the last force that it took. */
+        if (self->unread >= MAX_UNTAKEN) {
+            return SP_LINK_GONE;
+        }
+        (void)dhd->enable_force(OFF, (char)dhd->id);
+        trip(self, link->device_error);
+        return SP_LINK_TRIPPED;
+    }
+    return put < 0;
+}
+
+static void reset_device(sp_link *link, uint64_t now_ns)
+{
+    device *self = (device *)link;
+    self->tripped = 0;
+    self->untaken = 0;
+    self->placed_ns = now_ns;
+    (void)self->dhd.set_force(0.0, 0.0, 0.0, (char)self->dhd.id);
+    link->ready = self->dhd.enable_force(ON, (char)self->dhd.id) >= 0;
+}
+
+uint32_t sp_link_dhd_size(void)
+{
+    return (uint32_t)sizeof(device);
+}
+
+sp_link *sp_link_dhd_init(void *memory, const sp_dhd *dhd)
+{
+    device *self = (device *)memory;
+    *self = (device){
+        .link = {.fd = -1, .read = read_device, .write = write_device, .reset = reset_device},
+        .dhd = *dhd};
+    return &self->link;
+}
