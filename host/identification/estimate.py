@@ -21,12 +21,14 @@ def estimate_device(
     sign: of the force. max_n: that the device promises.
     Raises SpringpotError where the motion contradicts the sign.
     """
-    guess = np.array(first_guess(motion))
-    if guess[0] < 0:
+    try:
+        guess = np.array(first_guess(motion))
+    except ValueError:
         raise SpringpotError(
             f"{url}: moved against the force: something else moves it (a hand, gravity, a spring): "
-            "let go of it, and hold it so that it stays where it is"
-        )
+            "let go of it, lay it so that it stays where it is, or give more force with "
+            "--max-force-n"
+        ) from None
     fit = fit_motion(motion, guess)
     step = position_step(
         np.concatenate([motion.position_m[motion.fresh], quiet.position_m[quiet.fresh]])

@@ -18,7 +18,7 @@ from springpot.host.identification.excitation import (
     sweep,
 )
 from springpot.host.identification.force_sign import positive_raises
-from springpot.host.identification.free_motion import FreeMotion, free_motion
+from springpot.host.identification.free_motion import FreeMotion, free_motion, unlocated
 from springpot.host.identification.result import DeviceMeasured
 from springpot.host.native.loop_library import LoopRows
 
@@ -90,6 +90,8 @@ def _require_rest(quiet: FreeMotion, limits: MoveLimits, url: str) -> None:
 
 
 def _require_within(excite: Any, limits: MoveLimits, url: str) -> None:
+    if excite.beyond and not np.isfinite(excite.beyond_m):
+        raise unlocated(url)
     if excite.beyond:
         raise SpringpotError(
             f"{url}: came {1e3 * excite.beyond_m:.3g} mm from where it began, the limit is "

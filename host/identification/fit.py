@@ -98,8 +98,9 @@ def fit_motion(motion: FreeMotion, guess: Matrix) -> MotionFit:
         new_values = np.maximum(values + change, _LEAST)
         new_values[0] = np.clip(new_values[0], values[0] / 3, values[0] * 3)
         new_states = states + state_change
-        new_residual_m, new_slopes = segments.linearise(new_values, new_states)
-        new_cost = float(np.sum(new_residual_m**2))
+        with np.errstate(all="ignore"):  # a step may go anywhere, and is taken back then
+            new_residual_m, new_slopes = segments.linearise(new_values, new_states)
+            new_cost = float(np.sum(new_residual_m**2))
         done = abs(cost - new_cost) < _DONE * cost
         if not new_cost < cost:
             damping *= 10.0
