@@ -78,7 +78,7 @@ class Device:
     delay_samples: Annotated[int, Interval(ge=0, le=10)] = 0
     delay_s: Annotated[float, Interval(ge=0, le=0.02)] | None = None
     mass_kg: Annotated[float, Interval(ge=1e-3, le=100)] | None = None
-    viscous_nspm: Annotated[float, Interval(ge=0, le=1e4)] | None = None
+    viscous_nspm: Annotated[float, Interval(ge=0, le=1e3)] | None = None
     coulomb_n: Annotated[float, Interval(ge=0, le=1e3)] | None = None
     velocity_noise_mps: Annotated[float, Interval(ge=0, le=10)] | None = None
     velocity: Literal["estimate", "device"] = "estimate"

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
+from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.scene import Coupling
 
 # The loop must be stable with an object stiffer than this model by so much.
@@ -30,7 +31,7 @@ class CouplingChoice:
 
 
 def choose_coupling(
-    stiffness_npm: float, dt_s: float, delay_samples: int, smoothing: float, stated: Coupling
+    stiffness_npm: float, dt_s: float, device: LoopDevice, smoothing: float, stated: Coupling
 ) -> CouplingChoice:
     """Pick for an object of that maximum tangent stiffness.
 
@@ -40,14 +41,15 @@ def choose_coupling(
     """
 
     def loop(coupling: Coupling, hand: Hand, more: int) -> LinearLoop:
-        return LinearLoop(dt_s, coupling, hand, delay_samples + more, smoothing)
+        return LinearLoop(dt_s, coupling, hand, device.later(more), smoothing)
 
     off = replace(stated, mode="off")
     bare = [
         (hand, more) for hand in HAND_MODELS for more in (0, 1) if more == 0 or hand.name != "light"
     ]
     limits = [loop(off, hand, more).max_stiffness_npm() for hand, more in bare]
-    found = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {delay_samples} samples late"
+    late = f"{device.delay_samples} samples late"
+    found = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {late}"
     if min(limits) > STIFFNESS_MARGIN_OFF * stiffness_npm:
         why = f"off: auto: {found}, are below the bare loop's limit of {_npmm(min(limits))}"
         return CouplingChoice(off, why, stiffness_npm)

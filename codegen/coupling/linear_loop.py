@@ -7,14 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.coupling.gains import transition
+from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.tool_velocity import TIME_S as VELOCITY_S
 
 Matrices = NDArray[np.float64]
 HandName = Literal["mid", "firm", "light"]
-
-DEVICE_MASS_KG = 0.3
-DEVICE_DAMPING_NSPM = 4.0
 
 
 @dataclass(frozen=True)
@@ -41,12 +39,13 @@ class LinearLoop:
     """All of the loop but the object's stiffness.
 
     coupling: its mode is "off", "tool" or "proxy". smoothing: weight of the newest force, 1 none.
+    The device's Coulomb friction does not count: it would only brake.
     """
 
     dt_s: float
     coupling: Coupling
     hand: Hand
-    delay_samples: int
+    device: LoopDevice = ASSUMED_DEVICE
     smoothing: float = 1.0
 
     def spectral_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
@@ -64,7 +63,7 @@ class LinearLoop:
     def _tick(self, stiffness_npm: NDArray[np.float64]) -> Matrices:
         """One tick applied to each unit vector of the state: shape (n, states, states)."""
         mode = self.coupling.mode
-        step = _Step(len(stiffness_npm), 4 + 2 * (mode != "off") + 1 + self.delay_samples)
+        step = _Step(len(stiffness_npm), 4 + 2 * (mode != "off") + 1 + self.device.delay_samples)
         x, v, x_before, v_held = (step.row(i) for i in range(4))
         weight = self.dt_s / (self.dt_s + VELOCITY_S)
         v_held = v_held + weight * ((x - x_before) / self.dt_s - v_held)
@@ -79,7 +78,7 @@ class LinearLoop:
             proxy = tuple(moved)
         at = 4 + len(proxy)
         smoothed = self.smoothing * force + (1.0 - self.smoothing) * step.row(at)
-        queue = [smoothed, *(step.row(at + i) for i in range(self.delay_samples))]
+        queue = [smoothed, *(step.row(at + i) for i in range(self.device.delay_samples))]
         moved_x, moved_v = self._move(x, v, queue[-1])
         return np.stack([moved_x, moved_v, x, v_held, *proxy, *queue], axis=1)
 
@@ -99,8 +98,8 @@ class LinearLoop:
         hand = self.hand
         phi = transition(
             hand.stiffness_npm,
-            hand.damping_nspm + DEVICE_DAMPING_NSPM,
-            hand.mass_kg + DEVICE_MASS_KG,
+            hand.damping_nspm + self.device.viscous_nspm,
+            hand.mass_kg + self.device.mass_kg,
             self.dt_s,
         )
         rest = -force / hand.stiffness_npm

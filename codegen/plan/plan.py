@@ -8,6 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Real
 from springpot.codegen.coupling.auto import CouplingChoice, choose_coupling, series
 from springpot.codegen.coupling.gains import CoupleConfig, couple_config, require_plausible_damping
+from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.limits import (
@@ -87,6 +88,11 @@ class Plan:
         features_s = 0.0 if model.features is None else model.features.settling_s(self.dt_s)
         longest_s = min(max(features_s, passive_s), MAX_RECOVERY_S)
         return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
+
+    @property
+    def loop_device(self) -> LoopDevice:
+        """The device that checks assume: the scene's."""
+        return loop_device(self.scene.device, self.dt_s)
 
     @property
     def any_rate(self) -> bool:
@@ -204,7 +210,8 @@ def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice
     stated = scene.coupling
     if stated.mode == "auto":
         smoothing = _smooth_alpha(scene, dt_s) or 1.0
-        return choose_coupling(stiffness_npm, dt_s, scene.device.delay_samples, smoothing, stated)
+        device = loop_device(scene.device, dt_s)
+        return choose_coupling(stiffness_npm, dt_s, device, smoothing, stated)
     felt_npm = stiffness_npm
     if stated.mode == "proxy":
         felt_npm = series(stated.stiffness_npm, stiffness_npm)

@@ -15,11 +15,14 @@ _UNLIMITED_NPM = 1e7
 
 def hands_entry(plan: Plan) -> dict[str, Any]:
     """For the page: the hands, and verdicts[stiffness][mass][added delay]."""
+    device = plan.loop_device
     return {
         "stiffness_npm": STIFFNESS_NPM,
         "mass_kg": MASS_KG,
         "damping_nspm": DESIGN_HAND.damping_nspm,
-        "own_delay": plan.scene.device.delay_samples,
+        "device": [device.mass_kg, device.viscous_nspm, device.coulomb_n],
+        "device_words": device.words(plan.dt_s).replace("`", ""),
+        "own_delay": device.delay_samples,
         "object_npmm": _npmm(plan.stiffness_npm),
         "verdicts": [
             [

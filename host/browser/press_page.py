@@ -8,11 +8,7 @@ from typing import Any, Literal
 from markupsafe import Markup
 
 from springpot.codegen.atomic_write import write_file
-from springpot.codegen.coupling.linear_loop import (
-    DESIGN_HAND,
-    DEVICE_DAMPING_NSPM,
-    DEVICE_MASS_KG,
-)
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.host.browser.hands import MASS_KG, STIFFNESS_NPM, added_delays
 from springpot.host.browser.scene_entry import scene_entry
 from springpot.host.page import page_text, plain
@@ -63,8 +59,6 @@ def press_page(
         "mass_at": MASS_KG.index(DESIGN_HAND.mass_kg),
         "delays": len(added_delays()),
         "damping_nspm": plain(DESIGN_HAND.damping_nspm),
-        "device_mass_kg": plain(DEVICE_MASS_KG),
-        "device_damping_nspm": plain(DEVICE_DAMPING_NSPM),
         "scenes": Markup(json.dumps(entries).replace("<", "\\u003c")),
         "scripts": _SCRIPTS,
     }

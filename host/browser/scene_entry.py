@@ -17,15 +17,7 @@ from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.emit.project import prefixed
 from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.notes import (
-    CLAMPED,
-    HELD,
-    LATCHED,
-    LIMITED,
-    OUTSIDE,
-    RAMPED,
-    RESYNC,
-)
+from springpot.codegen.reference.notes import CLAMPED
 from springpot.host.browser.hands import hands_entry
 from springpot.host.devices.serial_device import BAUD
 from springpot.host.devices.wire import constant
@@ -34,23 +26,13 @@ from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.wasm_module import scene_module
 from springpot.host.page import plain
+from springpot.host.session.note_words import NOTE_WORDS
 from springpot.host.simulation.scenarios import Workspace
 from springpot.host.validation.store import Series, read_validation
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM
 
 MAX_RECORDED = 8000  # samples of a recording on the page: a few presses, some 40 kB
 _FULL_SCALE = 32767
-
-# What the C says of a tick, in words for who presses.
-NOTE_WORDS = {
-    HELD: "no sample: the last one was held",
-    RESYNC: "history begins anew here",
-    OUTSIDE: "deeper than was recorded",
-    CLAMPED: "force kept within its limits",
-    RAMPED: "force rising from zero",
-    LATCHED: "watchdog: no force until a reset",
-    LIMITED: "force held back: faster than a touch",
-}
 
 
 def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:

@@ -6,6 +6,7 @@ needed to build or to install springpot.
 
 import os
 from collections.abc import Mapping
+from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
@@ -38,10 +39,8 @@ int dhdSetWatchdog(unsigned char duration, signed char id);
 int dhdErrorGetLast(void);
 const char *dhdErrorGetStr(int error);
 """
-ON, OFF = 1, 0
+DHD_ON, DHD_OFF = 1, 0
 _STATUS = 32  # more than any version of the SDK fills
-# Places in the status.
-POWER, CONNECTED, CALIBRATED, FORCE, ERROR, FORCE_OFF_CAUSE = 0, 1, 3, 5, 9, 14
 _FORCE_OFF = (
     "of itself",
     "by its force button",
@@ -52,6 +51,15 @@ _FORCE_OFF = (
     "by its dead man's switch",
 )
 _DRIVER, _DEVICE, _BUSY, _IN_USE, _NOT_AVAILABLE = 4, 5, 3, 20, 6  # errors of the SDK
+
+
+class DhdStatus(IntEnum):
+    """Places in a device's status."""
+
+    POWER = 0
+    CALIBRATED = 3
+    FORCE = 5
+    ERROR = 9
 
 
 class DhdLibrary:
@@ -72,7 +80,7 @@ class DhdLibrary:
                 self.c: Any = self.ffi.dlopen(name)
                 return
             except OSError as error:
-                failures.append(str(error))
+                failures.append(str(error).partition(".  Additionally")[0])
         raise DeviceError(
             f"{url}: Force Dimension's SDK is not found ({failures[0]}): install it from its maker "
             f"and name its libdhd.so by ?library=, by {LIBRARY_VARIABLE}, or in the loader's path"

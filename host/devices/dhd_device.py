@@ -6,9 +6,8 @@ import time
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import dhd
 from springpot.host.devices.device import ZERO_S, DeviceRequirements
-from springpot.host.devices.dhd import OFF, ON, DhdLibrary, force_off_words
+from springpot.host.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
@@ -123,7 +122,7 @@ class DhdDevice:
 
     def stop(self) -> None:
         self._sdk.c.dhdSetForce(0.0, 0.0, 0.0, self.id)
-        self._sdk.c.dhdEnableForce(OFF, self.id)
+        self._sdk.c.dhdEnableForce(DHD_OFF, self.id)
 
     def close(self) -> None:
         self._sdk.c.dhdClose(self.id)
@@ -134,14 +133,14 @@ class DhdDevice:
 
     def _require_usable(self) -> None:
         status = self._sdk.status(self.id)
-        if not status[dhd.POWER]:
+        if not status[DhdStatus.POWER]:
             raise DeviceError(f"{self._url}: it has no power: switch it on")
-        if status[dhd.ERROR]:
+        if status[DhdStatus.ERROR]:
             raise DeviceError(
                 f"{self._url}: it reports an error of its own: switch it off and on, then try the "
                 "maker's HapticDesk"
             )
-        if not status[dhd.CALIBRATED]:
+        if not status[DhdStatus.CALIBRATED]:
             raise DeviceError(
                 f"{self._url}: it is not calibrated: move its handle slowly to all its stops, or "
                 "run the maker's HapticInit"
@@ -157,7 +156,7 @@ class DhdDevice:
         ) if self._has_mass else math.nan  # fmt: skip
         if not math.isnan(mass_kg):
             self._call("dhdSetEffectorMass", mass_kg)
-        self._call("dhdSetGravityCompensation", ON)
+        self._call("dhdSetGravityCompensation", DHD_ON)
         if sdk.has("dhdSetMaxForce"):
             walls = 2 if self._walls_npm else 0
             limit_n = math.hypot(required.max_n, *[required.max_n] * walls) + abs(self._weight_n)
@@ -186,8 +185,8 @@ class DhdDevice:
 
     def _enable_force(self) -> None:
         self._call("dhdSetForce", 0.0, 0.0, 0.0)
-        self._call("dhdEnableForce", ON)
-        if not self._sdk.status(self.id)[dhd.FORCE]:
+        self._call("dhdEnableForce", DHD_ON)
+        if not self._sdk.status(self.id)[DhdStatus.FORCE]:
             raise DeviceError(
                 f"{self._url}: its forces stay off: press its force button, or hold its handle "
                 "where it has a dead man's switch"
@@ -209,7 +208,7 @@ class DhdDevice:
             return
         self._call("dhdSetForce", 0.0, 0.0, 0.0)
         begin_s = time.monotonic()
-        while self._sdk.status(self.id)[dhd.FORCE]:
+        while self._sdk.status(self.id)[DhdStatus.FORCE]:
             if time.monotonic() > begin_s + ZERO_S:
                 raise self._unwatched(
                     f"without forces from here its own stay on for more than {ZERO_S:g} s"

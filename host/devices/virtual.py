@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice, too_weak
@@ -91,7 +92,10 @@ class SimulatedDevice:
                 "out where a scene is rendered"
             )
         self._hand = SimulatedHand(
-            simulated.hand, noisy=True, seed=simulated.seed, delay_samples=simulated.delay_samples
+            simulated.hand,
+            device=LoopDevice(delay_samples=simulated.delay_samples),
+            noisy=True,
+            seed=simulated.seed,
         )
         self._dt_s = 1 / requirements.rate_hz
         self._memory: Any = None

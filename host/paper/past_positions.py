@@ -9,7 +9,7 @@ from springpot.codegen.scene import Scene
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import cases
-from springpot.host.stability.closed_loop import DELAYS, Rendered, case_outcome
+from springpot.host.stability.closed_loop import MORE_DELAY, Rendered, case_outcome
 from springpot.host.stability.judgement import judge
 from springpot.host.stability.small_signal import small_signal_map
 
@@ -42,11 +42,11 @@ def handled(model: Model, scene: Scene) -> HandledModel:
         small = small_signal_map(plan, library, 0).as_dict()
         rendered = Rendered(plan, HandLoop(library), library, library)
         outcomes = [
-            case_outcome(rendered, case, hand, delay_samples)
+            case_outcome(rendered, case, hand, more_delay)
             for hand in HAND_MODELS
             for case in cases(plan, rendered.force, hand)
             if case.name in (_HOLD, *_TAPS)
-            for delay_samples in DELAYS
+            for more_delay in MORE_DELAY
         ]
     judged = [judge(outcome) for outcome in outcomes]
     return HandledModel(
@@ -54,7 +54,7 @@ def handled(model: Model, scene: Scene) -> HandledModel:
         cells=int(small["cells"]),
         worst_sin_delta=float(small["worst_sin_delta"]),
         tap_energy_out_j=max(
-            item.energy_out_j for item in outcomes if item.case in _TAPS and item.delay_samples == 0
+            item.energy_out_j for item in outcomes if item.case in _TAPS and not item.late
         ),
         hold_mps=max(item.hf_speed_mps for item in outcomes if item.case == _HOLD),
         unsteady=sum(item.unbounded or item.loud for item in judged),

@@ -44,6 +44,7 @@ class PressedDevice:
     rate_hz = RATE_HZ
 
     sensed = False  # a sensor beside the device measures
+    room = 1.3  # of the limit of force over the command, where none is given
 
     def __init__(
         self, url: str, object_name: str, limits: Limits, on_progress: Callable[[Progress], None]
@@ -70,7 +71,7 @@ class PressedDevice:
         rows = self.rows(len(command_n), on_samples, lead)
         # A drive's torque is its own command: fed back, it would only chase itself.
         gains = OPEN if parse_device(self.url).scheme == "odrive" else self.gains
-        self.drive(command_n, gains, rows)
+        self.drive(command_n, gains, rows, self.room)
         time.sleep(_REST_S)
         return rows.position_m[lead:], rows.force_n[lead:]
 
@@ -87,7 +88,7 @@ class PressedDevice:
         """A press begins with this loop."""
 
     def drive(
-        self, command_n: Samples, gains: Mapping[str, float], rows: PressRows, room: float = 1.3
+        self, command_n: Samples, gains: Mapping[str, float], rows: PressRows, room: float
     ) -> None:
         """Let the loop follow the command; room: of the limit over it. Raises as `press`."""
         max_n = float(np.max(np.abs(command_n)))

@@ -40,6 +40,7 @@ class SensedPressDevice(PressedDevice):
     """Presses with commanded forces, which the sensor measures."""
 
     sensed = True
+    room = 1.6  # a slow control leaves a fast press its resonance
 
     def __init__(
         self,

@@ -60,11 +60,12 @@ class SessionRunner:
         settings: LoopSettings,
         log: RowTaker | None = None,
         viewer: RowTaker | None = None,
+        warnings: RowTaker | None = None,
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = say,
     ) -> None:
         self._settings, self._log, self._report = settings, log, report
-        self._viewer = viewer
+        self._takers = [taker for taker in (viewer, warnings) if taker is not None]
         device = open_device(url, requirements)
         self._loop = _loop_for(device, steps, settings)
         self._supervisor = DeviceSupervisor(
@@ -218,8 +219,8 @@ class SessionRunner:
             self._supervisor.saw_sample()
         if self._log is not None and self.error is None:
             self._log.append(rows)
-        if self._viewer is not None:
-            self._viewer.append(rows)
+        for taker in self._takers:
+            taker.append(rows)
 
     def _fail(self, error: SpringpotError) -> None:
         if self.error is None:

@@ -17,6 +17,7 @@ from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.outcome import spread_us, steal_ms
@@ -25,14 +26,19 @@ from springpot.host.session.step_functions import scene_step_functions
 from springpot.trainer.recordings.recording import Zero
 
 
+def _no_alarm(_line: str, _begins: bool) -> None:
+    """Nobody is there to be warned; the log and the result have the warnings."""
+
+
 class Session:
     """Render an emitted scene on a device.
 
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
     them the session ends. accept_edited: C that is not as emitted is no refusal, log and result
-    name its files. viewer: takes every row too, and never waits. Raises DeviceError where the
-    device cannot be used as the scene wants.
+    name its files. viewer: takes every row too, and never waits. alarm: takes the lines of live
+    warnings, and whether something began. Raises DeviceError where the device cannot be used as
+    the scene wants.
     """
 
     def __init__(
@@ -48,6 +54,7 @@ class Session:
         report: Callable[[str], None] = say,
         accept_edited: bool = False,
         viewer: RowTaker | None = None,
+        alarm: Alarm = _no_alarm,
     ) -> None:
         emitted = read_emission(Path(folder), accept_edited)
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
@@ -72,10 +79,13 @@ class Session:
         self._file, self._url = None if log is None else Path(log), url
         self._log: SessionLog | None = None
         self._args = (scene_step_functions(self._scene), url, requirements, settings)
+        self._warnings = LiveWarnings(plan, alarm)
+        self._warned: list[dict[str, Any]] = []
         self._options: dict[str, Any] = {
             "reconnect_s": reconnect_s,
             "report": report,
             "viewer": viewer,
+            "warnings": self._warnings,
         }
         self._run: SessionRunner | None = None
         self._steal_ms = steal_ms()
@@ -104,6 +114,7 @@ class Session:
             run.close()
         finally:
             self.line, self.error = run.why()
+            self._warned = self._warnings.finish()
             if error[0] is not None and run.error is None:
                 self.line = _left_by(error[1])
             self._report(self.line)
@@ -167,6 +178,7 @@ class Session:
             "log": str(self._file) if self._file is not None else None,
             "flight": str(self.flight_file) if self.flight_file is not None else None,
             "scheduler": run.scheduler(),
+            "warnings": self._warned,
             "stopped": self.line,
             "hash": self._hash,
             "edited": self._edited,
@@ -185,7 +197,8 @@ class Session:
                 return
             if log.has_space:
                 metadata = {"stopped": self.line, "state": asdict(run.state),
-                         "counts": asdict(run.counts), "scheduler": run.scheduler()}  # fmt: skip
+                         "counts": asdict(run.counts), "scheduler": run.scheduler(),
+                         "warnings": self._warned}  # fmt: skip
                 log.finish({"end": metadata})
 
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
+from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import DeviceError
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES, VARIANTS, SimulatedObject
+from springpot.host.simulation.tool_device import tool_device
 from springpot.runtime_c import paths
 
 MAX_COMMAND_N = 12.0
@@ -159,20 +161,20 @@ class SimulatedHand:
         hand: HandName = "mid",
         *,
         substeps: int = SUBSTEPS,
-        delay_samples: int = 0,
+        device: LoopDevice = ASSUMED_DEVICE,
         noisy: bool = False,
         seed: int = 0,
         position_m: float = 0.0,
     ) -> None:
-        """Hold the device at rest at position_m; delay_samples 1: forces act a tick late."""
+        """Hold the device at rest at position_m."""
         self._library = _library()
         self.state = _new("sim_tool")
         _check(
             self._library.c.sim_tool_init(
                 self.state,
                 HAND_NAMES.index(hand),
+                tool_device(self._library, device),
                 substeps,
-                delay_samples,
                 int(noisy),
                 seed,
                 position_m,

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
+from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import SpringpotError
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
+from springpot.host.simulation.tool_device import tool_device
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 
 _TRACED = ("position_m", "velocity_mps", "seen_m", "seen_mps", "force_n")
@@ -55,10 +57,10 @@ class Trace:
 
 @dataclass(frozen=True)
 class Operator:
-    """Who holds the device, how late forces act (0 or 1 samples), and the sensors' seed."""
+    """Who holds which device, and the sensors' seed."""
 
     hand: HandName
-    delay_samples: int = 0
+    device: LoopDevice = ASSUMED_DEVICE
     seed: int = 1
 
 
@@ -107,8 +109,8 @@ class HandLoop:
         )
         _check(not_finite)
         del held
-        late = operator.delay_samples
-        felt_n = np.concatenate([np.zeros(late), trace["force_n"][: n - late]])
+        late = operator.device.delay_samples
+        felt_n = np.concatenate([np.zeros(late), trace["force_n"]])[:n]
         return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
 
     def press(
@@ -150,8 +152,8 @@ class HandLoop:
     def _tool(self, operator: Operator, start_m: float) -> Any:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
         _check(self._port.c.sim_tool_init(
-            tool, HAND_NAMES.index(operator.hand), _SUBSTEPS, operator.delay_samples, 1,
-            operator.seed, start_m,
+            tool, HAND_NAMES.index(operator.hand), tool_device(self._port, operator.device),
+            _SUBSTEPS, 1, operator.seed, start_m,
         ))  # fmt: skip
         return tool
 

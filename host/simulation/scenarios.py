@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.coupling.linear_loop import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, Hand
+from springpot.codegen.coupling.linear_loop import Hand
+from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.plan.plan import Plan
 from springpot.host.simulation.hand_loop import Scenario
 
@@ -17,6 +18,7 @@ HOLDS = (0.2, 0.5, 0.8)  # of the trained depth
 HOLD_S, RISE_S, SETTLE_S = 1.5, 0.4, 0.5
 PUSH_OF_CLAMP = 11.5 / 12.0
 GLITCH_M = 0.005
+_STICKING_MPS = 1e-3  # slower, a hand does not push against all of the friction
 _FASTER = 4.0  # than the maximum trained speed
 JITTER, DROPPED = 0.3, 0.1
 
@@ -35,7 +37,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Workspace:
-    """Where a case plays: surface and trained depth of the scene, its clock, and its clamp."""
+    """Where a case plays: surface and trained depth of the scene, clock, clamp, and the device."""
 
     free_m: float
     base_m: float
@@ -43,6 +45,7 @@ class Workspace:
     dt_s: float
     max_mps: float
     max_n: float
+    device: LoopDevice
 
     @staticmethod
     def of(plan: Plan) -> "Workspace":
@@ -51,7 +54,7 @@ class Workspace:
         span_m = float(plan.range.max_m) - base_m
         free_m = -min(_FREE_M, 0.2 * span_m) if plan.contact else base_m + 0.05 * span_m
         return Workspace(free_m, base_m, span_m, plan.dt_s, plan.model.trained.max_mps,
-                     float(plan.output.max_n))  # fmt: skip
+                     float(plan.output.max_n), plan.loop_device)  # fmt: skip
 
     def at(self, share: float) -> float:
         """Depth at a share of the trained one, m."""
@@ -114,9 +117,10 @@ def smooth(share: NDArray[Any]) -> Samples:
 def pressing(
     space: Workspace, motion: Motion, force: Force, hand: Hand, seconds: float, jitter: float = 0.0
 ) -> Scenario:
-    """A hand that knows the object: its intention carries the tool along `motion`.
+    """A hand that knows object and device: its intention carries the tool along `motion`.
 
-    intention = x + (f + B v + M a)/k, with the force f of the model alone on that motion.
+    intention = x + (f + B v + C sign(v) + M a)/k, with the force f of the model alone on that
+    motion and the device's Coulomb friction C.
     """
     n = round(seconds / space.dt_s)
     rng = np.random.default_rng(1)
@@ -124,9 +128,11 @@ def pressing(
     end_s = np.cumsum(dt_s)
     x = motion(end_s)
     v, a = _derivatives(motion, end_s, space.dt_s)
-    mass_kg = hand.mass_kg + DEVICE_MASS_KG
-    damping_nspm = hand.damping_nspm + DEVICE_DAMPING_NSPM
+    mass_kg = hand.mass_kg + space.device.mass_kg
+    damping_nspm = hand.damping_nspm + space.device.viscous_nspm
     needed_n = force(x) + damping_nspm * v + mass_kg * a
+    if space.device.coulomb_n > 0.0:
+        needed_n += space.device.coulomb_n * np.tanh(v / _STICKING_MPS)
     return Scenario(
         dt_s=dt_s,
         intended_m=x + needed_n / hand.stiffness_npm,

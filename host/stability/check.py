@@ -19,7 +19,7 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import (
-    DELAYS,
+    MORE_DELAY,
     Outcome,
     Rendered,
     run_closed_loop,
@@ -48,6 +48,7 @@ class Check:
             "scene": self.plan.scene.name,
             "spectral_radius": self.spectral_radius,
             "stable": self.stable,
+            "device": self.plan.loop_device.as_dict(self.plan.dt_s),
             "limit": limits(self.plan),
             **self.model_map.as_dict(),
             "scene_map": self.scene_map.as_dict(),
@@ -85,8 +86,8 @@ class Stability:
 def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
     """The linear loop of a plan with a hand."""
     smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
-    delay = plan.scene.device.delay_samples + more_delay
-    return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, delay, smoothing)
+    device = plan.loop_device.later(more_delay)
+    return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, device, smoothing)
 
 
 def is_stable(plan: Plan, loop: LinearLoop) -> bool:
@@ -148,13 +149,13 @@ def require_stable(plan: Plan) -> None:
 
 def _what_is_stable(plan: Plan) -> str:
     """Gains that would do without smoothing, or that none do at this rate and delay."""
-    delay = plan.scene.device.delay_samples
-    choice = choose_coupling(plan.stiffness_npm, plan.dt_s, delay, 1.0, plan.coupling.coupling)
-    found, loop = choice.coupling, LinearLoop(plan.dt_s, choice.coupling, DESIGN_HAND, delay)
+    device = plan.loop_device
+    choice = choose_coupling(plan.stiffness_npm, plan.dt_s, device, 1.0, plan.coupling.coupling)
+    found, loop = choice.coupling, LinearLoop(plan.dt_s, choice.coupling, DESIGN_HAND, device)
     if not is_stable(plan, loop):
         return (
-            f"no coupling is stable at {1 / plan.dt_s:g} Hz with {delay} samples of delay: "
-            "raise runtime.rate_hz, or take a device of less delay"
+            f"no coupling is stable at {1 / plan.dt_s:g} Hz with {device.delay_samples} samples "
+            "of delay: raise runtime.rate_hz, or take a device of less delay"
         )
     return (
         f'this would be stable: coupling.mode = "{found.mode}", stiffness_npm = '
@@ -181,7 +182,7 @@ def stability(plan: Plan) -> Stability:
 
 
 def _checked(plan: Plan, library: SceneLibrary, model: SceneLibrary) -> Check:
-    delay = plan.scene.device.delay_samples
+    delay = plan.loop_device.delay_samples
     model_map = small_signal_map(plan, model, 0)
     same = model is library and delay == 0
     return Check(
@@ -225,12 +226,6 @@ def _verdict(result: Stability) -> Iterator[str]:
     for what, items in found.items():
         if items:
             yield f"{what}: {_named([item.outcome for item in items])}."
-    late = plan.scene.device.delay_samples
-    if late > max(DELAYS):
-        yield (
-            f"The closed loop runs with at most {max(DELAYS)} sample of delay: the {late} of this "
-            "scene's device count in the linear loop and the map of the scene only."
-        )
     if not any(found.values()) and checked.stable:
         yield f"All cases are bounded and quiet with all hands; {_differs_by(result)}."
     active, cells = checked.model_map.active(False)
@@ -258,9 +253,9 @@ def _named(items: Sequence[Outcome]) -> str:
     """Each case once, with the hands that it happened to."""
     hands: dict[str, list[str]] = {}
     for item in items:
-        late = f", delay {item.delay_samples}" if item.delay_samples else ""
+        late = f", delay {item.delay_samples}" if item.late else ""
         hands.setdefault(item.case, []).append(f"{item.hand}{late}")
-    every = len(HAND_MODELS) * len(DELAYS)
+    every = len(HAND_MODELS) * len(MORE_DELAY)
     return ", ".join(
         f"{case} ({'every hand' if len(found) == every else '; '.join(found)})"
         for case, found in hands.items()

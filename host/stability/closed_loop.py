@@ -17,7 +17,7 @@ from springpot.host.simulation.scenarios import Case, Workspace, cases, hold_cas
 HIGH_PASS_HZ = 15.0
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
 STIFFER = 10.0
-DELAYS = (0, 1)
+MORE_DELAY = (0, 1)  # samples, beyond the device's own
 # A loss is not felt where the force changes no faster than this, of the changes without one.
 KICK_SHARE, KICK_N = 1.5, 0.1
 _TOUCH = 0.05  # of the trained depth, and of the peak force: contact beyond doubt
@@ -48,7 +48,10 @@ class Losses:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """One case with one hand. model_only_n: the model alone under the same motion, (n,), N."""
+    """One case with one hand. model_only_n: the model alone under the same motion, (n,), N.
+
+    late: with one more sample of delay than the device's own.
+    """
 
     hand: str
     delay_samples: int
@@ -63,6 +66,7 @@ class Outcome:
     model_only_n: Samples
     dt_s: Samples
     losses: Losses | None = None
+    late: bool = False
 
     def as_dict(self) -> dict[str, object]:
         names = (
@@ -93,19 +97,19 @@ def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
     for hand in HAND_MODELS:
         listed = [(scene, case) for case in cases(scene.plan, scene.force, hand)]
         hold = hold_case("stiff", Workspace.of(stiff.plan), stiff.force, hand)
-        for delay_samples in DELAYS:
+        for more_delay in MORE_DELAY:
             for rendered, case in [*listed, (stiff, hold)]:
-                yield case_outcome(rendered, case, hand, delay_samples)
-            yield from lossy_outcomes(scene, hand, delay_samples)
+                yield case_outcome(rendered, case, hand, more_delay)
+            yield from lossy_outcomes(scene, hand, more_delay)
 
 
-def lossy_outcomes(scene: Rendered, hand: Hand, delay_samples: int) -> Iterator[Outcome]:
+def lossy_outcomes(scene: Rendered, hand: Hand, more_delay: int) -> Iterator[Outcome]:
     """The cases that lose samples, beside the same without a loss."""
     found: dict[str, Outcome] = {}
     for case, clean in losing_cases(scene.plan, scene.force, hand):
         if clean.name not in found:
-            found[clean.name] = case_outcome(scene, clean, hand, delay_samples)
-        outcome = case_outcome(scene, case, hand, delay_samples)
+            found[clean.name] = case_outcome(scene, clean, hand, more_delay)
+        outcome = case_outcome(scene, case, hand, more_delay)
         without = found[clean.name]
         losses = Losses(
             force_step_n=_step_n(scene.plan, outcome, outcome.trace.force_n),
@@ -152,10 +156,10 @@ def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:
     return float(np.sqrt(2.0 * power[above].sum() / (n * np.sum(window**2))))
 
 
-def case_outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int) -> Outcome:
-    """One case with one hand; delay_samples: how late forces act."""
+def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) -> Outcome:
+    """One case with one hand; more_delay: samples beyond the delay of the scene's device."""
     plan, space = rendered.plan, Workspace.of(rendered.plan)
-    operator = Operator(hand.name, delay_samples)
+    operator = Operator(hand.name, plan.loop_device.later(more_delay))
     trace = rendered.loop.run(case.scenario, operator, space.free_m)
     model_only_n = rendered.force(trace.position_m)
     min_n, max_n = float(plan.output.min_n), float(plan.output.max_n)
@@ -167,7 +171,8 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, delay_samples: int)
     error_n = np.sqrt(np.mean((trace.felt_n - model_only_n) ** 2))
     return Outcome(
         hand=hand.name,
-        delay_samples=delay_samples,
+        delay_samples=operator.device.delay_samples,
+        late=more_delay > 0,
         case=case.name,
         bounded=bool(allowed.all() and inside and trace.not_finite == 0),
         max_depth_m=deepest_m,

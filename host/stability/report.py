@@ -32,9 +32,11 @@ def write_stability_report(found: Stability, path: Path) -> None:
 def stability_section(found: Stability) -> dict[str, Any]:
     """What any page on a check shows: the figures, the maps, and all cases, the gravest first."""
     maps = {"the model alone": found.check.model_map, "the whole scene": found.check.scene_map}
+    plan = found.check.plan
     most = figures.map_scale(*maps.values())
     return {
         "stability": found.as_dict(),
+        "device_words": plan.loop_device.words(plan.dt_s),
         "loop_grade": Grade.GOOD if found.check.stable else Grade.BAD,
         "maps": [figures.map_figure(item, title, most) for title, item in maps.items()],
         "judged": judged_cases(found.outcomes),

@@ -63,12 +63,25 @@ int sim_bench_record(sim_bench *bench, uint32_t n, const double *command_n, doub
 
 /* A hand that holds the device: one mass, drawn to where the hand intends to be by a spring,
  * braked by hand and device.
- * delay_samples: 0, or 1 when the force acts one tick late.
+ * substeps: steps of the integrator in a tick; more are taken where these would be too coarse.
  * noisy: 0 gives true position and velocity; 1 gives the encoder's position and the filtered
  * difference of it. seed: of that noise. position_m: where it starts, at rest. */
 typedef struct sim_tool sim_tool;
+
+enum { SIM_MAX_DELAY = 176 }; /* ticks: 20 ms at 8 kHz, and some more */
+
+/* The device that it holds. delay_samples: how many ticks late the force acts, up to
+ * SIM_MAX_DELAY. */
+typedef struct {
+    double mass_kg;        /* above 0 */
+    double viscous_nspm;   /* 0 or more */
+    double coulomb_n;      /* dry friction: 0 or more */
+    double encoder_step_m; /* above 0 */
+    uint32_t delay_samples;
+} sim_tool_device;
+
 uint32_t sim_tool_size(void);
-int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t delay_samples,
+int sim_tool_init(sim_tool *tool, uint32_t hand, const sim_tool_device *device, uint32_t substeps,
                   uint32_t noisy, uint64_t seed, double position_m);
 
 /* One tick of dt_s (it may differ from tick to tick): intended_m is where the hand intends to be

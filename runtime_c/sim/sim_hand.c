@@ -23,13 +23,16 @@ struct sim_tool {
     uint32_t substeps;
     uint32_t delay_samples;
     uint32_t noisy;
+    double encoder_step_m;
+    sim_moved moved;
     sim_noise noise;
 
     sim_motion motion;
-    double intended_m;        /* m, at the end of the last tick */
-    double late_n;            /* N, rendered but not yet acting, with delay_samples 1 */
-    double encoder_m;         /* m, last reading */
-    double encoder_speed_mps; /* m/s, filtered difference of readings */
+    double intended_m;            /* m, at the end of the last tick */
+    double late_n[SIM_MAX_DELAY]; /* N, rendered but not yet acting; a ring */
+    uint32_t next;                /* the one that acts next */
+    double encoder_m;             /* m, last reading */
+    double encoder_speed_mps;     /* m/s, filtered difference of readings */
 };
 
 uint32_t sim_hand_count(void)
@@ -47,34 +50,46 @@ uint32_t sim_tool_size(void)
     return (uint32_t)sizeof(sim_tool);
 }
 
-int sim_tool_init(sim_tool *tool, uint32_t hand, uint32_t substeps, uint32_t delay_samples,
+static int possible(const sim_tool_device *device)
+{
+    return device->mass_kg > 0.0 && isfinite(device->mass_kg) && device->viscous_nspm >= 0.0 &&
+           isfinite(device->viscous_nspm) && device->coulomb_n >= 0.0 &&
+           isfinite(device->coulomb_n) && device->encoder_step_m > 0.0 &&
+           isfinite(device->encoder_step_m) && device->delay_samples <= SIM_MAX_DELAY;
+}
+
+int sim_tool_init(sim_tool *tool, uint32_t hand, const sim_tool_device *device, uint32_t substeps,
                   uint32_t noisy, uint64_t seed, double position_m)
 {
-    if (tool == NULL) {
+    if (tool == NULL || device == NULL) {
         return SIM_NULL;
     }
-    if (hand >= HANDS || substeps < 1 || substeps > SIM_MAX_SUBSTEPS || delay_samples > 1 ||
+    if (hand >= HANDS || !possible(device) || substeps < 1 || substeps > SIM_MAX_SUBSTEPS ||
         noisy > 1 || !isfinite(position_m)) {
         return SIM_RANGE;
     }
     tool->hand = hand;
     tool->substeps = substeps;
-    tool->delay_samples = delay_samples;
+    tool->delay_samples = device->delay_samples;
+    tool->encoder_step_m = device->encoder_step_m;
+    tool->moved = (sim_moved){device->mass_kg, device->viscous_nspm, device->coulomb_n};
     tool->noisy = noisy;
     sim_noise_init(&tool->noise, seed);
     tool->motion.position_m = position_m;
     tool->motion.velocity_mps = 0.0;
     tool->intended_m = position_m;
-    tool->late_n = 0.0;
+    for (uint32_t i = 0; i < SIM_MAX_DELAY; i++) {
+        tool->late_n[i] = 0.0;
+    }
+    tool->next = 0;
     tool->encoder_m = position_m;
     tool->encoder_speed_mps = 0.0;
     return SIM_OK;
 }
 
-/* Where the hand intends to be after so many substeps of a tick that ends at intended_m. */
-static double intended_at(const sim_tool *tool, uint32_t substeps, double intended_m)
+/* Where the hand intends to be after a share of a tick that ends at intended_m. */
+static double intended_at(const sim_tool *tool, double share, double intended_m)
 {
-    double share = (double)substeps / tool->substeps;
     return tool->intended_m + share * (intended_m - tool->intended_m);
 }
 
@@ -85,7 +100,8 @@ static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double
         *velocity_mps = tool->motion.velocity_mps;
         return;
     }
-    double encoder_m = sim_device_encoder_m(&tool->noise, tool->motion.position_m);
+    double encoder_m =
+        sim_device_encoder_m(&tool->noise, tool->motion.position_m, tool->encoder_step_m);
     double difference_mps = (encoder_m - tool->encoder_m) / dt_s;
     double weight = dt_s / (dt_s + velocity_time_s);
     tool->encoder_speed_mps += weight * (difference_mps - tool->encoder_speed_mps);
@@ -109,8 +125,12 @@ static int refused(const sim_tool *tool, double dt_s, double hand, double force_
 /* The force that acts in this tick, N. */
 static double acting(sim_tool *tool, double force_n)
 {
-    double acting_n = tool->delay_samples == 1 ? tool->late_n : force_n;
-    tool->late_n = force_n;
+    if (tool->delay_samples == 0) {
+        return force_n;
+    }
+    double acting_n = tool->late_n[tool->next];
+    tool->late_n[tool->next] = force_n;
+    tool->next = (tool->next + 1) % tool->delay_samples;
     return acting_n;
 }
 
@@ -123,11 +143,12 @@ int sim_tool_push(sim_tool *tool, double dt_s, double push_n, double force_n, do
     }
     const sim_hand *hand = &hands[tool->hand].hand;
     double acting_n = acting(tool, force_n);
-    double step_s = dt_s / tool->substeps;
-    for (uint32_t i = 0; i < tool->substeps; i++) {
-        sim_hand_push(hand, &tool->motion, 0.5 * step_s, push_n, acting_n);
+    uint32_t substeps = sim_hand_substeps(hand, &tool->moved, dt_s, tool->substeps);
+    double step_s = dt_s / substeps;
+    for (uint32_t i = 0; i < substeps; i++) {
+        sim_hand_push(hand, &tool->moved, &tool->motion, 0.5 * step_s, push_n, acting_n);
         tool->motion.position_m += step_s * tool->motion.velocity_mps;
-        sim_hand_push(hand, &tool->motion, 0.5 * step_s, push_n, acting_n);
+        sim_hand_push(hand, &tool->moved, &tool->motion, 0.5 * step_s, push_n, acting_n);
     }
     tool->intended_m = tool->motion.position_m;
     read_sensors(tool, dt_s, position_m, velocity_mps);
@@ -149,13 +170,14 @@ int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n
     }
     const sim_hand *hand = &hands[tool->hand].hand;
     double acting_n = acting(tool, force_n);
-    double step_s = dt_s / tool->substeps;
-    for (uint32_t i = 0; i < tool->substeps; i++) {
-        sim_hand_pull(hand, &tool->motion, 0.5 * step_s, intended_at(tool, i, intended_m),
-                      acting_n);
+    uint32_t substeps = sim_hand_substeps(hand, &tool->moved, dt_s, tool->substeps);
+    double step_s = dt_s / substeps;
+    for (uint32_t i = 0; i < substeps; i++) {
+        sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
+                      intended_at(tool, (double)i / substeps, intended_m), acting_n);
         tool->motion.position_m += step_s * tool->motion.velocity_mps;
-        sim_hand_pull(hand, &tool->motion, 0.5 * step_s, intended_at(tool, i + 1, intended_m),
-                      acting_n);
+        sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
+                      intended_at(tool, (double)(i + 1) / substeps, intended_m), acting_n);
     }
     tool->intended_m = intended_m;
     read_sensors(tool, dt_s, position_m, velocity_mps);
@@ -180,12 +202,14 @@ int sim_tool_press(sim_tool *tool, sim_object *object, uint32_t n, const double 
     double step_s = object->step_s;
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = 0; k < tool->substeps; k++) {
-            sim_hand_pull(hand, &tool->motion, 0.5 * step_s, intended_at(tool, k, intended_m[i]),
+            sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
+                          intended_at(tool, (double)k / tool->substeps, intended_m[i]),
                           object->force_n);
             tool->motion.position_m += step_s * tool->motion.velocity_mps;
             sim_object_substep(object, tool->motion.position_m);
-            sim_hand_pull(hand, &tool->motion, 0.5 * step_s,
-                          intended_at(tool, k + 1, intended_m[i]), object->force_n);
+            sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
+                          intended_at(tool, (double)(k + 1) / tool->substeps, intended_m[i]),
+                          object->force_n);
         }
         tool->intended_m = intended_m[i];
         object->tool_m = tool->motion.position_m;

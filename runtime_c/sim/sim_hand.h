@@ -2,8 +2,13 @@
 #ifndef SIM_HAND_H
 #define SIM_HAND_H
 
+#include <stdint.h>
+
+/* The device that is assumed where none is measured. */
 #define SIM_DEVICE_MASS_KG 0.3
 #define SIM_DEVICE_DAMPING_NSPM 4.0
+
+enum { SIM_HAND_MAX_SUBSTEPS = 4096 };
 
 typedef struct {
     double mass_kg;
@@ -11,26 +16,61 @@ typedef struct {
     double damping_nspm;
 } sim_hand;
 
+/* What the hand moves: the device, without its motor. */
+typedef struct {
+    double mass_kg;
+    double viscous_nspm;
+    double coulomb_n;
+} sim_moved;
+
 typedef struct {
     double position_m;
     double velocity_mps;
 } sim_motion;
 
-/* Half a step of leapfrog: what the hand's own force and the rendered one do to the speed. */
-static inline void sim_hand_push(const sim_hand *hand, sim_motion *motion, double step_s,
-                                 double hand_n, double force_n)
+/* Steps of leapfrog in a tick of dt_s, at least so many: more where friction or the hand's spring
+ * is fast. */
+static inline uint32_t sim_hand_substeps(const sim_hand *hand, const sim_moved *moved, double dt_s,
+                                         uint32_t at_least)
 {
-    const double mass_kg = hand->mass_kg + SIM_DEVICE_MASS_KG;
-    const double damping_nspm = hand->damping_nspm + SIM_DEVICE_DAMPING_NSPM;
-    const double sum_n = hand_n - damping_nspm * motion->velocity_mps - force_n;
-    motion->velocity_mps += step_s * sum_n / mass_kg;
+    const double mass_kg = hand->mass_kg + moved->mass_kg;
+    const double braked = dt_s * (hand->damping_nspm + moved->viscous_nspm) / mass_kg;
+    const double swung = 0.36 * dt_s * dt_s * hand->stiffness_npm / mass_kg;
+    uint32_t steps = at_least;
+    while (steps < SIM_HAND_MAX_SUBSTEPS && (steps < braked || (double)steps * steps < swung)) {
+        steps++;
+    }
+    return steps;
 }
 
-static inline void sim_hand_pull(const sim_hand *hand, sim_motion *motion, double step_s,
-                                 double intended_m, double force_n)
+/* Dry friction holds a speed that it can take away within the step at 0. */
+static inline double sim_hand_stuck(double velocity_mps, double taken_mps)
+{
+    if (velocity_mps > taken_mps) {
+        return velocity_mps - taken_mps;
+    }
+    return velocity_mps < -taken_mps ? velocity_mps + taken_mps : 0.0;
+}
+
+/* Half a step of leapfrog: what the hand's own force and the rendered one do to the speed. */
+static inline void sim_hand_push(const sim_hand *hand, const sim_moved *moved, sim_motion *motion,
+                                 double step_s, double hand_n, double force_n)
+{
+    const double mass_kg = hand->mass_kg + moved->mass_kg;
+    const double damping_nspm = hand->damping_nspm + moved->viscous_nspm;
+    const double sum_n = hand_n - damping_nspm * motion->velocity_mps - force_n;
+    motion->velocity_mps += step_s * sum_n / mass_kg;
+    if (moved->coulomb_n > 0.0) {
+        const double taken_mps = step_s * moved->coulomb_n / mass_kg;
+        motion->velocity_mps = sim_hand_stuck(motion->velocity_mps, taken_mps);
+    }
+}
+
+static inline void sim_hand_pull(const sim_hand *hand, const sim_moved *moved, sim_motion *motion,
+                                 double step_s, double intended_m, double force_n)
 {
     const double spring_n = hand->stiffness_npm * (intended_m - motion->position_m);
-    sim_hand_push(hand, motion, step_s, spring_n, force_n);
+    sim_hand_push(hand, moved, motion, step_s, spring_n, force_n);
 }
 
 #endif

@@ -68,7 +68,7 @@ addEventListener("load", async () => {
   const vibration = words("vibration");
   await wait(how.wait_ms ?? 600);
   const found = { errors, vibration, csv: await downloaded() };
-  for (const id of ["verdict", "limit", "proof", "broken", "object-name", "error", "notes", "said"])
+  for (const id of ["verdict", "limit", "device", "proof", "broken", "object-name", "error", "notes", "said"])
     found[id] = words(id);
   found.valuetext = element("object").getAttribute("aria-valuetext");
   found.fetched = performance.getEntriesByType("resource").map((one) => one.name);

@@ -1,8 +1,12 @@
 """The documents run: their commands exist, give what the page says, and work in its order."""
 
+import json
+import os
 import re
 import shlex
 import shutil
+import subprocess
+from contextlib import ExitStack
 from pathlib import Path
 
 import can
@@ -12,6 +16,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 from support.documents import (
+    MAIN,
     PAGES,
     Block,
     blocks,
@@ -20,9 +25,11 @@ from support.documents import (
     run_commands,
 )
 from support.paths import ROOT
+from support.peer import peer
 from support.small import DT_S, press, recording, soft_force, training
 
 from springpot.host.cli import springpot
+from springpot.host.devices.url import parse_device
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.study.study_file import read_study
@@ -58,7 +65,14 @@ def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
         assert block.language in {"", "toml", *TESTED}, block.where
         for name in filter(None, [TESTED.get(block.language)]):
             assert list((ROOT / "tests").rglob(name)), name
-    run = {"README.md", "first-board.md", "devices.md", "stability.md", "study.md"}
+    run = {
+        "README.md",
+        "first-board.md",
+        "devices.md",
+        "stability.md",
+        "study.md",
+        "force-dimension.md",
+    }
     assert {block.page.name for block in COMMANDS} == run
 
 
@@ -170,6 +184,55 @@ def test_the_ten_minutes_of_a_study(tmp_path: Path) -> None:
     page = (tmp_path / "rehearsal" / "report" / "report.html").read_text()
     assert "RF-FD" in page
     assert "Hammerstein" in page
+
+
+# Of each command, what the stand-in is: held by a hand, on the object, or let go.
+_LAB = {
+    "doctor": ("--presses-hz", 0),
+    "place": ("--presses-hz", 0, "--surface-mm", 12),
+    "identify": ("--free", '{"mass_kg": 0.25, "viscous_nspm": 4.0}'),
+    "record": ("--pressing", "--cell-ms", 3, "--surface-mm", 12),
+    "run": ("--surface-mm", 12),
+}
+
+
+@pytest.mark.realtime
+def test_the_lab_s_first_session(tmp_path: Path) -> None:
+    """Every command of the page on the stand-in: to a log that repeats, bit for bit."""
+    printed = {}
+    (tmp_path / "short.toml").write_text(
+        "[[profile]]\namplitude_n = 4.0\nfrequency_hz = 1.0\ncycles = 4\n"
+        "[[profile]]\namplitude_n = 2.5\nfrequency_hz = 2.0\ncycles = 6\n"
+    )
+    for block in page_blocks("force-dimension.md"):
+        if block.note.startswith("file "):
+            (tmp_path / block.note.removeprefix("file ")).write_text(block.text)
+        elif not block.language:
+            for line in block.substituted:
+                words = shlex.split(line)
+                printed[words[1]] = lab_command(words, tmp_path)
+    assert "out of the object, as it must" in " ".join(printed["doctor"].split())
+    assert "ms late, +-" in printed["record"]
+    assert json.loads(printed["validate"])["mismatches"] == 0
+    device = read_scene(tmp_path / "scene.toml").device
+    assert device.mass_kg == pytest.approx(0.25, rel=0.1)
+
+
+def lab_command(words: list[str], folder: Path) -> str:
+    """Run a command with a stand-in for the device that it names; what it printed."""
+    environment = dict(os.environ)
+    with ExitStack() as stack:
+        if options := _LAB.get(words[1]):
+            device = stack.enter_context(peer("dhd_device", *options))
+            environment["SPRINGPOT_LIBDHD"] = parse_device(device.url).settings["library"]
+            if "--force" in words:
+                words[words.index("--force") + 1] = device.wait_for("cell")["url"]
+        done = subprocess.run(
+            [*MAIN, *words[1:]], cwd=folder, input="\n\n\n", text=True, capture_output=True,
+            check=False, timeout=300, env=environment,
+        )  # fmt: skip
+    assert done.returncode == 0, f"{words}\n{done.stdout}\n{done.stderr}"
+    return done.stdout + ("" if "--json" in words else done.stderr)
 
 
 def table_row(name: str, begins: str) -> list[str]:

@@ -38,7 +38,11 @@ if TYPE_CHECKING:
     help="Of random commands, and of a simulated device's noise unless its URL has a seed.",
 )
 @click.option("--object", "object_name", help="What lies under a real device: for file names.")
-@click.option("--max-force-n", type=POSITIVE, help="Stop beyond this; default 1.3 x the command.")
+@click.option(
+    "--max-force-n",
+    type=POSITIVE,
+    help="Stop beyond this; default 1.3 x the command (1.6 x with --force).",
+)
 @click.option(
     "--max-depth-mm", type=POSITIVE, default=30.0, show_default=True, help="Stop beyond this depth."
 )

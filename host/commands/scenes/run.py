@@ -85,6 +85,7 @@ def run(
             report=report,
             accept_edited=accept_edited,
             viewer=page,
+            alarm=_alarm,
         )
         with contextlib.suppress(KeyboardInterrupt), session:  # the session says that and why
             if page is not None:
@@ -112,8 +113,24 @@ def _opened_page(folder: Path, accept_edited: bool) -> Iterator[LivePage]:
         yield page
 
 
+def _alarm(line: str, begins: bool) -> None:
+    """A live warning, with the terminal's bell where something begins."""
+    if line:
+        _say_above(line)
+    if begins and progress_console.is_terminal:
+        progress_console.bell()
+
+
 def _say_above(line: str) -> None:
     progress_console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def _warned(warnings: list[dict[str, Any]]) -> str:
+    """Each kind of warning, how often it began and how many ticks it lasted."""
+    kinds = dict.fromkeys(item["what"] for item in warnings)
+    counts = {what: [item["count"] for item in warnings if item["what"] == what] for what in kinds}
+    return "; ".join(f"{what} ({len(found)} x, {sum(found)} ticks)"
+                     for what, found in counts.items()) or "none"  # fmt: skip
 
 
 def _rows(result: dict[str, Any]) -> dict[str, str]:
@@ -129,6 +146,7 @@ def _rows(result: dict[str, Any]) -> dict[str, str]:
         f"{result['ring_dropped']} rows dropped",
         "watchdog": f"{result['watchdog_trips']} trips"
         + (", latched" if result["latched"] else ""),
+        "warnings": _warned(result["warnings"]),
         "scheduler": result["scheduler"],
         "log": result["log"] or "none",
         **({"edited C": ", ".join(result["edited"])} if result["edited"] else {}),

@@ -68,6 +68,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
         "cases": f"{len(judged) - len(doubtful)} of {len(judged)} are good with three hands and "
         "two delays; --report FILE.html shows all, --json lists them",
         "spectral radius": f"{checked.spectral_radius:.4f}",
+        "device": checked.plan.loop_device.words(checked.plan.dt_s),
         "active cells, model": f"{inside[0]} of {inside[1]}, beyond the trained depth "
         f"{outside[0]} of {outside[1]}",
         "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "

@@ -32,6 +32,7 @@ function hand() {
 
 function hold() {
   const { hands, entry } = scene, held = hand();
+  scene.c.sp_page_device(...hands.device);
   scene.c.sp_page_hold(held.mass_kg, held.stiffness_npm, hands.damping_nspm, hands.own_delay + held.delay);
   // So deep a hand has to intend to be, to reach the greatest force.
   if (intent !== null) intent.deepest_m = entry.depth_m + entry.max_n / held.stiffness_npm;

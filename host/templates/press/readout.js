@@ -58,6 +58,7 @@ function read_hand({ stiffness_npm, mass_kg, delay, verdict }) {
   }
   find("verdict").textContent = verdict.words;
   find("verdict").classList.toggle("bad", !verdict.stable);
+  find("device").textContent = `${scene.hands.device_words}.`;
   find("limit").textContent = `With this hand and delay an object may have ${verdict.limit}; this one has ${
     scene.hands.object_npmm} N/mm where it is stiffest.`;
 }

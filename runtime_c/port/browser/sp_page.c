@@ -17,6 +17,7 @@ static uint8_t link[LINK_BYTES];
 
 static sp_state state;
 static sim_hand hand = {0.25, 400.0, 6.0};
+static sim_moved moved = {SIM_DEVICE_MASS_KG, SIM_DEVICE_DAMPING_NSPM, 0.0};
 static sim_motion motion;
 static double intends_m; /* at the end of the last tick */
 static uint32_t delay;
@@ -67,6 +68,15 @@ uint8_t *sp_page_link(void)
     return link;
 }
 
+int sp_page_device(double mass_kg, double viscous_nspm, double coulomb_n)
+{
+    if (!(mass_kg > 0.0 && viscous_nspm >= 0.0 && coulomb_n >= 0.0)) {
+        return 1;
+    }
+    moved = (sim_moved){mass_kg, viscous_nspm, coulomb_n};
+    return 0;
+}
+
 int sp_page_hold(double mass_kg, double stiffness_npm, double damping_nspm, uint32_t delay_samples)
 {
     if (!(mass_kg >= 0.0 && stiffness_npm >= 0.0 && damping_nspm >= 0.0) ||
@@ -108,12 +118,13 @@ static double acting_n(double newest_n)
 /* The hand intends to go evenly to to_m. */
 static void move_hand(double dt_s, double to_m, double acts_n)
 {
-    const double step_s = dt_s / SUBSTEPS;
-    const double stride_m = (to_m - intends_m) / SUBSTEPS;
-    for (uint32_t i = 0; i < SUBSTEPS; i++) {
-        sim_hand_pull(&hand, &motion, 0.5 * step_s, intends_m + i * stride_m, acts_n);
+    const uint32_t substeps = sim_hand_substeps(&hand, &moved, dt_s, SUBSTEPS);
+    const double step_s = dt_s / substeps;
+    const double stride_m = (to_m - intends_m) / substeps;
+    for (uint32_t i = 0; i < substeps; i++) {
+        sim_hand_pull(&hand, &moved, &motion, 0.5 * step_s, intends_m + i * stride_m, acts_n);
         motion.position_m += step_s * motion.velocity_mps;
-        sim_hand_pull(&hand, &motion, 0.5 * step_s, intends_m + (i + 1) * stride_m, acts_n);
+        sim_hand_pull(&hand, &moved, &motion, 0.5 * step_s, intends_m + (i + 1) * stride_m, acts_n);
     }
     intends_m = to_m;
 }

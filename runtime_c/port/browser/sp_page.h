@@ -9,7 +9,7 @@
 
 #include "sp_real.h"
 
-enum { SP_PAGE_MAX_DELAY = 16 };
+enum { SP_PAGE_MAX_DELAY = 176 };
 
 /* Buffers. */
 uint32_t sp_page_rows(void);
@@ -20,6 +20,10 @@ sp_real *sp_page_force_n(void);
 int32_t *sp_page_notes(void);
 uint32_t sp_page_link_bytes(void);
 uint8_t *sp_page_link(void);
+
+/* The device that the hand holds; at first the assumed one. Returns 0, or 1: nothing has changed.
+ */
+int sp_page_device(double mass_kg, double viscous_nspm, double coulomb_n);
 
 /* The hand, and how many samples late the force acts. Returns 0, or 1: nothing has changed. */
 int sp_page_hold(double mass_kg, double stiffness_npm, double damping_nspm, uint32_t delay_samples);

@@ -11,10 +11,13 @@ from springpot.codegen.coupling.gains import couple_config, published_step_is_st
 from springpot.codegen.coupling.gains import transition as exact_step
 from springpot.codegen.coupling.linear_loop import (
     DESIGN_HAND,
-    DEVICE_DAMPING_NSPM,
-    DEVICE_MASS_KG,
     HAND_MODELS,
     LinearLoop,
+)
+from springpot.codegen.coupling.loop_device import (
+    DEVICE_DAMPING_NSPM,
+    DEVICE_MASS_KG,
+    LoopDevice,
 )
 from springpot.codegen.reference.tick import Coupled
 from springpot.codegen.scene import Coupling
@@ -106,7 +109,7 @@ def test_hands_are_the_simulated_ones() -> None:
 def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: float) -> None:
     # Within 15 %: there the loop was simulated, with an average of 0.7 behind the tool's coupling.
     smoothing = 0.7 if mode == "tool" else 1.0
-    loop = LinearLoop(1e-3, Coupling(mode), DESIGN_HAND, delay, smoothing)  # type: ignore[arg-type]
+    loop = LinearLoop(1e-3, Coupling(mode), DESIGN_HAND, LoopDevice(delay_samples=delay), smoothing)  # type: ignore[arg-type]
     assert 1e-3 * loop.max_stiffness_npm() == pytest.approx(npmm, rel=0.15)
 
 
@@ -116,11 +119,12 @@ def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: fl
 def test_what_auto_picks_is_stable_with_every_hand(
     stiffness_npm: float, rate_hz: float, delay: int
 ) -> None:
-    choice = choose_coupling(stiffness_npm, 1.0 / rate_hz, delay, 1.0, Coupling())
+    device = LoopDevice(delay_samples=delay)
+    choice = choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
     assert choice.why.startswith(f"{choice.coupling.mode}: auto: ")
     assert choice.felt_npm <= stiffness_npm
     for hand in HAND_MODELS:
-        loop = LinearLoop(1.0 / rate_hz, choice.coupling, hand, delay)
+        loop = LinearLoop(1.0 / rate_hz, choice.coupling, hand, device)
         assert loop.spectral_radius(stiffness_npm)[0] < 1.0
 
 

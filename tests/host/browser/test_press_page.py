@@ -14,6 +14,7 @@ from support.pressed_page import press_page
 from support.small import model_file, recording, scene, small_model, training, wandering
 
 from springpot.codegen.model.model import Model
+from springpot.codegen.scene import Device
 from springpot.host.browser.press_page import write_press_page
 from springpot.host.emission.emission import emit
 from springpot.host.native.toolchain import missing_tools
@@ -32,13 +33,22 @@ pytestmark = [
 ]
 
 
+ASSUMED = Device()
+
+
 def fitted(kind: str) -> Model:
     return fit_model(kind, kind, training(), FitOptions(seed=1, trees=5, leaf=20)).model
 
 
-def emitted(folder: Path, model: Model, number: str = "float32", mode: str = "off") -> Path:
+def emitted(
+    folder: Path,
+    model: Model,
+    number: str = "float32",
+    mode: str = "off",
+    device: Device = ASSUMED,
+) -> Path:
     folder.mkdir(exist_ok=True)
-    chosen = replace(scene(number=number, mode=mode), name=folder.name)
+    chosen = replace(scene(number=number, mode=mode), name=folder.name, device=device)
     emit(chosen, model_file(folder, model), folder / "c", accept_unsafe=True)
     return folder / "c"
 
@@ -127,6 +137,26 @@ def test_delay_makes_a_stiff_object_shake_as_the_check_says(tmp_path: Path) -> N
         assert f"{1e-3 * limit_npm:.3g} N/mm" in pressed.found["limit"]
     assert shaking_mps[0] < 1.0
     assert shaking_mps[3] > 5.0
+
+
+def test_the_page_holds_the_scenes_own_device(tmp_path: Path) -> None:
+    """An object that the assumed device holds quietly makes a light, late one shake."""
+    model = fitted("hammerstein").stiffened(5.0)
+    hold = [0.3 + 0.3 * min(1.0, i / 50) for i in range(150)]
+    light = Device(mass_kg=0.05, viscous_nspm=0.5, delay_s=0.003)
+    found = {}
+    for name, device in {"assumed": ASSUMED, "light": light}.items():
+        folder = emitted(tmp_path / name, model, device=device)
+        found[name] = press_page(page_of(tmp_path, folder), path=hold).found
+    assert found["assumed"]["device"].startswith("assumed device: 0.3 kg, 4 N s/m")
+    assert found["light"]["device"] == "the scene's device: 0.05 kg, 0.5 N s/m, 3 ms late."
+    assert found["assumed"]["verdict"].startswith("The linear loop is stable")
+    assert found["light"]["verdict"].startswith("Unstable")
+    quiet_mps, shaking_mps = (
+        float(each["vibration"].removesuffix(" mm/s")) for each in found.values()
+    )
+    assert quiet_mps < 1.0
+    assert shaking_mps > 5.0
 
 
 def test_a_page_that_cannot_run_says_so(tmp_path: Path) -> None:

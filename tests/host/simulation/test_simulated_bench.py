@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from support.paths import BENCH
 
+from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.recording import protocols
 from springpot.host.simulation.bench import ObjectMotion, SimulatedBench, SimulatedHand
@@ -164,7 +165,7 @@ def test_a_wall_is_stable_up_to_what_damping_over_delay_allows():
     """A held spring K is stable below b/(1.5 dt) with a sample of delay: 6.6 N/mm at 1 ms."""
 
     def grows(stiffness_npm, dt_s, delay_samples):
-        hand = SimulatedHand("mid", delay_samples=delay_samples)
+        hand = SimulatedHand("mid", device=LoopDevice(delay_samples=delay_samples))
         position_m, speeds_mps = 0.0, []
         for tick in range(round(6 / dt_s)):
             force_n = stiffness_npm * (position_m + 0.005)

@@ -1,0 +1,82 @@
+"""The device in the loop: what a hand moves, what brakes it, how late its force acts."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from springpot.codegen.scene import Device
+
+DEVICE_MASS_KG = 0.3
+DEVICE_DAMPING_NSPM = 4.0
+RESOLUTION_UM = 10.0
+_ROUNDING = 1e-6  # of a tick: 3 ms are three ticks of 1 ms, however they are rounded
+
+
+@dataclass(frozen=True)
+class LoopDevice:
+    """A device without its hand; by default the one that is assumed.
+
+    resolution_um: the encoder's step. delay_samples: whole ticks from a sample to when its force
+    acts. stated: which of mass and friction the scene states.
+    """
+
+    mass_kg: float = DEVICE_MASS_KG
+    viscous_nspm: float = DEVICE_DAMPING_NSPM
+    coulomb_n: float = 0.0
+    resolution_um: float = RESOLUTION_UM
+    delay_samples: int = 0
+    stated: tuple[str, ...] = ()
+
+    @property
+    def measured(self) -> bool:
+        """Whether the scene states what a linear loop needs: mass and viscous friction."""
+        return {"mass_kg", "viscous_nspm"} <= set(self.stated)
+
+    def later(self, ticks: int) -> "LoopDevice":
+        """The same with so many more ticks of delay."""
+        return replace(self, delay_samples=self.delay_samples + ticks)
+
+    def as_dict(self, dt_s: float) -> dict[str, Any]:
+        """Keys of `stability --json`; delay_s: of the whole ticks that are used."""
+        return {
+            "mass_kg": self.mass_kg,
+            "viscous_nspm": self.viscous_nspm,
+            "coulomb_n": self.coulomb_n,
+            "resolution_um": self.resolution_um,
+            "delay_s": self.delay_samples * dt_s,
+            "delay_samples": self.delay_samples,
+            "measured": self.measured,
+        }
+
+    def words(self, dt_s: float) -> str:
+        """Whose device a check assumed, in a line."""
+        figures = [
+            f"{value:g} {unit}" + (" (assumed)" if self.stated and name not in self.stated else "")
+            for name, value, unit in (
+                ("mass_kg", self.mass_kg, "kg"),
+                ("viscous_nspm", self.viscous_nspm, "N s/m"),
+            )
+        ]
+        if self.coulomb_n > 0.0:
+            figures.append(f"{self.coulomb_n:g} N Coulomb friction")
+        if self.delay_samples > 0:
+            figures.append(f"{1e3 * self.delay_samples * dt_s:g} ms late")
+        named = ", ".join(figures)
+        if self.stated:
+            return f"the scene's device: {named}"
+        return f"assumed device: {named} (none is measured: `springpot identify`)"
+
+
+ASSUMED_DEVICE = LoopDevice()
+
+
+def loop_device(device: Device, dt_s: float) -> LoopDevice:
+    """The device of a scene, with what is assumed where the scene does not state it."""
+    stated = {name: getattr(device, name) for name in ("mass_kg", "viscous_nspm", "coulomb_n")
+              if getattr(device, name) is not None}  # fmt: skip
+    late = device.delay_samples
+    if device.delay_s is not None:
+        late = math.ceil(device.delay_s / dt_s - _ROUNDING)
+    return LoopDevice(
+        **stated, resolution_um=device.resolution_um, delay_samples=late, stated=tuple(stated)
+    )

@@ -1,0 +1,177 @@
+"""What a session warns of while it runs: rows by hand, and a session deeper than trained."""
+
+import numpy as np
+import pytest
+from support.peer import wait_until
+from support.small import DEPTH_M, model_file, press, recording, scene, small_model
+
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.notes import (
+    CLAMPED,
+    HELD,
+    LATCHED,
+    LIMITED,
+    OUTSIDE,
+    RAMPED,
+    RESYNC,
+)
+from springpot.host.emission.emission import emit
+from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
+from springpot.host.session.live_warnings import LINE_S, MAX_EVENTS, LiveWarnings
+from springpot.host.session.note_words import NOTE_WORDS
+from springpot.host.session.session import Session
+from springpot.trainer.recordings.recording_file import read_recording, write_recording
+
+PLAN = make_plan(small_model(), scene())
+TRAINED_MPS = PLAN.model.trained.max_mps
+
+
+def rows_of(ticks, begin=0, position_m=0.005, notes=0):
+    """Rows of a quiet hold, one a millisecond, from tick `begin` on."""
+    rows = empty_rows(ticks)
+    rows[:, COLUMN["time_s"]] = 1e-3 * np.arange(begin, begin + ticks)
+    rows[:, COLUMN["position_m"]] = position_m
+    rows[:, COLUMN["returned_n"]] = rows[:, COLUMN["sent_n"]] = 2.0
+    rows[:, COLUMN["notes"]] = notes
+    return rows
+
+
+def watched(rows, drain=20):
+    """What is said of rows that come so many at a time: lines with their tick, bells, events."""
+    said = []
+    warnings = LiveWarnings(PLAN, lambda line, begins: said.append((at + drain, line, begins)))
+    for at in range(0, len(rows), drain):
+        warnings.append(rows[at : at + drain])
+    return said, warnings.finish()
+
+
+def test_a_quiet_session_says_nothing():
+    assert watched(rows_of(5000)) == ([], [])
+
+
+def test_what_lasts_is_told_when_it_begins_and_when_it_ends():
+    rows = rows_of(6000)
+    rows[1000:4000, COLUMN["notes"]] = OUTSIDE
+    rows[1000:4000, COLUMN["position_m"]] = np.linspace(0.0121, 0.0134, 3000)
+    rows[4000:, COLUMN["position_m"]] = np.linspace(0.0134, 0.005, 2000)
+    said, events = watched(rows)
+    assert [begins for *_, begins in said] == [True, False]
+    (at, first, _), (end, last, _) = said
+    assert 1000 < at <= 1100
+    assert first.endswith("s: warning: deeper than was recorded, 12.12 of 12 mm")
+    assert 4500 < end <= 4700
+    assert "over: deeper than was recorded, 13.4 of 12 mm, for 3 s" in last
+    assert events == [{"time_s": 1.0, "what": "deeper than was recorded", "count": 3000}]
+
+
+@pytest.mark.parametrize(
+    ("bit", "ticks"), [(OUTSIDE, 1), (LIMITED, 1), (CLAMPED, 1), (HELD, 20), (LATCHED, 1)]
+)
+def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
+    rows = rows_of(2000)
+    rows[1010 : 1010 + ticks, COLUMN["notes"]] = bit
+    said, events = watched(rows)
+    assert events == [{"time_s": 1.01, "what": NOTE_WORDS[bit], "count": ticks}]
+    assert said[0][2]
+    # The watchdog's line is the supervisor's: only the bell is heard.
+    assert all(line == "" if bit == LATCHED else NOTE_WORDS[bit] in line for _, line, _ in said)
+
+
+def test_what_belongs_to_a_session_is_no_warning():
+    rows = rows_of(2000)
+    rows[0, COLUMN["notes"]] = RESYNC | RAMPED
+    rows[100:150, COLUMN["notes"]] = RAMPED
+    rows[::100, COLUMN["notes"]] = HELD  # one lost sample in a hundred
+    rows[500:600, COLUMN["notes"]] = CLAMPED  # at the lower limit: it does not pull
+    rows[500:600, COLUMN["returned_n"]] = 0.0
+    rows[700:900, COLUMN["notes"]] = OUTSIDE  # paused: there was no call
+    rows[700:900, COLUMN["call"]] = NONE
+    rows[1000, COLUMN["notes"]] = -1  # an error, no notes
+    assert watched(rows) == ([], [])
+
+
+def test_a_fast_press_is_told_and_a_glitch_or_free_air_is_not():
+    fast = 5.0 * TRAINED_MPS * 1e-3 * np.arange(60)
+    rows = rows_of(3000)
+    rows[1000:1060, COLUMN["position_m"]] = 0.001 + fast
+    rows[1060:, COLUMN["position_m"]] = 0.001 + fast[-1]
+    said, events = watched(rows)
+    assert [event["what"] for event in events] == ["faster than four times the recorded speed"]
+    assert 40 <= events[0]["count"] <= 80
+    assert f"{5 * TRAINED_MPS:.4g} of {4 * TRAINED_MPS:.4g} m/s" in said[0][1]
+    rows[:, COLUMN["position_m"]] -= 1.0  # the same in free air
+    assert watched(rows) == ([], [])
+    slower = rows_of(3000)
+    slower[1000:1060, COLUMN["position_m"]] = 0.001 + 0.7 * fast
+    slower[1060:, COLUMN["position_m"]] = 0.001 + 0.7 * fast[-1]
+    assert watched(slower) == ([], [])
+    glitch = rows_of(3000)
+    glitch[500, COLUMN["position_m"]] = 0.5
+    glitch[500, COLUMN["notes"]] = HELD
+    assert watched(glitch) == ([], [])
+
+
+def test_lines_come_at_most_one_a_second_whatever_happens():
+    rng = np.random.default_rng(1)
+    rows = rows_of(60_000)
+    rows[:, COLUMN["notes"]] = rng.choice([OUTSIDE, LIMITED, CLAMPED, 0], 60_000)
+    for begin in range(0, 60_000, 3000):  # each ends, and begins again
+        rows[begin : begin + 700, COLUMN["notes"]] = 0
+    said, events = watched(rows)
+    times_s = [1e-3 * at for at, *_ in said]
+    assert min(np.diff(times_s)) >= LINE_S - 0.06
+    assert 20 <= len(said) <= 60
+    assert len(events) == 3 * 20
+    told = np.isin(rows[:, COLUMN["notes"]], [OUTSIDE, LIMITED, CLAMPED]).sum()
+    assert sum(event["count"] for event in events) == told
+
+
+def test_what_was_over_before_it_could_be_told_is_told_once():
+    rows = rows_of(4000)
+    rows[1000:1010, COLUMN["notes"]] = OUTSIDE
+    rows[1100:1110, COLUMN["notes"]] = LIMITED
+    said, _ = watched(rows)
+    lines = " ".join(line for _, line, _ in said)
+    assert lines.count(NOTE_WORDS[LIMITED]) == 1
+    assert "at 1.1 s: force held back: faster than a touch, for 0.01 s" in lines
+
+
+def test_a_long_session_keeps_its_list_short():
+    rows = rows_of(120_000)
+    rows[::1000, COLUMN["notes"]] = OUTSIDE
+    _, events = watched(rows, drain=1000)
+    assert len(events) == MAX_EVENTS
+    assert sum(event["count"] for event in events) == 120
+
+
+@pytest.mark.parametrize("drain", [1, 7, 333, 5000])
+def test_rows_may_come_in_any_number(drain):
+    rows = rows_of(5000)
+    rows[1000:2000, COLUMN["notes"]] = OUTSIDE
+    rows[1500:1700, COLUMN["notes"]] += HELD
+    assert watched(rows, drain)[1] == watched(rows, 20)[1]
+
+
+def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(tmp_path):
+    """A recording a third deeper than the training, through the whole session."""
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
+    deep = np.concatenate([np.zeros(200), press(1.0, 1.33 * DEPTH_M), np.zeros(800)])
+    write_recording(tmp_path / "deep.h5", recording("deep", deep))
+    said = []
+    log = tmp_path / "log.h5"
+    with Session(tmp_path / "c", f"replay://{tmp_path}/deep.h5", log, report=list,
+                 alarm=lambda *line: said.append(line)) as session:  # fmt: skip
+        session.start()
+        wait_until(lambda: session.runner.over, 20, "the session does not end")
+    warnings = session.result()["warnings"]
+    deeper = [item for item in warnings if item["what"] == NOTE_WORDS[OUTSIDE]]
+    read = read_recording(log)
+    outside = (read.channels["notes"].astype(int) & OUTSIDE) > 0
+    outside &= (read.channels["call"].astype(int) & NONE) == 0
+    assert len(deeper) == 1
+    assert deeper[0]["count"] == outside.sum() > 200
+    assert deeper[0]["time_s"] == pytest.approx(
+        read.channels["time_s"][np.argmax(outside)], abs=1e-3
+    )
+    assert any(begins and NOTE_WORDS[OUTSIDE] in line for line, begins in said)
+    assert read.details["end"]["warnings"] == warnings
