@@ -9,8 +9,8 @@ from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.identification.estimate import estimate_device
 from springpot.host.identification.excitation import (
     PULSE_S,
-    QUIET_S,
     SEEN_M,
+    STILL_S,
     WATCHDOG_S,
     Excitation,
     MoveLimits,
@@ -83,7 +83,7 @@ def _require_rest(quiet: FreeMotion, limits: MoveLimits, url: str) -> None:
     moved_m = float(np.mean(quiet.position_m[-tenth:]) - np.mean(quiet.position_m[:tenth]))
     if abs(moved_m) > _DRIFTS * limits.max_travel_m:
         raise DeviceError(
-            f"{url}: moves by itself, {1e3 * moved_m:.2g} mm in {QUIET_S:g} s without force: lay "
+            f"{url}: moves by itself, {1e3 * moved_m:.2g} mm in {STILL_S:g} s without force: lay "
             "it so that gravity does not pull the tool, take away springs and hands, and let it "
             "come to rest"
         )
