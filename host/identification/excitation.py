@@ -71,7 +71,7 @@ def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
 
 
 def sweep(rate_hz: float, limits: MoveLimits, sign: int) -> Excitation:
-    """A sine from fast to slow, its size of two levels in turn: friction shows in the change."""
+    """A sine from fast to slow; the C adapts its size to the swing that is wanted."""
     time_s = np.arange(round(SWEEP_S * rate_hz)) / rate_hz
     ratio = np.log(_SLOW_HZ / _FAST_HZ)
     phase = 2 * np.pi * _FAST_HZ * SWEEP_S / ratio * np.expm1(ratio * time_s / SWEEP_S)

@@ -28,8 +28,8 @@ _FREEDOM, _STUDENT = (8, 12, 16, 20, 30, 1000), (2.31, 2.18, 2.12, 2.09, 2.04, 1
 class MotionFit:
     """values, half_width: mass_kg, viscous_nspm, coulomb_n, bias_n, delay_s; the half of 95 %.
 
-    residual_m: (segments, ticks), measured less simulated. velocity_mps, acceleration_mps2: of
-    the simulation, likewise. begins: (segments,), their first ticks.
+    residual_m: (segments, ticks), measured less simulated. velocity_mps: of the simulation,
+    likewise. begins: (segments,), their first ticks.
     """
 
     values: Matrix
