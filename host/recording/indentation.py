@@ -32,7 +32,7 @@ OPEN = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
 
 @dataclass(frozen=True)
 class Limits:
-    """Beyond them a press stops; max_force_n None: 1.3 x the maximum command."""
+    """Beyond them a press stops; max_force_n None: `room` x the maximum command."""
 
     max_force_n: float | None = None
     max_depth_m: float = 0.03

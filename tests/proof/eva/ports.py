@@ -50,6 +50,7 @@ PORT_DRIVERS = (
         ("-eva-interprocedural-splits",),
     ),
     Port("odrive", _PLAIN),
+    Port("dhd", _PLAIN),
 )
 
 
