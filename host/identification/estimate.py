@@ -6,7 +6,7 @@ from springpot.codegen.errors import SpringpotError
 from springpot.host.identification.first_guess import first_guess
 from springpot.host.identification.fit import MotionFit, fit_motion
 from springpot.host.identification.free_motion import FreeMotion
-from springpot.host.identification.result import DeviceMeasured, Measured, judged
+from springpot.host.identification.result import DeviceMeasured, Identified, judged
 from springpot.host.identification.sensors import position_step, velocity_noise
 
 _STEP_NOISE = 0.3  # rms of a step's rounding, of the step
@@ -21,12 +21,14 @@ def estimate_device(
     sign: of the force. max_n: that the device promises.
     Raises SpringpotError where the motion contradicts the sign.
     """
-    guess = np.array(first_guess(motion))
-    if guess[0] < 0:
+    try:
+        guess = np.array(first_guess(motion))
+    except ValueError:
         raise SpringpotError(
             f"{url}: moved against the force: something else moves it (a hand, gravity, a spring): "
-            "let go of it, and hold it so that it stays where it is"
-        )
+            "let go of it, lay it so that it stays where it is, or give more force with "
+            "--max-force-n"
+        ) from None
     fit = fit_motion(motion, guess)
     step = position_step(
         np.concatenate([motion.position_m[motion.fresh], quiet.position_m[quiet.fresh]])
@@ -45,9 +47,9 @@ def estimate_device(
         delay_s=judged(delay_s, delay, "ms", 1e3, _delay_hidden(widen, motion.dt_s)),
         position_step_m=step,
         velocity_noise_mps=velocity_noise(motion, fit),
-        force_sign=Measured(sign, sign, sign),
+        force_sign=Identified(sign, sign, sign),
         max_force_n=_promised(max_n),
-        bias_n=Measured(float(bias_n), float(bias_n - bias), float(bias_n + bias)),
+        bias_n=Identified(float(bias_n), float(bias_n - bias), float(bias_n + bias)),
         position_noise_m=float(np.std(quiet.position_m)),
         residual_m=fit.rms_m,
         sensor_m=sensor_m,
@@ -70,7 +72,7 @@ def _delay_hidden(widen: float, dt_s: float) -> str:
     return f"samples come every {1e3 * dt_s:g} ms"
 
 
-def _promised(max_n: float | None) -> Measured:
+def _promised(max_n: float | None) -> Identified:
     if max_n is None:
-        return Measured(why="the device promises none, and the test does not try")
-    return Measured(max_n, max_n, max_n)
+        return Identified(why="the device promises none, and the test does not try")
+    return Identified(max_n, max_n, max_n)

@@ -12,7 +12,7 @@ from springpot.host.native.loop_library import loop_library
 from springpot.host.session.step_functions import StepFunctions
 
 WATCHDOG_S = 0.02
-QUIET_S = 0.5
+STILL_S = 0.5
 SEEN_M = 2e-4
 SWEEP_S = 9.0
 PULSE_S = 0.03  # either way
@@ -53,7 +53,7 @@ class Excitation:
 def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
     """Silence, then stronger and stronger pulses to and fro, up to the force limit."""
     half, pause = round(PULSE_S * rate_hz), round(_PAUSE_S * rate_hz)
-    quiet = np.zeros(round(QUIET_S * rate_hz))
+    quiet = np.zeros(round(STILL_S * rate_hz))
     count = int(np.ceil(np.log(1 / _WEAKEST) / np.log(_STRONGER)))
     sizes = [min(1.0, _WEAKEST * _STRONGER**k) for k in range(count + 1)]
     # The last two are of one size, either way first: what holds it may be weaker one way.
@@ -71,7 +71,7 @@ def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
 
 
 def sweep(rate_hz: float, limits: MoveLimits, sign: int) -> Excitation:
-    """A sine from fast to slow, its size of two levels in turn: friction shows in the change."""
+    """A sine from fast to slow; the C adapts its size to the swing that is wanted."""
     time_s = np.arange(round(SWEEP_S * rate_hz)) / rate_hz
     ratio = np.log(_SLOW_HZ / _FAST_HZ)
     phase = 2 * np.pi * _FAST_HZ * SWEEP_S / ratio * np.expm1(ratio * time_s / SWEEP_S)

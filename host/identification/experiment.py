@@ -9,8 +9,8 @@ from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.identification.estimate import estimate_device
 from springpot.host.identification.excitation import (
     PULSE_S,
-    QUIET_S,
     SEEN_M,
+    STILL_S,
     WATCHDOG_S,
     Excitation,
     MoveLimits,
@@ -18,7 +18,7 @@ from springpot.host.identification.excitation import (
     sweep,
 )
 from springpot.host.identification.force_sign import positive_raises
-from springpot.host.identification.free_motion import FreeMotion, free_motion
+from springpot.host.identification.free_motion import FreeMotion, free_motion, unlocated
 from springpot.host.identification.result import DeviceMeasured
 from springpot.host.native.loop_library import LoopRows
 
@@ -83,13 +83,15 @@ def _require_rest(quiet: FreeMotion, limits: MoveLimits, url: str) -> None:
     moved_m = float(np.mean(quiet.position_m[-tenth:]) - np.mean(quiet.position_m[:tenth]))
     if abs(moved_m) > _DRIFTS * limits.max_travel_m:
         raise DeviceError(
-            f"{url}: moves by itself, {1e3 * moved_m:.2g} mm in {QUIET_S:g} s without force: lay "
+            f"{url}: moves by itself, {1e3 * moved_m:.2g} mm in {STILL_S:g} s without force: lay "
             "it so that gravity does not pull the tool, take away springs and hands, and let it "
             "come to rest"
         )
 
 
 def _require_within(excite: Any, limits: MoveLimits, url: str) -> None:
+    if excite.beyond and not np.isfinite(excite.beyond_m):
+        raise unlocated(url)
     if excite.beyond:
         raise SpringpotError(
             f"{url}: came {1e3 * excite.beyond_m:.3g} mm from where it began, the limit is "

@@ -14,8 +14,8 @@ _LEAST_KG, _LEAST_NSPM = 1e-3, 1e-3
 
 
 def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
-    """mass_kg (negative where the sign of the force is wrong), viscous_nspm, coulomb_n, bias_n,
-    delay_s."""
+    """mass_kg, viscous_nspm, coulomb_n, bias_n, delay_s. Raises ValueError where the tool moves
+    against force_n: what takes most of the force does not resist."""
     dt_s = motion.dt_s
     count, stride = round(_WINDOW_S / dt_s), max(1, round(_STRIDE_S / dt_s))
     at = np.linspace(-1.0, 1.0, count)
@@ -47,9 +47,12 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
         error = float(np.sum((table @ found - target) ** 2))
         if error < least:
             best, best_delay_s, least = found.astype(np.float64), float(delay_s), error
+    taken = best[:3] * np.linalg.norm(table[:, :3], axis=0)
+    if taken[np.argmax(np.abs(taken))] < 0:
+        raise ValueError("it moves against the force")
     mass_kg, viscous_nspm, coulomb_n, bias_n = best
     return (
-        float(mass_kg if mass_kg < 0 else max(mass_kg, _LEAST_KG)),
+        float(max(mass_kg, _LEAST_KG)),
         float(max(viscous_nspm, _LEAST_NSPM)),
         float(max(coulomb_n, 0.0)),
         float(bias_n),

@@ -28,8 +28,8 @@ _FREEDOM, _STUDENT = (8, 12, 16, 20, 30, 1000), (2.31, 2.18, 2.12, 2.09, 2.04, 1
 class MotionFit:
     """values, half_width: mass_kg, viscous_nspm, coulomb_n, bias_n, delay_s; the half of 95 %.
 
-    residual_m: (segments, ticks), measured less simulated. velocity_mps, acceleration_mps2: of
-    the simulation, likewise. begins: (segments,), their first ticks.
+    residual_m: (segments, ticks), measured less simulated. velocity_mps: of the simulation,
+    likewise. begins: (segments,), their first ticks.
     """
 
     values: Matrix
@@ -98,8 +98,9 @@ def fit_motion(motion: FreeMotion, guess: Matrix) -> MotionFit:
         new_values = np.maximum(values + change, _LEAST)
         new_values[0] = np.clip(new_values[0], values[0] / 3, values[0] * 3)
         new_states = states + state_change
-        new_residual_m, new_slopes = segments.linearise(new_values, new_states)
-        new_cost = float(np.sum(new_residual_m**2))
+        with np.errstate(all="ignore"):  # a step may go anywhere, and is taken back then
+            new_residual_m, new_slopes = segments.linearise(new_values, new_states)
+            new_cost = float(np.sum(new_residual_m**2))
         done = abs(cost - new_cost) < _DONE * cost
         if not new_cost < cost:
             damping *= 10.0

@@ -27,6 +27,13 @@ class FreeMotion:
     dt_s: float
 
 
+def unlocated(url: str) -> DeviceError:
+    """The refusal of a device whose position is no number."""
+    return DeviceError(
+        f"{url}: sent a position that is no number, force zero, stopped: check its position sensor"
+    )
+
+
 def free_motion(rows: LoopRows, sign: int, dt_s: float, url: str) -> FreeMotion:
     """Take the rows of a run. sign: 1 where a positive force pushes the tool out.
 
@@ -42,10 +49,7 @@ def free_motion(rows: LoopRows, sign: int, dt_s: float, url: str) -> FreeMotion:
             "device to the rate of the test, check the cable, and end other programs"
         )
     if not np.isfinite(position_m[fresh]).all():
-        raise DeviceError(
-            f"{url}: sent a position that is no number, force zero, stopped: check its position "
-            "sensor"
-        )
+        raise unlocated(url)
     ticks = np.arange(len(rows))
     return FreeMotion(
         position_m=np.interp(ticks, ticks[fresh], position_m[fresh]),

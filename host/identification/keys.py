@@ -10,7 +10,7 @@ from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import UsageError
 from springpot.codegen.scene import Device
 from springpot.host.emission.scene_file import read_scene
-from springpot.host.identification.result import DeviceMeasured, Measured
+from springpot.host.identification.result import DeviceMeasured, Identified
 
 _DIGITS = 4
 _TABLE = re.compile(r"[ \t]*\[[ \t]*device[ \t]*\][ \t]*(#.*)?$")
@@ -21,7 +21,7 @@ _MAX_DELAY_S = 0.02  # of a scene
 
 def device_keys(measured: DeviceMeasured) -> dict[str, float | int]:
     """Keys of [device] that were found; no others."""
-    found: dict[str, tuple[Measured, float]] = {
+    found: dict[str, tuple[Identified, float]] = {
         "mass_kg": (measured.mass_kg, 1.0),
         "viscous_nspm": (measured.viscous_nspm, 1.0),
         "coulomb_n": (measured.coulomb_n, 1.0),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Lanes = NDArray[np.float64]  # one value for each simulated segment, shape (lanes,)
 
-_SERIES = 8  # terms; exact to 1e-9 where a piece is shorter than half of m / b
+_SERIES, _SHORT = 6, 0.3  # terms, exact to 1e-9 in pieces shorter than that part of m / b
 _LEAST_NSPM = 1e-9
 
 
@@ -90,13 +90,25 @@ def _time_to_rest(model: ModelLanes, push_n: Lanes, velocity_mps: Lanes) -> Lane
 def _slide(
     model: ModelLanes, push_n: Lanes, while_s: Lanes, position_m: Lanes, velocity_mps: Lanes
 ) -> tuple[Lanes, Lanes]:
-    """Without a change of direction: a first-order answer, its exponential as a series."""
-    decay = model.viscous_nspm / model.mass_kg * while_s
+    """Without a change of direction: a first-order answer."""
     acceleration = (push_n - model.viscous_nspm * velocity_mps) / model.mass_kg
+    speed_share, distance_share = _shares(model.viscous_nspm / model.mass_kg * while_s)
+    change_mps = acceleration * while_s * speed_share
+    moved_m = while_s * (velocity_mps + 0.5 * while_s * acceleration * distance_share)
+    return position_m + moved_m, velocity_mps + change_mps
+
+
+def _shares(decay: Lanes) -> tuple[Lanes, Lanes]:
+    """Speed and distance gained while it decays by exp(-decay), of those without decay."""
     speed_share = distance_share = np.zeros_like(decay)
     for k in range(_SERIES, 0, -1):
         speed_share = 1.0 - decay / (k + 1) * speed_share
         distance_share = 1.0 - decay / (k + 2) * distance_share
-    change_mps = acceleration * while_s * speed_share
-    moved_m = while_s * (velocity_mps + 0.5 * while_s * acceleration * distance_share)
-    return position_m + moved_m, velocity_mps + change_mps
+    if (decay < _SHORT).all():
+        return speed_share, distance_share
+    lasting = np.maximum(decay, _SHORT)  # shorter ones lose digits here
+    lost = np.expm1(-lasting)
+    return (
+        np.where(decay < _SHORT, speed_share, -lost / lasting),
+        np.where(decay < _SHORT, distance_share, 2.0 * (lasting + lost) / lasting**2),
+    )

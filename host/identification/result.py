@@ -6,7 +6,7 @@ WIDEST = 0.1  # half of an interval, of its value: beyond it there is no value
 
 
 @dataclass(frozen=True)
-class Measured:
+class Identified:
     """One value with its interval. value: None where it was not found; why: the reason then.
 
     low, high: None where nothing is known.
@@ -35,15 +35,15 @@ class DeviceMeasured:
     position sensor explains of it.
     """
 
-    mass_kg: Measured
-    viscous_nspm: Measured
-    coulomb_n: Measured
-    delay_s: Measured
-    position_step_m: Measured
-    velocity_noise_mps: Measured
-    force_sign: Measured
-    max_force_n: Measured
-    bias_n: Measured
+    mass_kg: Identified
+    viscous_nspm: Identified
+    coulomb_n: Identified
+    delay_s: Identified
+    position_step_m: Identified
+    velocity_noise_mps: Identified
+    force_sign: Identified
+    max_force_n: Identified
+    bias_n: Identified
     position_noise_m: float
     residual_m: float
     sensor_m: float
@@ -54,14 +54,14 @@ class DeviceMeasured:
         return self.residual_m / self.sensor_m if self.sensor_m > 0 else 1.0
 
 
-def judged(value: float, half_width: float, unit: str, scale: float, advice: str) -> Measured:
+def judged(value: float, half_width: float, unit: str, scale: float, advice: str) -> Identified:
     """A value that cannot be negative, or why it is none. scale: of the unit that is printed."""
     value, half_width = float(value), float(half_width)
     low, high = max(0.0, value - half_width), value + half_width
     if half_width <= WIDEST * value:
-        return Measured(value, low, high)
+        return Identified(value, low, high)
     if low == 0.0:
         why = f"below {scale * high:.2g} {unit}: {advice}"
     else:
         why = f"between {scale * low:.2g} and {scale * high:.2g} {unit}: {advice}"
-    return Measured(None, low, high, why)
+    return Identified(None, low, high, why)

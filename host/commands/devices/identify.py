@@ -14,7 +14,7 @@ from springpot.host.console.output import json_option, print_result, say
 
 if TYPE_CHECKING:
     from springpot.host.identification.excitation import MoveLimits
-    from springpot.host.identification.result import DeviceMeasured, Measured
+    from springpot.host.identification.result import DeviceMeasured, Identified
 
 _RATE_HZ = 1000.0  # where the scene says none
 _LEAST_RATE_HZ = 100.0
@@ -152,7 +152,7 @@ def _as_rows(measured: DeviceMeasured) -> dict[str, str]:
     }
 
 
-def _in_words(found: Measured, unit: str, scale: float) -> str:
+def _in_words(found: Identified, unit: str, scale: float) -> str:
     if found.value is None:
         return f"not found: {found.why}"
     text = f"{scale * found.value:.4g} {unit}".rstrip()

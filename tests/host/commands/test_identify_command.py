@@ -7,12 +7,15 @@ from pathlib import Path
 import pytest
 from support.in_process import spring
 from support.peer import peer
+from support.small import model_file
 
 from springpot.host.emission.scene_file import read_scene
 
 URL = "sim://free?mass=0.2&viscous=2&coulomb=0.1&delay_ms=1.5&step_um=10&sign=-1&noise_um=3&seed=1"
 TRUTH = {"mass_kg": 0.2, "viscous_nspm": 2.0, "coulomb_n": 0.1, "delay_s": 0.0015,
          "position_step_m": 1e-5, "force_sign": -1, "max_force_n": 10.0}  # fmt: skip
+
+LATE = ("silent for 20 ms", "switched its motor off", "had no sample")
 
 
 @pytest.mark.parametrize(
@@ -54,10 +57,13 @@ def test_a_scene_that_is_none_is_refused_before_anything_moves(tmp_path: Path) -
 
 @pytest.mark.parametrize("command", ["run", "record"])
 def test_it_is_there_to_be_measured_only(command: str, tmp_path: Path) -> None:
-    more = {"run": ("--scene", tmp_path), "record": ("--protocol", "paper", "--out", tmp_path)}
+    model_file(tmp_path)
+    scene = tmp_path / "scene.toml"
+    scene.write_text('schema = 1\nname = "pad"\nmodel = "model.spm"\n')
+    more = {"run": ("--scene", scene), "record": ("--protocol", "paper", "--out", tmp_path)}
     done = spring(command, "--device", "sim://free", *more[command])
-    assert done.returncode != 0
-    assert len(done.stderr.splitlines()) == 1
+    assert done.returncode == 2
+    assert "free" in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.realtime
@@ -85,8 +91,12 @@ def test_a_device_on_a_serial_line() -> None:
     truth = {"mass_kg": 0.3, "viscous_nspm": 3.0, "coulomb_n": 0.2, "delay_s": 0.002,
              "position_noise_m": 3e-6}  # fmt: skip
     with peer("serial_device", "--free", json.dumps(truth)) as device:
-        done = spring("identify", "--device", device.url, "--yes", "--json")
-    assert done.returncode == 0, done.stderr
+        for _ in range(4):
+            done = spring("identify", "--device", device.url, "--yes", "--json")
+            if done.returncode == 0:
+                break
+            # A busy machine holds the peer up: the test is refused then, and is done again.
+            assert any(word in done.stderr for word in LATE), done.stderr
     answer = json.loads(done.stdout)
     assert answer["force_sign"]["value"] == 1
     assert answer["max_force_n"]["value"] == 20.0

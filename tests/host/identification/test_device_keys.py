@@ -8,14 +8,14 @@ import pytest
 from springpot.codegen.errors import UsageError
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.identification.keys import device_keys, keys_as_toml, write_keys
-from springpot.host.identification.result import DeviceMeasured, Measured
+from springpot.host.identification.result import DeviceMeasured, Identified
 
 HEAD = '# mine\nschema = 1\nname = "x"   # a name\nmodel = "model.spm"\n'
-NONE = Measured(why="not found")
+NONE = Identified(why="not found")
 KEYS: dict[str, float | int] = {"mass_kg": 0.21, "delay_s": 0.0015, "force_sign": -1}
 
 
-def measured(**found: Measured) -> DeviceMeasured:
+def measured(**found: Identified) -> DeviceMeasured:
     names = ("mass_kg", "viscous_nspm", "coulomb_n", "delay_s", "position_step_m",
              "velocity_noise_mps", "force_sign", "max_force_n", "bias_n")  # fmt: skip
     return DeviceMeasured(**{name: found.get(name, NONE) for name in names},
@@ -34,9 +34,9 @@ def written(folder: Path, text: str) -> str:
 
 
 def test_only_what_was_found_becomes_a_key() -> None:
-    found = measured(mass_kg=Measured(0.2000049, 0.19, 0.21), force_sign=Measured(-1, -1, -1),
-                     position_step_m=Measured(12.5e-6, 12e-6, 13e-6),
-                     delay_s=Measured(0.03, 0.03, 0.03))  # fmt: skip
+    found = measured(mass_kg=Identified(0.2000049, 0.19, 0.21), force_sign=Identified(-1, -1, -1),
+                     position_step_m=Identified(12.5e-6, 12e-6, 13e-6),
+                     delay_s=Identified(0.03, 0.03, 0.03))  # fmt: skip
     keys = device_keys(found)
     assert keys == {"mass_kg": 0.2, "resolution_um": 12.5, "force_sign": -1}
     assert tomllib.loads(keys_as_toml(keys)) == {"device": keys}

@@ -5,8 +5,10 @@ import pytest
 from support.free_device import LIMITS, LockStep, random_truth
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.host.identification.excitation import MoveLimits
+from springpot.host.identification.estimate import estimate_device
+from springpot.host.identification.excitation import MoveLimits, sweep
 from springpot.host.identification.experiment import find_sign, identify_device
+from springpot.host.identification.free_motion import free_motion
 from springpot.host.identification.result import DeviceMeasured
 from springpot.host.simulation.free_device import FreeDeviceTruth
 
@@ -161,6 +163,30 @@ def test_refusals_say_why_and_what_to_do(
     assert str(refused.value).startswith("it: ")
     assert device.sent_n[-1] == 0.0
     assert max(np.abs(device.sent_n)) <= limits.max_force_n
+
+
+@pytest.mark.parametrize("tick", [100, 700, 4000])
+def test_a_position_that_is_no_number_ends_it(tick: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    device = LockStep(FreeDeviceTruth())
+    step = device.device.step
+    monkeypatch.setattr(
+        device.device,
+        "step",
+        lambda n: (np.nan, 0.0) if len(device.sent_n) == tick else step(n),
+    )
+    with pytest.raises(DeviceError, match="a position that is no number"):
+        identify_device(device, LIMITS, 1000, "it")
+    assert not any(device.sent_n[tick:])
+
+
+def test_a_sign_that_is_wrong_is_seen_in_the_motion() -> None:
+    for seed in range(8):
+        truth = random_truth(seed, sign=1.0)
+        device = LockStep(truth)
+        rows, _ = device(sweep(1000, LIMITS, 1), LIMITS)
+        motion = free_motion(rows, -1, 1e-3, "it")
+        with pytest.raises(SpringpotError, match="moved against the force"):
+            estimate_device(motion, motion, -1, None, "it")
 
 
 def test_a_sign_is_found_against_gravity_and_friction() -> None:

@@ -9,6 +9,7 @@ TRUTHS = [
     FreeDeviceTruth(delay_s=0.00137, position_step_m=0.0),
     FreeDeviceTruth(0.05, 8.0, 0.5, 0.005, position_step_m=0.0),
     FreeDeviceTruth(1.0, 0.0, 0.0, 0.0, position_step_m=0.0),
+    FreeDeviceTruth(0.01, 8.0, 0.1, 0.0005, position_step_m=0.0),
 ]
 
 
@@ -30,7 +31,7 @@ def test_both_move_alike() -> None:
     true_m, true_mps = np.moveaxis(np.array(true), 2, 0)
     for begin in (0, 333):
         positions_m, velocities_mps = simulate_lanes(
-            model, force_n, np.full(3, begin), len(force_n) - begin, 1e-3,
+            model, force_n, np.full(len(TRUTHS), begin), len(force_n) - begin, 1e-3,
             true_m[:, begin], true_mps[:, begin],
         )  # fmt: skip
         assert np.abs(positions_m - true_m[:, begin:]).max() < 1e-8
