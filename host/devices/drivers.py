@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from springpot.codegen.errors import UsageError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.dhd_device import DhdDevice
 from springpot.host.devices.odrive_device import OdriveDevice
@@ -16,6 +17,7 @@ _DRIVERS: dict[str, Callable[[Address, DeviceRequirements], OpenedDevice]] = {
     "odrive": OdriveDevice,
     "dhd": DhdDevice,
 }
+_SIMPLE = ("serial", "odrive")  # one axis, of which springpot does not know the way down
 
 
 def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
@@ -24,4 +26,8 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
     Raises UsageError for a wrong URL, DeviceError with one line for whatever else is wrong.
     """
     address = parse_device(url)
+    if requirements.weight_n and address.scheme in _SIMPLE:
+        raise UsageError(
+            f"{url}: only dhd:// devices hold a handle's weight up: leave [device] weight_n out"
+        )
     return _DRIVERS[address.scheme](address, requirements)

@@ -9,7 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.scene import Device
 from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows
-from springpot.host.recording.indentation import OPEN, press_step_functions
+from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import SessionRunner
 from springpot.host.session.session import requirements_of
@@ -54,7 +54,7 @@ def find_surface(url: str, keys: Device, touched: Callable[[int], None]) -> Surf
     each touch, from 1; returns when the tool is there. Raises SpringpotError where the device
     fails, the tool moves, or the touches differ.
     """
-    steps = press_step_functions(np.zeros(1), _NO_FORCE_N, OPEN)
+    steps = press_step_functions(np.zeros(1), _NO_FORCE_N, OPEN_LOOP)
     settings = LoopSettings(1 / _RATE_HZ, _LONGEST_S, _NO_FORCE_N)
     required = requirements_of(keys, rate_hz=_RATE_HZ, watchdog_s=_WATCHDOG_S, max_n=_NO_FORCE_N)
     newest = _Newest()

@@ -9,7 +9,7 @@ from springpot.codegen.errors import SpringpotError
 from springpot.codegen.scene import Device
 from springpot.host.devices.doctor import Diagnosis
 from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows, empty_rows
-from springpot.host.recording.indentation import OPEN, press_step_functions
+from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import SessionRunner
@@ -66,7 +66,7 @@ class _Probe:
 
     def rows(self, command_n: Samples) -> LoopRows:
         """Rows of a loop that follows the command, N into the object. Raises SpringpotError."""
-        steps = press_step_functions(command_n, PUSH_N, OPEN)
+        steps = press_step_functions(command_n, PUSH_N, OPEN_LOOP)
         settings = LoopSettings(
             1 / RATE_HZ, len(command_n) / RATE_HZ, 1.1 * PUSH_N, reversed=self._reversed
         )

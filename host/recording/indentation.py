@@ -27,7 +27,7 @@ _REST_S = 0.5  # between two presses
 _MORE_TICKS = 50  # so that none of the command's is missing when clocks differ
 # Force control through a link with a period of delay: gentler than that of the simulated device.
 _GAINS = {"p_gain": 1.0, "d_gain_s": 0.01, "d_time_s": 0.0015}
-OPEN = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
+OPEN_LOOP = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class PressedDevice:
         """
         rows = self.rows(len(command_n), on_samples, lead)
         # A drive's torque is its own command: fed back, it would only chase itself.
-        gains = OPEN if parse_device(self.url).scheme == "odrive" else self.gains
+        gains = OPEN_LOOP if parse_device(self.url).scheme == "odrive" else self.gains
         self.drive(command_n, gains, rows, self.room)
         time.sleep(_REST_S)
         return rows.position_m[lead:], rows.force_n[lead:]

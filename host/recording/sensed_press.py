@@ -22,7 +22,7 @@ from springpot.host.force_sensor.alignment import (
 )
 from springpot.host.force_sensor.sensor import ForceSensor
 from springpot.host.native.loop_library import COLUMN, LoopRows
-from springpot.host.recording.indentation import OPEN, Limits, PressedDevice
+from springpot.host.recording.indentation import OPEN_LOOP, Limits, PressedDevice
 from springpot.host.recording.press_rows import PressRows
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.runner import Progress, SessionRunner
@@ -30,7 +30,7 @@ from springpot.host.session.runner import Progress, SessionRunner
 _RECOVERY_S = 3.0  # of the object, after the press that finds the delay
 # A sum of errors as slow as this is stable whatever the delay: its gain at the resonance of tool
 # and object stays below 1 up to a quality of ten.
-_GAINS = {**OPEN, "i_gain_per_s": 4.0}
+_GAINS = {**OPEN_LOOP, "i_gain_per_s": 4.0}
 _ROOM = 2.5  # over its command, for the chirp meets the resonance of tool and object
 _START = 50  # rows before the sensor must have measured
 _WAITING = 100  # rows that are aligned at once
@@ -64,7 +64,7 @@ class SensedPressDevice(PressedDevice):
         share = min(1.0, self._room_n / (_ROOM * (PRELOAD_N + SWING_N)))
         command_n = alignment_command(RATE_HZ, share)
         rows = _AlignmentRows(len(command_n), self._sensor)
-        self.drive(command_n, OPEN, rows, _ROOM)
+        self.drive(command_n, OPEN_LOOP, rows, _ROOM)
         self._delay = delay = find_delay(
             ForcedMotion(
                 self._start_s() + rows.table[:, COLUMN["time_s"]],

@@ -231,4 +231,11 @@ class SessionRunner:
 def _loop_for(device: OpenedDevice, steps: StepFunctions, settings: LoopSettings) -> Loop:
     """A board that renders keeps its own time."""
     board = device.rendering_board()
+    if board is not None and settings.reversed:
+        device.stop()
+        device.close()
+        raise UsageError(
+            "a board that renders sends its force by itself: turn the sign in its firmware, and "
+            "leave [device] force_sign out"
+        )
     return CLoop(steps, settings) if board is None else BoardLoop(board, settings)

@@ -97,13 +97,16 @@ class Apparatus:
         self._switch = SwitchedScenes(real, self.latency_s)
         self._logs = TrialLogs(self.dt_s, url)
         max_n = max(scene.max_force_n for scene in scenes)
+        device = Device(**scenes[0].device)
         self._requirements = requirements_of(
-            Device(**scenes[0].device),
+            device,
             rate_hz=scenes[0].rate_hz,
             watchdog_s=max(scene.watchdog_s for scene in scenes),
             max_n=max_n,
         )
-        self._settings = LoopSettings(period_s=self.dt_s, max_force_n=max_n)
+        self._settings = LoopSettings(
+            period_s=self.dt_s, max_force_n=max_n, reversed=device.force_sign == -1
+        )
         self._viewer, self._report = viewer, report
         self._runner: SessionRunner | None = None
 

@@ -5,6 +5,8 @@ import dataclasses
 import pytest
 
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import open_device
 from springpot.host.devices.url import SCHEMES, Address, parse_device
 
 
@@ -17,6 +19,8 @@ from springpot.host.devices.url import SCHEMES, Address, parse_device
         ("serial:///dev/x?baud=9600&feed=", ("serial", "", "/dev/x", {"baud": "9600", "feed": ""})),
         ("odrive://slcan//dev/x?node=1", ("odrive", "slcan", "/dev/x", {"node": "1"})),
         ("odrive://socketcan/can0", ("odrive", "socketcan", "can0", {})),
+        ("dhd://", ("dhd", "", "", {})),
+        ("dhd://1?axis=-z", ("dhd", "", "1", {"axis": "-z"})),
     ],
 )
 def test_an_address_has_scheme_interface_place_and_settings(url: str, parts: tuple) -> None:
@@ -24,7 +28,7 @@ def test_an_address_has_scheme_interface_place_and_settings(url: str, parts: tup
 
 
 def test_schemes_that_there_are_are_told() -> None:
-    assert list(SCHEMES) == ["sim", "replay", "serial", "odrive"]
+    assert list(SCHEMES) == ["sim", "replay", "serial", "odrive", "dhd"]
     for url, named in (("usb://x", "'usb'"), ("x", "'a device without a scheme'")):
         with pytest.raises(DeviceError) as error:
             parse_device(url)
@@ -33,7 +37,8 @@ def test_schemes_that_there_are_are_told() -> None:
             "sim://ecoflex-00-30?hand=mid; replay://FILE, a recording; "
             "serial:///dev/ttyACM0?baud=921600; odrive://slcan//dev/ttyACM0?node=0, "
             "odrive://socketcan/can0?node=0, or odrive://INTERFACE/CHANNEL?node=0 for another "
-            "interface of python-can"
+            "interface of python-can; dhd://, the first Force Dimension device, or dhd://1, the "
+            "second"
         )
 
 
@@ -66,3 +71,9 @@ def test_settings_that_there_are_none_of_are_told() -> None:
     with pytest.raises(UsageError) as error:
         address.require_known(("hand", "object"))
     assert str(error.value) == f"{address.url}: no setting 'speed': use hand, object"
+
+
+def test_a_weight_that_a_device_cannot_hold() -> None:
+    required = DeviceRequirements(1000.0, 0.02, 8.0, weight_n=0.5)
+    with pytest.raises(UsageError, match=r"leave \[device\] weight_n out"):
+        open_device("serial:///dev/none", required)

@@ -5,6 +5,7 @@ import json
 import subprocess
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from springpot.codegen.errors import DataError, DeviceError, SpringpotError, Usa
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import IDLE, NONE, RESET, SILENT, UNSENT
+from springpot.host.session.loop import LoopSettings
+from springpot.host.session.runner import _loop_for
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
@@ -334,3 +337,13 @@ def test_a_board_that_renders(tmp_path, folder, fed):
         emit(scene(smoothing_s=0.01), model_file(tmp_path), other, accept_unsafe=True)
         with pytest.raises(DeviceError, match="the board renders model"):
             Session(other, board.url, report=list).__enter__()
+
+
+def test_a_board_that_renders_turns_no_sign():
+    """It sends its force by itself: refused, and left without force."""
+    left = []
+    board = SimpleNamespace(rendering_board=lambda: "a board", stop=lambda: left.append("stop"),
+                            close=lambda: left.append("close"))  # fmt: skip
+    with pytest.raises(UsageError, match=r"leave \[device\] force_sign out"):
+        _loop_for(board, None, LoopSettings(0.001, reversed=True))
+    assert left == ["stop", "close"]
