@@ -152,9 +152,9 @@ class DhdDevice:
         """Gravity, limit of force, watchdog; then forces on, and none given."""
         required, sdk = self._required, self._sdk
         mass_kg = self._address.number(
-            "effector_mass_kg", required.effector_mass_kg or math.nan, 0.0, 5.0
-        ) if self._has_mass else math.nan  # fmt: skip
-        if not math.isnan(mass_kg):
+            "effector_mass_kg", required.effector_mass_kg or 0.0, 0.0, 5.0
+        )
+        if mass_kg:  # else the device's own
             self._call("dhdSetEffectorMass", mass_kg)
         self._call("dhdSetGravityCompensation", DHD_ON)
         if sdk.has("dhdSetMaxForce"):
@@ -168,13 +168,6 @@ class DhdDevice:
             if sdk.c.dhdSetWatchdog(min(steps, _MAX_STEPS), self.id) < 0:
                 raise self._unwatched(f"the device has no watchdog ({sdk.words()})")
         self._enable_force()
-
-    @property
-    def _has_mass(self) -> bool:
-        return (
-            self._required.effector_mass_kg is not None
-            or "effector_mass_kg" in self._address.settings
-        )
 
     @property
     def _watched(self) -> bool:

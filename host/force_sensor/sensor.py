@@ -14,7 +14,6 @@ from springpot.host.force_sensor.arrivals import ArrivalLine
 
 MIN_RATE_HZ = 400.0
 _COUNT_S = 0.5  # in which the rate is measured
-_SILENT_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,6 @@ class ForceSensor:
         self.url = url
         self.on_force: Callable[[float], None] = lambda _force_n: None
         self.error: SpringpotError | None = None
-        self.lost = 0
         self._source = source
         self._line = ArrivalLine()
         self._lock = threading.Lock()
