@@ -10,7 +10,7 @@ from springpot.host.identification.result import DeviceMeasured, Identified, jud
 from springpot.host.identification.sensors import position_step, velocity_noise
 
 _STEP_NOISE = 0.3  # rms of a step's rounding, of the step
-_MISFIT, _MOST_MISFIT = 1.5, 3.0
+_MISFIT, _MAX_MISFIT = 1.5, 3.0
 
 
 def estimate_device(
@@ -63,7 +63,7 @@ def _white_m(fit: MotionFit) -> float:
 
 def _widening(misfit: float) -> float:
     """Of the intervals, where the device is not as the model: what is left is no chance then."""
-    return min(misfit, _MOST_MISFIT) if misfit > _MISFIT else 1.0
+    return min(misfit, _MAX_MISFIT) if misfit > _MISFIT else 1.0
 
 
 def _delay_hidden(widen: float, dt_s: float) -> str:

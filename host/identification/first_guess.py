@@ -10,7 +10,7 @@ from springpot.host.identification.free_motion import FreeMotion
 
 _WINDOW_S, _STRIDE_S, _SMOOTH_S = 0.06, 0.005, 0.005
 _MAX_DELAY_S, _DELAY_STEP_S = 0.012, 0.0005
-_LEAST_KG, _LEAST_NSPM = 1e-3, 1e-3
+_MIN_KG, _MIN_NSPM = 1e-3, 1e-3
 
 
 def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
@@ -52,8 +52,8 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
         raise ValueError("it moves against the force")
     mass_kg, viscous_nspm, coulomb_n, bias_n = best
     return (
-        float(max(mass_kg, _LEAST_KG)),
-        float(max(viscous_nspm, _LEAST_NSPM)),
+        float(max(mass_kg, _MIN_KG)),
+        float(max(viscous_nspm, _MIN_NSPM)),
         float(max(coulomb_n, 0.0)),
         float(bias_n),
         best_delay_s,

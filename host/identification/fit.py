@@ -15,9 +15,9 @@ _SEGMENT_S = 0.4
 _ROUNDS, _DONE = 25, 1e-5
 # Steps of the differences: kg (a share), N s/m, N, N, s, m, m/s.
 _STEPS = np.array([1e-4, 1e-4, 1e-5, 1e-5, 2e-6, 1e-7, 1e-5])
-_LEAST = np.array([1e-4, 0.0, 0.0, -np.inf, 0.0])
-_COUNT = len(_LEAST)
-_MOST_DAMPING = 1e6
+_MIN_VALUES = np.array([1e-4, 0.0, 0.0, -np.inf, 0.0])
+_COUNT = len(_MIN_VALUES)
+_MAX_DAMPING = 1e6
 _STATE_SCALE = np.array([1e-6, 1e-4])
 _BEGIN_S = 0.012  # that give a segment's first position and velocity
 # 97.5 % of Student's t for 8, 12, 16, 20, 30 and many degrees of freedom.
@@ -89,13 +89,13 @@ class _Segments:
 def fit_motion(motion: FreeMotion, guess: Matrix) -> MotionFit:
     """MotionFit from a first guess of the five values, (5,)."""
     segments = _Segments(motion)
-    values, states = np.maximum(guess, _LEAST), segments.first_states()
+    values, states = np.maximum(guess, _MIN_VALUES), segments.first_states()
     damping = 1e-3
     residual_m, slopes = segments.linearise(values, states)
     for _ in range(_ROUNDS):
         cost = float(np.sum(residual_m**2))
         change, state_change = _step(residual_m, slopes, damping)
-        new_values = np.maximum(values + change, _LEAST)
+        new_values = np.maximum(values + change, _MIN_VALUES)
         new_values[0] = np.clip(new_values[0], values[0] / 3, values[0] * 3)
         new_states = states + state_change
         with np.errstate(all="ignore"):  # a step may go anywhere, and is taken back then
@@ -104,7 +104,7 @@ def fit_motion(motion: FreeMotion, guess: Matrix) -> MotionFit:
         done = abs(cost - new_cost) < _DONE * cost
         if not new_cost < cost:
             damping *= 10.0
-            if done or damping > _MOST_DAMPING:
+            if done or damping > _MAX_DAMPING:
                 break
             continue
         values, states, residual_m, slopes = new_values, new_states, new_residual_m, new_slopes

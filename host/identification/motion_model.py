@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Lanes = NDArray[np.float64]  # one value for each simulated segment, shape (lanes,)
 
 _SERIES, _SHORT = 6, 0.3  # terms, exact to 1e-9 in pieces shorter than that part of m / b
-_LEAST_NSPM = 1e-9
+_MIN_NSPM = 1e-9
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def _piece(
 
 def _time_to_rest(model: ModelLanes, push_n: Lanes, velocity_mps: Lanes) -> Lanes:
     """When the velocity passes zero, s; infinite where the push does not oppose it."""
-    viscous_nspm = np.maximum(model.viscous_nspm, _LEAST_NSPM)
+    viscous_nspm = np.maximum(model.viscous_nspm, _MIN_NSPM)
     opposes = push_n * velocity_mps < 0.0
     ratio = np.where(opposes, -velocity_mps / np.where(opposes, push_n, 1.0), 0.0)
     time_s = model.mass_kg / viscous_nspm * np.log1p(viscous_nspm * ratio)

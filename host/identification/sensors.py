@@ -25,9 +25,9 @@ def position_step(position_m: Samples) -> Identified:
         step_m = float(np.sum(counts * gaps_m) / np.sum(counts**2))
     error = np.sqrt(np.mean((gaps_m / step_m - np.round(gaps_m / step_m)) ** 2))
     if error > _GRID_ERROR:
-        most_m = float(np.median(gaps_m))
-        why = f"positions are multiples of no step: it is below {1e6 * most_m:.2g} um"
-        return Identified(None, 0.0, most_m, why)
+        max_step_m = float(np.median(gaps_m))
+        why = f"positions are multiples of no step: it is below {1e6 * max_step_m:.2g} um"
+        return Identified(None, 0.0, max_step_m, why)
     half_width_m = 2 * float(error) * step_m / np.sqrt(len(gaps_m)) + 1e-6 * step_m
     return Identified(step_m, step_m - half_width_m, step_m + half_width_m)
 

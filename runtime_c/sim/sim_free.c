@@ -110,11 +110,12 @@ static void slide_on_bristles(sim_free *device, double motor_n, double step_s)
     const double damping_nspm = 2.0 * bristle_damping * sqrt(stiffness_npm * is->mass_kg);
     const double speed_mps = fabs(device->velocity_mps);
     const double ratio = speed_mps / stribeck_mps;
-    const double most_m = is->bristle_m * (1.0 + (is->static_ratio - 1.0) * exp(-ratio * ratio));
+    const double max_bent_m =
+        is->bristle_m * (1.0 + (is->static_ratio - 1.0) * exp(-ratio * ratio));
     const double before_m = device->bent_m;
     if (speed_mps > 0.0) {
-        const double end_m = device->velocity_mps > 0.0 ? most_m : -most_m;
-        device->bent_m = end_m + (before_m - end_m) * exp(-step_s * speed_mps / most_m);
+        const double end_m = device->velocity_mps > 0.0 ? max_bent_m : -max_bent_m;
+        device->bent_m = end_m + (before_m - end_m) * exp(-step_s * speed_mps / max_bent_m);
     }
     const double friction_n = stiffness_npm * device->bent_m +
                               damping_nspm * (device->bent_m - before_m) / step_s +

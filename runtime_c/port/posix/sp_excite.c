@@ -34,8 +34,8 @@ static void watch_pulses(sp_excite *excite, double position_m)
         excite->pulse_m = position_m;
     }
     const double moved_m = position_m - excite->pulse_m;
-    const double least_m = fmax(excite->seen_m, 3.0 * (excite->high_m - excite->low_m));
-    if (!excite->seen && fabs(moved_m) > least_m) {
+    const double min_moved_m = fmax(excite->seen_m, 3.0 * (excite->high_m - excite->low_m));
+    if (!excite->seen && fabs(moved_m) > min_moved_m) {
         const uint32_t end_at = excite->at - into + 2u * excite->pulse_ticks;
         excite->seen = 1;
         excite->n = end_at < excite->n ? end_at : excite->n;

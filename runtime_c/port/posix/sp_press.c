@@ -26,9 +26,9 @@ int sp_press_step(sp_press *press, double position_m, double velocity_mps, doubl
         const double change_n =
             (error_n - press->error_n) * (press->dt_s / (press->dt_s + press->d_time_s));
         press->error_n += change_n;
-        const double most_n = 0.5 * press->max_force_n;
+        const double max_n = 0.5 * press->max_force_n;
         press->integral_n = fmin(
-            fmax(press->integral_n + press->i_gain_per_s * press->dt_s * error_n, -most_n), most_n);
+            fmax(press->integral_n + press->i_gain_per_s * press->dt_s * error_n, -max_n), max_n);
         motor_n += press->p_gain * error_n + press->d_gain_s * change_n / press->dt_s;
         motor_n += press->integral_n;
     }
