@@ -54,6 +54,7 @@ static void watch_call(device *self, uint64_t begin_ns)
 {
     if ((double)(clock_ns() - begin_ns) > 1e9 * self->dhd.max_call_s) {
         trip(self, SP_DHD_SLOW_CALL);
+        self->link.device_error = SP_DHD_SLOW_CALL; /* whatever the device did meanwhile */
     }
 }
 
