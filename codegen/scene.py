@@ -92,7 +92,7 @@ class Device:
     force_sign: Literal[1, -1] = 1
     max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
     effector_mass_kg: Annotated[float, Interval(ge=0, le=100)] | None = None
-    weight_n: Annotated[float, Interval(ge=-100, le=100)] = 0.0
+    weight_n: Annotated[float, Interval(ge=-20, le=20)] = 0.0
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from springpot.host.native.c_library import CLibrary
 
 RECONNECT_S = 10.0  # a device that was unplugged is waited for so long
+FORCE_ZERO = "force zero"  # its own watchdog, or it is no hardware
 ZERO_S = 0.2  # without a host, a device's own watchdog ends its force within so long
 
 
@@ -43,6 +44,7 @@ class DeviceRequirements:
     surface_m: float = 0.0
     m_per_turn: float | None = None
     sign: int = 1
+    force_sign: int = 1
     zero_turns: float = 0.0
     max_torque_nm: float | None = None
     nm_per_a: float | None = None
@@ -70,6 +72,11 @@ class OpenedDevice(Protocol):
     """A device that was opened, checked and started: it sends samples and takes forces."""
 
     comes_back: bool  # can be unplugged and plugged in again
+
+    @property
+    def unreached(self) -> str:
+        """What its force does where this host cannot reach it any more."""
+        ...
 
     @property
     def max_n(self) -> float | None:

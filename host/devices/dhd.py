@@ -32,6 +32,8 @@ int dhdGetPosition(double *x, double *y, double *z, signed char id);
 int dhdGetLinearVelocity(double *x, double *y, double *z, signed char id);
 int dhdSetForce(double x, double y, double z, signed char id);
 int dhdEnableForce(unsigned char on, signed char id);
+int dhdEnableExpertMode(void);
+int dhdDisableExpertMode(void);
 int dhdSetEffectorMass(double mass, signed char id);
 int dhdSetGravityCompensation(int on, signed char id);
 int dhdSetMaxForce(double limit, signed char id);

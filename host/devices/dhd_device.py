@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.device import ZERO_S, DeviceRequirements
+from springpot.host.devices.device import FORCE_ZERO, ZERO_S, DeviceRequirements
 from springpot.host.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.url import Address
@@ -17,7 +17,8 @@ _AXES = {f"{sign}{name}": (axis, -1.0 if sign else 1.0)
          for axis, name in enumerate("xyz") for sign in ("", "-")}  # fmt: skip
 _NEEDED = ("dhdGetDeviceCount", "dhdOpen", "dhdOpenID", "dhdClose", "dhdGetDeviceID",
            "dhdGetStatus", "dhdGetButton", "dhdGetPosition", "dhdGetLinearVelocity", "dhdSetForce",
-           "dhdEnableForce", "dhdErrorGetLast", "dhdErrorGetStr")  # fmt: skip
+           "dhdEnableForce", "dhdSetEffectorMass", "dhdSetGravityCompensation",
+           "dhdErrorGetLast", "dhdErrorGetStr")  # fmt: skip
 _LINKED = {
     "get_position": "dhdGetPosition",
     "get_linear_velocity": "dhdGetLinearVelocity",
@@ -29,7 +30,9 @@ _LINKED = {
 }
 _WATCHDOG_STEP_S, _MAX_STEPS = 125e-6, 255  # of the SDK
 _LOOK_S = 0.0005
+_STAYS = "its last force may still act, for watchdog=off: press its force button"
 _MAX_WALL_NPM = 5000.0
+_GRAVITY_N = 5.0  # room for its gravity compensation, should the SDK's limit hold that too
 
 
 class DhdDevice:
@@ -124,12 +127,20 @@ class DhdDevice:
         self._sdk.c.dhdSetForce(0.0, 0.0, 0.0, self.id)
         self._sdk.c.dhdEnableForce(DHD_OFF, self.id)
 
+    @property
+    def unreached(self) -> str:
+        """What its force does where this host cannot reach it any more."""
+        return FORCE_ZERO if self._watched else _STAYS
+
     def close(self) -> None:
+        self.stop()  # what went away may have kept its last force
         self._sdk.c.dhdClose(self.id)
 
     @property
     def _weight_n(self) -> float:
-        return self._address.number("weight_n", self._required.weight_n, -50.0, 50.0)
+        weight_n = self._address.number("weight_n", self._required.weight_n, -20.0, 20.0)
+        # Nobody may hold the handle up while a device is examined or measured.
+        return weight_n if self._required.presses or self._required.hash else 0.0
 
     def _require_usable(self) -> None:
         status = self._sdk.status(self.id)
@@ -142,8 +153,8 @@ class DhdDevice:
             )
         if not status[DhdStatus.CALIBRATED]:
             raise DeviceError(
-                f"{self._url}: it is not calibrated: move its handle slowly to all its stops, or "
-                "run the maker's HapticInit"
+                f"{self._url}: it is not calibrated: put its pole into the pit until the LED is "
+                "steady (a Falcon to all its stops), or run the maker's HapticInit"
             )
         if self._sdk.c.dhdGetButton(0, self.id) > 0:
             raise DeviceError(f"{self._url}: its button is pressed, which stops: release it")
@@ -151,22 +162,17 @@ class DhdDevice:
     def _set_up(self) -> None:
         """Gravity, limit of force, watchdog; then forces on, and none given."""
         required, sdk = self._required, self._sdk
-        mass_kg = self._address.number(
-            "effector_mass_kg", required.effector_mass_kg or 0.0, 0.0, 5.0
-        )
-        if mass_kg:  # else the device's own
+        stated_kg = math.nan if required.effector_mass_kg is None else required.effector_mass_kg
+        mass_kg = self._address.number("effector_mass_kg", stated_kg, 0.0, 5.0)
+        if not math.isnan(mass_kg):  # else the device's own
             self._call("dhdSetEffectorMass", mass_kg)
         self._call("dhdSetGravityCompensation", DHD_ON)
         if sdk.has("dhdSetMaxForce"):
             walls = 2 if self._walls_npm else 0
             limit_n = math.hypot(required.max_n, *[required.max_n] * walls) + abs(self._weight_n)
-            self._call("dhdSetMaxForce", max(limit_n, 1e-3))
+            self._call("dhdSetMaxForce", limit_n + _GRAVITY_N)
         if self._watched:
-            if not sdk.has("dhdSetWatchdog"):
-                raise self._unwatched("this SDK has no dhdSetWatchdog")
-            steps = math.ceil(required.watchdog_s / _WATCHDOG_STEP_S - 1e-9)
-            if sdk.c.dhdSetWatchdog(min(steps, _MAX_STEPS), self.id) < 0:
-                raise self._unwatched(f"the device has no watchdog ({sdk.words()})")
+            self._set_watchdog()
         self._enable_force()
 
     @property
@@ -175,6 +181,21 @@ class DhdDevice:
         if choice not in ("on", "off"):
             raise UsageError(f"{self._url}: watchdog={choice}: give on or off")
         return choice == "on"
+
+    def _set_watchdog(self) -> None:
+        """It is among the SDK's functions for experts, which are closed else."""
+        sdk = self._sdk
+        for name in ("dhdSetWatchdog", "dhdEnableExpertMode", "dhdDisableExpertMode"):
+            if not sdk.has(name):
+                raise self._unwatched(f"this SDK has no {name}")
+        if sdk.c.dhdEnableExpertMode() < 0:
+            raise sdk.error("dhdEnableExpertMode failed", "install a newer SDK")
+        steps = math.ceil(self._required.watchdog_s / _WATCHDOG_STEP_S - 1e-9)
+        taken = sdk.c.dhdSetWatchdog(min(steps, _MAX_STEPS), self.id) >= 0
+        why = "" if taken else sdk.words()
+        sdk.c.dhdDisableExpertMode()
+        if not taken:
+            raise self._unwatched(f"the device has no watchdog ({why})")
 
     def _enable_force(self) -> None:
         self._call("dhdSetForce", 0.0, 0.0, 0.0)

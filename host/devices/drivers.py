@@ -30,4 +30,8 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
         raise UsageError(
             f"{url}: only dhd:// devices hold a handle's weight up: leave [device] weight_n out"
         )
+    if requirements.force_sign == -1 and address.scheme == "dhd":
+        raise UsageError(
+            f"{url}: its position and force have one frame: leave [device] force_sign out"
+        )
     return _DRIVERS[address.scheme](address, requirements)

@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.devices.device import DeviceRequirements, OpenedDevice, too_weak
+from springpot.host.devices.device import FORCE_ZERO, DeviceRequirements, OpenedDevice, too_weak
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand
@@ -44,6 +44,7 @@ class SimulatedFreeDevice:
     """A device that nobody holds: to be measured, nothing else."""
 
     comes_back = False
+    unreached = FORCE_ZERO
     rate_advice = failure = ""
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
@@ -79,6 +80,7 @@ class SimulatedDevice:
     """A hand that presses into whatever the scene renders."""
 
     comes_back = False
+    unreached = FORCE_ZERO
     rate_advice = failure = ""
     max_n: float | None = None
 
@@ -119,6 +121,7 @@ class ReplayDevice:
     """The positions of a recording, one a tick; its end ends the session."""
 
     comes_back = False
+    unreached = FORCE_ZERO
     rate_advice = failure = ""
     max_n: float | None = None
 

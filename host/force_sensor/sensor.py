@@ -47,18 +47,24 @@ class ForceSensor:
         self._source = source
         self._line = ArrivalLine()
         self._lock = threading.Lock()
-        self._stamps_s: list[float] = []
-        self._forces_n: list[float] = []
+        self._kept = np.empty((1024, 2))  # stamps, s, and forces, N; `_count` of them
+        self._count = 0
+        self._newest_s = -np.inf
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._take, daemon=True)
         self._thread.start()
 
     def require_rate(self) -> None:
         """Wait until its rate is known. Raises DeviceError where it is too low, or it failed."""
-        begin_s, before = time.monotonic(), len(self._stamps_s)
+        begin_s, before = time.monotonic(), self._count
         self._over.wait(_COUNT_S)
         self.require_alive()
-        rate_hz = (len(self._stamps_s) - before) / (time.monotonic() - begin_s)
+        rate_hz = (self._count - before) / (time.monotonic() - begin_s)
+        if self._count == 0:
+            raise DeviceError(
+                f"{self.url}: no sample came in {_COUNT_S:g} s: check its power, the wiring, and "
+                "the bus's bitrate and database"
+            )
         if rate_hz < MIN_RATE_HZ:
             raise DeviceError(
                 f"{self.url}: sends {rate_hz:.0f} samples a second, a recording at 1 kHz needs "
@@ -74,13 +80,12 @@ class ForceSensor:
     def forget(self) -> None:
         """Drop the samples up to now; the clock's line is kept."""
         with self._lock:
-            self._stamps_s.clear()
-            self._forces_n.clear()
+            self._count = 0
 
     def samples(self) -> tuple[Samples, Samples]:
         """Times on the host's clock, s, and forces, N, since `forget`: each (n,), oldest first."""
         with self._lock:
-            stamps_s, forces_n = np.array(self._stamps_s), np.array(self._forces_n)
+            stamps_s, forces_n = self._kept[: self._count].T.copy()
             if not len(stamps_s):
                 return stamps_s, forces_n
             first_s, last_s = (self._line.host_s(stamp) for stamp in stamps_s[[0, -1]])
@@ -99,15 +104,27 @@ class ForceSensor:
                 self._keep(self._source.read(), time.monotonic())
         except SpringpotError as error:
             self.error = error
+        except Exception as error:  # of a driver
+            reason = " ".join(str(error).split())
+            self.error = DeviceError(f"{self.url}: went away ({reason}): check cable and power")
+        finally:
             self._over.set()
 
     def _keep(self, taken: Sequence[Stamped], now_s: float) -> None:
         with self._lock:
             for sample in taken:
-                if self._stamps_s and sample.stamp_s <= self._stamps_s[-1]:
-                    continue
+                if sample.stamp_s == self._newest_s:
+                    continue  # of a coarse clock
+                if sample.stamp_s < self._newest_s:
+                    raise DeviceError(
+                        f"{self.url}: its time stamps went back: it restarted, or another sensor "
+                        "sends under the same name: start again"
+                    )
+                self._newest_s = sample.stamp_s
                 self._line.add(sample.stamp_s, now_s)
-                self._stamps_s.append(sample.stamp_s)
-                self._forces_n.append(sample.force_n)
+                if self._count == len(self._kept):
+                    self._kept = np.concatenate((self._kept, np.empty_like(self._kept)))
+                self._kept[self._count] = sample.stamp_s, sample.force_n
+                self._count += 1
         if taken:
             self.on_force(taken[-1].force_n)

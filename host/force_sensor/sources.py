@@ -33,7 +33,7 @@ class SerialSource:
             address.url, "serial", "", address.place,
             {key: text for key, text in address.settings.items() if key != "n_per_unit"},
         )  # fmt: skip
-        self._factor = address.number("n_per_unit", 1.0, -1e6, 1e6)
+        self._factor = _factor(address)
         self._device = SerialDevice(plain, DeviceRequirements(_RATE_HZ, 0.02, 0.0, senses=True))
 
     def read(self) -> Sequence[Stamped]:
@@ -45,7 +45,8 @@ class SerialSource:
                     continue
                 if not frame.values["status"] & constant("LOAD_CELL"):
                     raise DeviceError(
-                        f"{self._device.address.url}: its samples have no load cell: give a sensor"
+                        f"{self._device.address.url}: its samples carry no force: give a device "
+                        "with a load cell"
                     )
                 force_n = self._factor * frame.values["measured_n"]
                 taken.append(Stamped(frame.sequence / _RATE_HZ, force_n))
@@ -114,7 +115,7 @@ class CanSource:
 
     def _newtons_per_unit(self, address: Address) -> float:
         if "n_per_unit" in address.settings:
-            return address.number("n_per_unit", 1.0, -1e6, 1e6)
+            return _factor(address)
         message: Any = self._message
         unit = message.get_signal_by_name(self._signal).unit
         if unit not in _NEWTONS:
@@ -123,6 +124,13 @@ class CanSource:
                 "many newtons one is, &n_per_unit="
             )
         return _NEWTONS[unit]
+
+
+def _factor(address: Address) -> float:
+    factor = address.number("n_per_unit", 1.0, -1e6, 1e6)
+    if factor == 0.0:
+        raise UsageError(f"{address.url}: n_per_unit=0: say how many newtons one unit is")
+    return factor
 
 
 def open_sensor(url: str) -> ForceSensor:

@@ -8,6 +8,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.scene import Device
 from springpot.host.devices.doctor import Diagnosis
+from springpot.host.devices.url import parse_device
 from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows, empty_rows
 from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.recording.protocols import RATE_HZ
@@ -32,7 +33,9 @@ def check_device(url: str, keys: Device, *, push: bool) -> list[Diagnosis]:
     """
     probe = _Probe(url, keys)
     reached = "reached and armed"
-    armed = Diagnosis(reached, True, f"{url}: without this host its force ends by itself")
+    watched = parse_device(url).settings.get("watchdog") != "off"
+    ends = "ends by itself" if watched else "stays: watchdog=off"
+    armed = Diagnosis(reached, True, f"{url}: without this host its force {ends}")
     try:
         at_rest = probe.rows(np.zeros(round(_REST_S * RATE_HZ)))
     except _TrippedError as error:
@@ -85,7 +88,8 @@ class _Probe:
         if error is not None:
             raise error
         if runner.state.latched or runner.state.tripped:
-            raise _TrippedError("a watchdog ended the force: samples came too late")
+            why = runner.device_failure or "a watchdog ended the force: samples came too late"
+            raise _TrippedError(why)
         return kept.table
 
 
@@ -122,9 +126,21 @@ def _sign(rows: LoopRows, url: str) -> Diagnosis:
     if abs(furthest_m) < _MOVED_M:
         return Diagnosis(what, False, seen, "hold it loosely; is its power on, are its brakes off?")
     if furthest_m < 0:
-        return Diagnosis(what, True, f"{seen}: out of the object, as it must")
-    turn = "?axis= to the other way" if url.startswith("dhd:") else "[device] force_sign = -1"
-    return Diagnosis(what, False, f"{seen}: into the object", f"set {turn}, or sign for a drive")
+        return Diagnosis(what, True, f"{seen}: out of the object, as it must", _direction(url))
+    if parse_device(url).scheme == "dhd":
+        return Diagnosis(what, False, f"{seen}: against its force", "hold it more loosely")
+    turn = "set [device] force_sign = -1, or sign for a drive"
+    return Diagnosis(what, False, f"{seen}: into the object", turn)
+
+
+def _direction(url: str) -> str:
+    """Position and force of a Force Dimension device turn together: only a person sees the axis."""
+    address = parse_device(url)
+    if address.scheme != "dhd":
+        return ""
+    into = address.settings.get("axis", "-z")
+    out = into.removeprefix("-") if into.startswith("-") else f"-{into}"
+    return f"it moved to {out}: if that is not away from the object, turn ?axis="
 
 
 def _push() -> Samples:

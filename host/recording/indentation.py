@@ -72,7 +72,7 @@ class PressedDevice:
         # A drive's torque is its own command: fed back, it would only chase itself.
         gains = OPEN_LOOP if parse_device(self.url).scheme == "odrive" else self.gains
         self.drive(command_n, gains, rows, self.room)
-        time.sleep(_REST_S)
+        rest(_REST_S)
         return rows.position_m[lead:], rows.force_n[lead:]
 
     @property
@@ -108,11 +108,9 @@ class PressedDevice:
             self._watch(runner, rows)
         finally:
             runner.close()
-        _, error = runner.why()
-        if error is not None and not rows.full:
-            raise error
+        line, error = runner.why()
         if not rows.full:
-            raise SpringpotError(f"{self.url}: the press was stopped before its end")
+            raise error or SpringpotError(f"{self.url}: the press did not come to its end: {line}")
 
     def _watch(self, runner: SessionRunner, rows: PressRows) -> None:
         with reading_keys() as keys:
@@ -128,7 +126,7 @@ class PressedDevice:
                         "check its position sensor; what came before is kept"
                     )
                 if progress.state.watchdog_trips and not rows.full:
-                    raise trip_error(self.url, progress.state)
+                    raise trip_error(self.url, progress.state, runner.device_failure)
                 if rows.full:
                     runner.stop()
 
@@ -140,9 +138,24 @@ class PressedDevice:
         )
 
 
-def trip_error(url: str, state: LoopState) -> DeviceError:
-    """The error of a watchdog that ended a press: the loop's own, or the device's."""
+def rest(seconds: float) -> None:
+    """Wait between two presses; q and escape leave, as in a press."""
+    until_s = time.monotonic() + seconds
+    with reading_keys() as keys:
+        while (left_s := until_s - time.monotonic()) > 0:
+            time.sleep(min(left_s, 0.05))
+            if set(keys.pressed()) & set("q \x1b"):
+                raise KeyboardInterrupt
+
+
+def trip_error(url: str, state: LoopState, why: str = "") -> DeviceError:
+    """The error of a watchdog that ended a press: the loop's own, or the device's.
+
+    why: what the device says of it.
+    """
     ms = 1e3 * _WATCHDOG_S
+    if why:
+        return DeviceError(f"{url}: {why}; stopped, force zero: press anew")
     if state.tripped:
         return DeviceError(
             f"{url}: switched its motor off: no force reached it for {ms:g} ms, or it met a fault "

@@ -1,7 +1,6 @@
 """A device that presses with a force sensor beside it: late by a delay that is found first."""
 
 import math
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -22,7 +21,7 @@ from springpot.host.force_sensor.alignment import (
 )
 from springpot.host.force_sensor.sensor import ForceSensor
 from springpot.host.native.loop_library import COLUMN, LoopRows
-from springpot.host.recording.indentation import OPEN_LOOP, Limits, PressedDevice
+from springpot.host.recording.indentation import OPEN_LOOP, Limits, PressedDevice, rest
 from springpot.host.recording.press_rows import PressRows
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.runner import Progress, SessionRunner
@@ -32,6 +31,7 @@ _RECOVERY_S = 3.0  # of the object, after the press that finds the delay
 # and object stays below 1 up to a quality of ten.
 _GAINS = {**OPEN_LOOP, "i_gain_per_s": 4.0}
 _ROOM = 2.5  # over its command, for the chirp meets the resonance of tool and object
+_FINE_MS = 0.5
 _START = 50  # rows before the sensor must have measured
 _WAITING = 100  # rows that are aligned at once
 
@@ -75,8 +75,10 @@ class SensedPressDevice(PressedDevice):
             self._sensor.url,
         )
         half_ms = 500 * (delay.high_s - delay.low_s)
-        say(f"{self._sensor.url}: {1e3 * delay.value_s:.2f} ms late, +- {half_ms:.2f} ms (95 %)")
-        time.sleep(_RECOVERY_S)
+        wide = "" if half_ms <= _FINE_MS else ": more than half a sample: end other programs"
+        late = f"{1e3 * delay.value_s:.2f} ms late, +- {half_ms:.2f} ms (95 %)"
+        say(f"{self._sensor.url}: {late}{wide}")
+        rest(_RECOVERY_S)
         return {"force_sensor": {"url": self._sensor.url, **asdict(delay)}}
 
     def attach(self, runner: SessionRunner) -> None:

@@ -141,6 +141,11 @@ class SessionRunner:
         return bool(self._drain_thread is not None and not self._drain_thread.is_alive())
 
     @property
+    def device_failure(self) -> str:
+        """Why the device is gone or off, where something says so; or empty."""
+        return self._supervisor.device.failure
+
+    @property
     def state(self) -> LoopState:
         return self._loop.get_status()
 

@@ -215,6 +215,7 @@ def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
         surface_m=1e-3 * keys.surface_mm,
         m_per_turn=keys.m_per_turn,
         sign=keys.sign,
+        force_sign=keys.force_sign,
         zero_turns=keys.zero_turns,
         max_torque_nm=keys.max_torque_nm,
         nm_per_a=keys.nm_per_a,

@@ -71,11 +71,12 @@ class DeviceSupervisor:
 
     def _bring_back(self) -> None:
         why = f" ({self.device.failure})" if self.device.failure else ""
+        force = self.device.unreached
         if not self.device.comes_back or not self._reconnect_s:
-            self._fail(DeviceError(f"{self.url}: gone{why}, force zero, stopped: plug it in"))
+            self._fail(DeviceError(f"{self.url}: gone{why}, {force}, stopped: plug it in"))
             return
         begin_s = time.monotonic()
-        self._report(f"{self.url}: gone{why}, force zero; waiting {self._reconnect_s:g} s for it")
+        self._report(f"{self.url}: gone{why}, {force}; waiting {self._reconnect_s:g} s for it")
         self.device.close()
         while (device := self._reopened(begin_s + self._reconnect_s)) is not None:
             self.device = device
@@ -102,8 +103,8 @@ class DeviceSupervisor:
                 time.sleep(_RETRY_S)
         self._fail(
             DeviceError(
-                f"{self.url}: gone for {self._reconnect_s:g} s, force zero, stopped ({last}): plug "
-                "it in and start again"
+                f"{self.url}: gone for {self._reconnect_s:g} s, {self.device.unreached}, "
+                f"stopped ({last}): plug it in and start again"
             )
         )
         return None

@@ -207,6 +207,8 @@ def test_the_lab_s_first_session(tmp_path: Path) -> None:
     for block in page_blocks("force-dimension.md"):
         if block.note.startswith("file "):
             (tmp_path / block.note.removeprefix("file ")).write_text(block.text)
+        elif block.note == "prints URL":
+            assert all(url.startswith("dhd://") for url in print_urls(block, tmp_path))
         elif not block.language:
             for line in block.substituted:
                 words = shlex.split(line)

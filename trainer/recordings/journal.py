@@ -147,8 +147,10 @@ class JournalWriter:
                 self._flush()
         except DeviceError:
             pass  # the error that is under way is reported instead
-        self._close()
-        if self._blocks:
+        if not self._blocks:
+            self.discard()
+        else:
+            self._close()
             notice(f"{self.journal}: what was recorded until now is kept there and can be read")
 
     def _create(self) -> int:

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from springpot.host.identification.result import DeviceMeasured, Identified
 
 _RATE_HZ = 1000.0  # where the scene says none
-_LEAST_RATE_HZ = 100.0
+_MIN_RATE_HZ = 100.0
+_MAX_MISFIT = 50.0  # friction of any kind leaves less
 # Names of the result: what a person reads, the unit, and how many of it are one of ours.
 _ROWS = {
     "mass_kg": ("mass", "kg", 1.0),
@@ -74,15 +75,20 @@ def identify(
     if scene is not None:
         require_writable_device(scene)
     rate_hz = (rendered.runtime.rate_hz if rendered else None) or _RATE_HZ
-    if rate_hz < _LEAST_RATE_HZ:
+    if rate_hz < _MIN_RATE_HZ:
         raise UsageError(
-            f"{scene}: runtime.rate_hz = {rate_hz:g}: the test takes {_LEAST_RATE_HZ:g} Hz or more"
+            f"{scene}: runtime.rate_hz = {rate_hz:g}: the test takes {_MIN_RATE_HZ:g} Hz or more"
         )
     limits = MoveLimits(max_force_n, max_travel_mm / 1e3)
     _ask_consent(url, limits, yes)
     session = FreeSession(url, rendered.device if rendered else Device())
     with stopping_on_sigterm():
         measured = identify_device(session, limits, rate_hz, url, say)
+    if measured.misfit > _MAX_MISFIT:
+        raise SpringpotError(
+            f"{url}: what moved is no free device (it leaves {measured.misfit:.2g} times what its "
+            "sensors explain): let go of it, take away what it touches, and try again"
+        )
     keys = device_keys(measured)
     error = None
     if scene is not None:

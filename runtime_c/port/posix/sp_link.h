@@ -70,8 +70,9 @@ sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive);
 
 /* A Force Dimension device through the functions of its SDK, which one thread calls at a time.
  * position = sign * p[axis] - surface_m. The other axes are free, or drawn to a line by springs of
- * wall_npm, each of max_n at most. weight_n acts upwards, along the last axis, beside all else. A
- * call that takes longer than max_call_s trips the link: meanwhile the last force stayed. */
+ * wall_npm, each of max_n at most. weight_n acts upwards, along the last axis, beside all else; it
+ * rises within a second. A call that takes longer than max_call_s trips the link: meanwhile the
+ * last force stayed. */
 typedef struct {
     int (*get_position)(double *, double *, double *, char);
     int (*get_linear_velocity)(double *, double *, double *, char);

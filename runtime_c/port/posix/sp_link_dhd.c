@@ -14,9 +14,8 @@ enum { LOOK_EVERY = 8 };
 /* So many forces that were not taken, one after the other, and the motors are switched off; or the
  * device is gone, where it gives no position either. */
 enum { MAX_UNTAKEN = 2 };
-static const uint64_t gone_ns = 100000000;  /* without a position */
-static const uint64_t frozen_ns = 50000000; /* moving, and always at the same place */
-static const double moving_mps = 0.005;
+static const uint64_t gone_ns = 100000000; /* without a position */
+static const double rise_s = 1.0;          /* of what holds the handle up */
 /* A wall's damping in seconds of its stiffness: what the SDK's own estimate of velocity bears. */
 static const double wall_damping_s = 0.005;
 
@@ -25,8 +24,8 @@ typedef struct {
     sp_dhd dhd;
     double at_m[AXES];
     double at_mps[AXES];
-    uint64_t good_ns;   /* of the last call that succeeded */
-    uint64_t placed_ns; /* of the last change of place */
+    uint64_t good_ns; /* of the last call that succeeded */
+    uint64_t held_ns; /* since when it holds the handle up; 0: not yet */
     uint32_t looks;
     uint32_t untaken;
     uint32_t unread;
@@ -71,10 +70,9 @@ static void look_at_device(device *self)
     self->pressed = dhd->get_button(0, (char)dhd->id) > 0;
 }
 
-/* Whether the place is one that the device has now: a device that moves changes its place. */
-static int is_new_place(device *self, uint64_t now_ns, const double *at_m, const double *at_mps)
+/* Whether the SDK gave numbers. */
+static int is_place(device *self, const double *at_m, const double *at_mps)
 {
-    int same = 1, moving = 0;
     for (int i = 0; i < AXES; i++) {
         if (!isfinite(at_m[i]) || !isfinite(at_mps[i])) {
             self->link.crc_errors++;
@@ -82,15 +80,10 @@ static int is_new_place(device *self, uint64_t now_ns, const double *at_m, const
         }
     }
     for (int i = 0; i < AXES; i++) {
-        same = same && at_m[i] == self->at_m[i];
-        moving = moving || fabs(at_mps[i]) > moving_mps;
         self->at_m[i] = at_m[i];
         self->at_mps[i] = at_mps[i];
     }
-    if (!same || !moving) {
-        self->placed_ns = now_ns;
-    }
-    return now_ns - self->placed_ns <= frozen_ns;
+    return 1;
 }
 
 static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
@@ -122,7 +115,7 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
         return SP_LINK_BUTTON;
     }
     /* Above 0: the SDK has answered with what it had read before. */
-    const int fresh = got == 0 && is_new_place(self, now_ns, at_m, at_mps);
+    const int fresh = got == 0 && is_place(self, at_m, at_mps);
     if (fresh) {
         link->samples++;
         motion->position_m = dhd->sign * at_m[dhd->axis] - dhd->surface_m;
@@ -134,10 +127,11 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
 }
 
 /* What holds the tool on its line, and its handle up. */
-static double held_n(const device *self, int axis)
+static double held_n(const device *self, uint64_t now_ns, int axis)
 {
     const sp_dhd *dhd = &self->dhd;
-    double force_n = axis == UP ? dhd->weight_n : 0.0;
+    const double share = fmin(1e-9 * (double)(now_ns - self->held_ns) / rise_s, 1.0);
+    double force_n = axis == UP ? share * dhd->weight_n : 0.0;
     if (axis != dhd->axis && dhd->wall_npm > 0) {
         const double wall_n = -dhd->wall_npm * (self->at_m[axis] - dhd->line_m[axis] +
                                                 wall_damping_s * self->at_mps[axis]);
@@ -152,9 +146,9 @@ static int write_device(sp_link *link, uint64_t now_ns, double force_n)
     const sp_dhd *dhd = &self->dhd;
     const uint64_t begin_ns = clock_ns();
     double force[AXES];
-    (void)now_ns;
+    self->held_ns = link->released ? 0 : self->held_ns ? self->held_ns : now_ns;
     for (int i = 0; i < AXES; i++) {
-        force[i] = link->released ? 0.0 : held_n(self, i);
+        force[i] = link->released ? 0.0 : held_n(self, now_ns, i);
     }
     force[dhd->axis] -= dhd->sign * force_n;
     const int put = dhd->set_force(force[0], force[1], force[2], (char)dhd->id);
@@ -182,7 +176,7 @@ static void reset_device(sp_link *link, uint64_t now_ns)
     device *self = (device *)link;
     self->tripped = 0;
     self->untaken = 0;
-    self->placed_ns = now_ns;
+    self->held_ns = 0;
     (void)self->dhd.set_force(0.0, 0.0, 0.0, (char)self->dhd.id);
     link->ready = self->dhd.enable_force(ON, (char)self->dhd.id) >= 0;
 }
@@ -197,6 +191,7 @@ sp_link *sp_link_dhd_init(void *memory, const sp_dhd *dhd)
     device *self = (device *)memory;
     *self = (device){
         .link = {.fd = -1, .read = read_device, .write = write_device, .reset = reset_device},
-        .dhd = *dhd};
+        .dhd = *dhd,
+        .at_m = {dhd->line_m[0], dhd->line_m[1], dhd->line_m[2]}}; /* until the first reading */
     return &self->link;
 }

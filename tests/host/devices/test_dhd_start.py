@@ -1,5 +1,6 @@
 """How a Force Dimension device is found, checked and armed: each refusal names cause and remedy."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.dhd import UDEV_RULE, VENDOR, absent_reason
 from springpot.host.devices.drivers import open_device
 
-WANTED = DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=8.0)
+WANTED = DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=8.0, presses=True)
 
 
 def refusal(settings: str = "", *options: str, wanted: DeviceRequirements = WANTED) -> str:
@@ -29,7 +30,7 @@ def refusal(settings: str = "", *options: str, wanted: DeviceRequirements = WANT
         ("--absent", "no Force Dimension device on USB", "check cable and power"),
         ("--in-use", "device already in use", "another program holds it: end that one"),
         ("--unpowered", "it has no power", "switch it on"),
-        ("--uncalibrated", "it is not calibrated", "move its handle slowly to all its stops"),
+        ("--uncalibrated", "it is not calibrated", "put its pole into the pit"),
         ("--no-watchdog", "the device has no watchdog", "?watchdog=off"),
     ],
 )
@@ -83,14 +84,20 @@ def test_what_it_is_armed_with() -> None:
         opened.stop()
         stop = device.wait_for("stop", more=1)
         opened.close()
-    assert stop["max_force_n"] == pytest.approx(8.5)
+    assert stop["max_force_n"] == pytest.approx(13.5)  # and room for gravity
     assert stop["mass_kg"] == 0.12
     assert stop["watchdog_s"] == pytest.approx(0.02)
+
+
+def test_a_position_and_a_force_of_one_frame() -> None:
+    said = refusal(wanted=replace(WANTED, force_sign=-1))
+    assert "leave [device] force_sign out" in said
 
 
 def test_without_a_watchdog_where_that_is_accepted() -> None:
     with peer("dhd_device", "--no-watchdog") as device:
         opened = open_device(device.url + "&watchdog=off", WANTED)
+        assert "last force may still act" in opened.unreached
         opened.stop()
         opened.close()
 

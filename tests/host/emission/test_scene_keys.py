@@ -44,7 +44,7 @@ NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
     "device.resolution_um": (10.0, [1e-3, 1e4], [0.0, 1.001e4]),
     "device.max_force_n": (None, [1e-9, 1e4], [0.0, 1.001e4]),
     "device.effector_mass_kg": (None, [0.0, 100], [-1e-9, 100.1]),
-    "device.weight_n": (0.0, [-100, 100], [-100.1, 100.1]),
+    "device.weight_n": (0.0, [-20, 20], [-20.1, 20.1]),
     "budget.flash_bytes": (None, [1, 10**12], [0]),
     "budget.ram_bytes": (None, [1, 10**12], [0]),
     "budget.stack_bytes": (None, [1, 10**12], [0]),

@@ -93,7 +93,7 @@ def test_what_is_wrong_with_a_url(database: Path, tmp_path: Path) -> None:
 
 
 def test_a_serial_device_without_a_load_cell() -> None:
-    with peer("serial_device") as device, pytest.raises(DeviceError, match="have no load cell"):
+    with peer("serial_device") as device, pytest.raises(DeviceError, match="carry no force"):
         open_sensor(device.url)
 
 

@@ -57,7 +57,7 @@ def test_nothing_pushes_without_consent() -> None:
     [
         ("--absent", "no Force Dimension device on USB", "check cable and power"),
         ("--in-use", "device already in use", "end that one"),
-        ("--uncalibrated", "not calibrated", "move its handle"),
+        ("--uncalibrated", "not calibrated", "put its pole"),
     ],
 )
 def test_a_device_that_is_not_reached(option: str, cause: str, remedy: str) -> None:

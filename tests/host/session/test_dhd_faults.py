@@ -24,7 +24,7 @@ def felt(folder, tmp_path, device: Peer, seconds: float = 1.6, settings: str = "
     """A session in a hand: its result, what it said, its log; every force of it repeats."""
     said: list[str] = []
     session = Session(folder, device.url + settings, tmp_path / "a.h5", seconds=seconds,
-                      reconnect_s=0.6, report=said.append)  # fmt: skip
+                      reconnect_s=2.0, report=said.append)  # fmt: skip
     with session:
         session.start()
         session.wait(30)
@@ -80,18 +80,6 @@ def test_calls_that_fail_for_a_moment(folder, tmp_path):
     assert again[0] == 0.0
     assert again.max() > 0.5
     assert np.max(np.abs(np.diff(again))) < 1.0
-
-
-def test_a_position_that_stays_while_the_speed_says_otherwise(folder, tmp_path):
-    with peer("dhd_device", "--frozen-after", 0.65) as device:
-        result, said, read = felt(folder, tmp_path, device)
-    assert result["latched"]
-    assert "no sample for the watchdog's time" in said
-    position_m = read.channels["input_m"]
-    latched = first_not_at_work(read)
-    moved = np.flatnonzero(np.diff(position_m[:latched]))[-1]
-    assert latched - moved <= 50 + 20 + 3  # ms: seen as frozen, the watchdog, three ticks
-    require_zero_from(read, latched + 20)
 
 
 @pytest.mark.parametrize("hang_s", [0.05, 0.3])

@@ -30,7 +30,8 @@ class FakeLoop:
 
 
 def fake_device(renders=False, failure=""):
-    return SimpleNamespace(comes_back=True, failure=failure, close=lambda: None,
+    return SimpleNamespace(comes_back=True, failure=failure, unreached="force zero",
+                           close=lambda: None,
                            rendering_board=lambda: "a board" if renders else None)  # fmt: skip
 
 

@@ -73,7 +73,7 @@ class Firmware:
         force_n = max(abs(page[f"force_{axis}"]) for axis in "xyz")
         if self.begin_s is None and force_n > ACTING_N:
             self.begin_s = time.monotonic()
-        for kind, state in (("fail", "fails"), ("silent", "stale"), ("frozen", "frozen"),
+        for kind, state in (("fail", "fails"), ("silent", "stale"),
                             ("refuse", "refuses"), ("button", "button")):  # fmt: skip
             page[state] = self.now(kind)
         if self.now("burst") and not self.held:  # one call takes as long
@@ -160,7 +160,7 @@ class LoadCell:
 
 def main() -> None:
     parser = arguments(__doc__.splitlines()[0])
-    for kind in ("fail", "frozen", "refuse", "button", "trip"):
+    for kind in ("fail", "refuse", "button", "trip"):
         parser.add_argument(f"--{kind}-after", type=float, metavar="S")
         parser.add_argument(f"--{kind}-for", type=float, default=1e9, metavar="S")
     parser.add_argument("--cell-ms", type=float, help="a load cell on a serial line, so late")

@@ -37,7 +37,6 @@ enum {
     FAILS,   /* every call fails */
     HANGS_S, /* the next call takes as long */
     STALE,   /* what was read before is read again, and said so */
-    FROZEN,  /* the same, unsaid */
     REFUSES, /* no force is taken */
     SATURATED_N,
     BUTTON,
@@ -65,14 +64,14 @@ enum {
     STATES
 };
 static const double press_step_s = 125e-6, mass_kg = 0.3, damping_nspm = 4.0, handle_nspm = 6.0;
-enum { NO_ERROR = 0, COM = 2, NO_DEVICE = 5, NOT_ENABLED = 19, IN_USE_ERROR = 20, NOT_IMPLEMENTED = 10 };
+enum { NO_ERROR = 0, COM = 2, NO_DEVICE = 5, NO_EXPERT = 9, NOT_IMPLEMENTED = 10, IN_USE_ERROR = 20 };
 enum { TIMEGUARD = 1, SATURATED = 2, OMEGA3 = 33 };
 
 static volatile double *page;
 static _Thread_local int last_error;
 static double memory[16384], object_memory[65536], free_memory[16384];
 static double speed[3], began_s, simulated_s, seen[6];
-static int started;
+static int started, expert;
 
 static double now_s(void)
 {
@@ -302,7 +301,7 @@ int dhdGetPosition(double *x, double *y, double *z, signed char id)
     if (call() < 0) {
         return -1;
     }
-    if (page[STALE] == 0 && page[FROZEN] == 0) {
+    if (page[STALE] == 0) {
         simulate();
     }
     return answer(x, y, z, seen);
@@ -372,9 +371,24 @@ int dhdSetMaxForce(double limit, signed char id)
     return call();
 }
 
+int dhdEnableExpertMode(void)
+{
+    expert = 1;
+    return 0;
+}
+
+int dhdDisableExpertMode(void)
+{
+    expert = 0;
+    return 0;
+}
+
 int dhdSetWatchdog(unsigned char duration, signed char id)
 {
     (void)id;
+    if (!expert) {
+        return fail(NO_EXPERT);
+    }
     if (page == NULL || page[HAS_WATCHDOG] == 0) {
         return fail(NOT_IMPLEMENTED);
     }
@@ -398,8 +412,8 @@ const char *dhdErrorGetStr(int error)
         return "no device found";
     case NOT_IMPLEMENTED:
         return "feature not available";
-    case NOT_ENABLED:
-        return "not enabled";
+    case NO_EXPERT:
+        return "expert mode disabled";
     case IN_USE_ERROR:
         return "device already in use";
     default:
