@@ -5,7 +5,7 @@ force u, late by d, and the sensor's F, which is here late by tau: F(t) = F_sens
 press excites the mass, and the least squares of all pairs (tau, d) have one minimum.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,7 @@ def alignment_command(rate_hz: float, share: float = 1.0) -> Samples:
 
 def find_delay(motion: ForcedMotion, url: str) -> Delay:
     """How late the sensor is. Raises DeviceError where its force does not fit the motion."""
-    signals = _Signals(motion)
+    signals = _Signals(_evenly(motion))
     coarse = _Fit(signals, np.arange(_MIN_LATE_S, _MAX_LATE_S, _COARSE_S),
                   np.arange(0.0, _MAX_MOTOR_S, _COARSE_S))  # fmt: skip
     rough = coarse.best(coarse.whole)
@@ -79,6 +79,18 @@ def find_delay(motion: ForcedMotion, url: str) -> Delay:
     half_s = float(np.hypot(_T_95 * spread_s, _FINE_S))
     mass_kg = float(-found.coefficients[1] / found.coefficients[0])
     return Delay(found.late_s, found.late_s - half_s, found.late_s + half_s, found.motor_s, mass_kg)
+
+
+def _evenly(motion: ForcedMotion) -> ForcedMotion:
+    """The same press at even times: a loop that was kept away makes up for its ticks at once.
+
+    Positions are linear between two; a motor force stays until the next.
+    """
+    step_s = float(np.median(np.diff(motion.t_s)))
+    t_s = np.arange(motion.t_s[0], motion.t_s[-1], step_s)
+    held = np.clip(np.searchsorted(motion.t_s, t_s, side="right") - 1, 0, None)
+    position_m = np.interp(t_s, motion.t_s, motion.position_m)
+    return replace(motion, t_s=t_s, position_m=position_m, motor_n=motion.motor_n[held])
 
 
 def aligned_force(t_s: Samples, delay_s: float, sensor_s: Samples, sensor_n: Samples) -> Samples:

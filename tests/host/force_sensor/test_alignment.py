@@ -109,6 +109,19 @@ def test_a_force_that_is_not_the_tool_s() -> None:
         find_delay(moved, "sensor")
 
 
+def test_ticks_that_are_made_up_for_at_once() -> None:
+    """A busy computer: now and then ten ticks come at one time, with one force."""
+    motion = pressed("ecoflex-00-30", 5e-3)
+    t_s, motor_n = motion.t_s.copy(), motion.motor_n.copy()
+    position_m = motion.position_m.copy()
+    for late in range(300, len(t_s) - 300, 90):
+        t_s[late : late + 10] = t_s[late + 9] + 1e-7 * np.arange(10)
+        position_m[late : late + 10] = position_m[late + 9]
+    found = find_delay(ForcedMotion(t_s, position_m, motor_n, motion.sensor_s, motion.sensor_n), "")
+    assert abs(found.value_s - 5e-3) < 1e-3
+    assert found.low_s <= 5e-3 <= found.high_s
+
+
 def test_force_is_taken_as_much_later() -> None:
     t_s = np.arange(10) * 1e-3
     sensor_s = np.arange(40) * 0.5e-3
