@@ -29,6 +29,7 @@ class DeviceRequirements:
 
     presses: the loop drives the tool into an object, to record it. senses: it is read only.
     free: the loop moves a tool that nobody holds, to measure the device.
+    examined: nothing is rendered.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
@@ -40,6 +41,7 @@ class DeviceRequirements:
     hash: str = ""
     presses: bool = False
     senses: bool = False
+    examined: bool = False
     free: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None

@@ -56,7 +56,8 @@ def find_surface(url: str, keys: Device, touched: Callable[[int], None]) -> Surf
     """
     steps = press_step_functions(np.zeros(1), _NO_FORCE_N, OPEN_LOOP)
     settings = LoopSettings(1 / _RATE_HZ, _LONGEST_S, _NO_FORCE_N)
-    required = requirements_of(keys, rate_hz=_RATE_HZ, watchdog_s=_WATCHDOG_S, max_n=_NO_FORCE_N)
+    required = requirements_of(keys, rate_hz=_RATE_HZ, watchdog_s=_WATCHDOG_S, max_n=_NO_FORCE_N,
+                               examined=True)  # fmt: skip
     newest = _Newest()
     runner = SessionRunner(steps, url, required, settings, log=newest, reconnect_s=0.0)
     places_m = []

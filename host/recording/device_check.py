@@ -64,7 +64,7 @@ class _Probe:
         self._url = url
         self._reversed = keys.force_sign == -1
         self._required = requirements_of(
-            keys, rate_hz=RATE_HZ, watchdog_s=_WATCHDOG_S, max_n=PUSH_N
+            keys, rate_hz=RATE_HZ, watchdog_s=_WATCHDOG_S, max_n=PUSH_N, examined=True
         )
 
     def rows(self, command_n: Samples) -> LoopRows:

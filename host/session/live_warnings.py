@@ -162,7 +162,7 @@ class LiveWarnings:
     def _speak(self, now_s: float) -> None:
         """One line of all that is new, where the last one was long enough ago.
 
-        What ended and began again meanwhile is told as what begins.
+        What ended and began again meanwhile is given as what begins.
         """
         new = [item for item in self._conditions.values()
                if item.count and not item.announced and not item.said_elsewhere]  # fmt: skip

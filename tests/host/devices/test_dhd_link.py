@@ -1,0 +1,79 @@
+"""The C link of a Force Dimension device, over functions of an SDK that a test gives it."""
+
+import pytest
+
+from springpot.host.native.loop_library import loop_library
+
+PLACE_M, MS = (0.03, 0.01, 0.05), 1_000_000
+
+
+class Sdk:
+    """answers: what dhdGetPosition returns next; place_m: and where. forces: what came."""
+
+    def __init__(self, **settings: float) -> None:
+        self.library = loop_library("double")
+        ffi, c = self.library.ffi, self.library.c
+        self.answer, self.place_m, self.forces = 0, PLACE_M, []
+        types = dict(ffi.typeof("sp_dhd").fields)
+        calls = {
+            "get_position": self._position,
+            "get_linear_velocity": lambda x, y, z, _id: self._put((x, y, z), (0.0, 0.0, 0.0)),
+            "set_force": lambda x, y, z, _id: self.forces.append((x, y, z)) or 0,
+            "get_status": self._status,
+            "get_button": lambda _index, _id: 0,
+            "enable_force": lambda _on, _id: 0,
+            "error_get_last": lambda: 2,
+        }
+        self._kept = {name: ffi.callback(types[name].type, call) for name, call in calls.items()}
+        dhd = ffi.new("sp_dhd *", {**self._kept, "axis": 2, "sign": -1.0, "line_m": PLACE_M,
+                                   "max_n": 8.0, "max_call_s": 1.0, **settings})  # fmt: skip
+        self._memory = self.library.memory(c.sp_link_dhd_size())
+        self.link = c.sp_link_dhd_init(self._memory, dhd)
+        self._motion = ffi.new("sp_motion *")
+        self.link.reset(self.link, 1)
+
+    def tick(self, now_ms: int, force_n: float = 0.0) -> int:
+        fresh = self.link.read(self.link, now_ms * MS, self._motion, 1)
+        self.link.write(self.link, now_ms * MS, force_n)
+        return int(fresh)
+
+    def _position(self, x: object, y: object, z: object, _id: object) -> int:
+        self._put((x, y, z), self.place_m)
+        return self.answer
+
+    def _put(self, places: tuple, values: tuple) -> int:
+        for place, value in zip(places, values, strict=True):
+            place[0] = value
+        return 0
+
+    def _status(self, status: object, _id: object) -> int:
+        status[5] = 1
+        return 0
+
+
+def test_walls_pull_nowhere_before_the_first_place_and_hold_after_it() -> None:
+    sdk = Sdk(wall_npm=1000.0)
+    sdk.answer, sdk.place_m = 1, (9.0, 9.0, 9.0)  # read before, and said so
+    assert sdk.tick(1) == 0
+    assert sdk.forces[-1] == (0.0, 0.0, 0.0)
+    sdk.answer, sdk.place_m = 0, (0.031, 0.01, 0.05)
+    assert sdk.tick(2, 2.0) == 1
+    assert sdk.forces[-1] == pytest.approx((-1.0, 0.0, 2.0))  # axis -z: the object pushes up
+    sdk.place_m = (1.0, 0.01, 0.05)
+    sdk.tick(3)
+    assert sdk.forces[-1] == pytest.approx((-8.0, 0.0, 0.0))  # no more than the scene
+    sdk.link.released = 1
+    sdk.tick(4)
+    assert sdk.forces[-1] == (0.0, 0.0, 0.0)
+
+
+def test_the_handle_is_taken_up_within_a_second() -> None:
+    sdk = Sdk(weight_n=2.0)
+    up_n = []
+    for now_ms in (1, 501, 1001, 3001):
+        sdk.tick(now_ms)
+        up_n.append(sdk.forces[-1][2])
+    assert up_n == pytest.approx([0.0, 1.0, 2.0, 2.0])
+    sdk.link.released = 1
+    sdk.tick(3002)
+    assert sdk.forces[-1][2] == 0.0
