@@ -222,7 +222,7 @@ def test_the_lab_s_first_session(tmp_path: Path) -> None:
 
 def lab_command(words: list[str], folder: Path) -> str:
     """Run a command with a stand-in for the device that it names; what it printed."""
-    environment = dict(os.environ)
+    environment = {**os.environ, "COLUMNS": "200"}  # cells of a table stay whole
     with ExitStack() as stack:
         if options := _LAB.get(words[1]):
             device = stack.enter_context(peer("dhd_device", *options))

@@ -229,7 +229,8 @@ def test_asked_to_end_in_a_press(tmp_path, folder, number, kind):
     assert host.process.returncode == 0
     assert stop["force_n"] == 0
     assert device.named("zero"), "the hand was not pressing"
-    assert not device.named("tripped")
+    # A host that is slow to leave after its last force, zero, may meet the device's own watchdog.
+    assert not any(trip["was_n"] for trip in device.named("tripped"))
     assert "until reset" not in err
     read = faithful(folder, host.log)
     assert not np.any(read.channels["call"].astype(int) & SILENT)
