@@ -14,7 +14,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove check format lint types ns test-c clean
+.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove docs check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -71,6 +71,11 @@ soak: $(STAMP) test-c
 misra: $(STAMP)
 	$(BIN)/python tests/proof/misra/misra.py
 	$(BIN)/python tests/proof/reliability.py
+
+# The documentation, build/docs/html/index.html: a broken link or anchor is an error.
+docs: $(STAMP) ns
+	PYTHONPATH=build/ns $(BIN)/sphinx-build -W -n --keep-going -q -E -d build/docs/doctrees docs build/docs/html
+	@echo build/docs/html/index.html
 
 # Sessions of a minute over simulated devices: ticks and lateness.
 bench-host: $(STAMP)

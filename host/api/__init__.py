@@ -4,8 +4,8 @@
 
 Nothing is loaded before it is used. Arrays are numpy's, in SI units: position in m, the penetration
 from the undeformed surface, positive into the object; force in N, positive where it pushes the tool
-out. Every refusal is a `SpringpotError` of one line: what, where, what to do. docs/python.md lists
-everything.
+out. Every refusal is a `SpringpotError` of one line: what, where, what to do.
+docs/reference/python.md lists everything.
 """
 
 from importlib import import_module

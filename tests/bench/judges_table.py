@@ -31,8 +31,8 @@ EXPLAINED = (
     "error that the object itself makes when it is moved along the measured positions (noise and "
     "steps of the sensors, drift); of Mach-1, the scatter of its cycles. auto / best: the error "
     "of what `auto` chose without the test part, of that of the best candidate. "
-    "[recordings.md](recordings.md) says what the recordings are. `paper`: the paper's 27 "
-    "presses, and 4 of its sums as a test; it and `third-repeat` press one object every 2 s, the "
+    "[recordings](../reference/recordings.md) says what the recordings are. `paper`: the "
+    "paper's 27 presses, and 4 of its sums as a test; it and `third-repeat` press one object every 2 s, the "
     "others a fresh one each time; `slow-ramps` sampled at 50 Hz, `one-long` at 100 Hz with a "
     "load cell that drifts by 0.1 N a minute, `preload` with a first position that reads 0.\n"
 )
@@ -69,7 +69,7 @@ def grouped(judges: Metadata) -> list[tuple[str, list[Metadata]]]:
 
 
 def judges_section(judges: Metadata) -> list[str]:
-    """Of docs/results.md."""
+    """Of docs/explanation/results.md."""
     parts = [
         "## Judges that are no kin\n",
         f"`python tests/bench/judges.py`: {len(judges['cells'])} cells of object and recording; "
@@ -153,6 +153,6 @@ def judges_summary(judges: Metadata) -> str:
         "trained (a depth left out, a third repeat, minutes of memory, another speed, a preload), "
         "through the emitted C; floor: what the sensors leave. The five silicones are of the model "
         "class of `hammerstein` itself and come last; "
-        "[docs/results.md](docs/results.md#judges-that-are-no-kin) has every cell, "
+        "[results](docs/explanation/results.md#judges-that-are-no-kin) has every cell, "
         f"and what each judge is.\n\n{table}"
     )

@@ -1,4 +1,4 @@
-"""Write docs/results.md, its pictures and the README's figures from benchmarks.
+"""Write docs/explanation/results.md, its pictures and the README's figures from benchmarks.
 
     springpot record --device sim://ecoflex-00-30 --protocol paper --out training
     springpot record --device sim://ecoflex-00-30 --protocol validation --seed 1 --out validation
@@ -83,24 +83,24 @@ def pages(results: list[Metadata], judges: Metadata | None) -> dict[Path, str]:
         ROOT / "docs" / f"pareto-{i + 1}.svg": front_figure(result) + "\n"
         for i, result in enumerate(benches)
     }
-    written[ROOT / "docs" / "results.md"] = results_page(benches, judges)
+    written[ROOT / "docs" / "explanation" / "results.md"] = results_page(benches, judges)
     written[ROOT / "README.md"] = readme(benches, judges)
     return written
 
 
 def results_page(benches: list[Metadata], judges: Metadata | None) -> str:
-    """docs/results.md."""
+    """docs/explanation/results.md."""
     parts = [
         "# Error against run time, measured\n",
         "Written by `python tests/bench/results.py` from the JSON of `springpot bench`, kept in "
-        "[results.json](results.json)"
-        f"{', of judges.py, kept in [judges.json](judges.json),' if judges else ''} and of "
-        "wasm.py, kept in [wasm.json](wasm.json); "
+        "[results.json](../results.json)"
+        f"{', of judges.py, kept in [judges.json](../judges.json),' if judges else ''} and of "
+        "wasm.py, kept in [wasm.json](../wasm.json); "
         "no figure is typed by hand.\n",
         *(judges_section(judges) if judges else []),
     ]
     for i, result in enumerate(benches):
-        parts += section(result, f"pareto-{i + 1}.svg")
+        parts += section(result, f"../pareto-{i + 1}.svg")
     parts += wasm_section(json.loads(STORED_WASM.read_text()))
     return "\n".join(parts)
 
@@ -193,7 +193,7 @@ def readme(benches: list[Metadata], judges: Metadata | None) -> str:
         f"![Error against the time of a tick of every model of {benches[0]['name']}]"
         "(docs/pareto-1.svg)",
         *map(readme_results, benches),
-        "More, and how it was measured: [docs/results.md](docs/results.md).",
+        "More, and how it was measured: [results](docs/explanation/results.md).",
     ]
     return "\n".join([f"{before}{BEGIN}", "\n\n".join(parts), f"{END}{after}"])
 

@@ -54,7 +54,7 @@ def measured(models: dict[str, Model], position_m: np.ndarray) -> list[dict[str,
 
 
 def wasm_section(found: dict[str, Any]) -> list[str]:
-    """The lines of docs/results.md."""
+    """The lines of docs/explanation/results.md."""
     return [
         TITLE,
         f"`python tests/bench/wasm.py`: models of recordings of the {found['name']}; "

@@ -1,4 +1,4 @@
-"""Write docs/reliability.md from what the commands of its sections found.
+"""Write docs/explanation/reliability.md from what the commands of its sections found.
 
     python tests/proof/reliability.py
 
@@ -16,7 +16,7 @@ from support.paths import ROOT
 
 Result = dict[str, Any]
 STORED = ROOT / "docs" / "reliability"
-PAGE = ROOT / "docs" / "reliability.md"
+PAGE = ROOT / "docs" / "explanation" / "reliability.md"
 _FUZZ = """A finding is anything but a result or one printable line on an input under 1 MiB: a
 traceback, a crash, above 10 s, above 1 GiB. `make soak` gives each target an hour; what stands here
 is for the seconds stated, and says nothing about longer. Edges: of the project's Python or C; at

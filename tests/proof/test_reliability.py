@@ -1,4 +1,4 @@
-"""docs/reliability.md is what its command makes of the results; each section can be missing."""
+"""docs/explanation/reliability.md is what its command makes of the results; each section can be missing."""
 
 import json
 import tomllib

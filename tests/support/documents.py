@@ -1,4 +1,4 @@
-"""The code blocks of README.md and docs/*.md, and what runs the commands in them.
+"""The code blocks of README.md and docs/, and what runs the commands in them.
 
 A comment in front of a block, which a reader does not see, says what a test has to know:
 
@@ -19,7 +19,7 @@ from pathlib import Path
 
 from support.paths import ROOT, TESTS
 
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MAIN = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 _BLOCK = re.compile(
     r"^(?:<!-- test: (?P<note>[^\n]*) -->\n)?```(?P<language>\w*)\n(?P<text>.*?)^```", re.M | re.S

@@ -42,8 +42,16 @@ COMMANDS = [block for block in EVERY if not block.language]
 TARGETS = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
 
 
+def name_of(page: Path) -> str:
+    """From docs/; README.md beside it."""
+    return page.name if page.name == "README.md" else str(page.relative_to(ROOT / "docs"))
+
+
 def page_blocks(name: str) -> list[Block]:
-    return [block for block in EVERY if block.page.name == name]
+    """name: of the page, from docs/, or README.md."""
+    page = ROOT / name if name == "README.md" else ROOT / "docs" / name
+    assert page in PAGES, name
+    return [block for block in EVERY if block.page == page]
 
 
 def known_options(words: list[str]) -> None:
@@ -67,16 +75,16 @@ def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
             assert list((ROOT / "tests").rglob(name)), name
     run = {
         "README.md",
-        "first-board.md",
-        "devices.md",
-        "stability.md",
-        "study.md",
-        "force-dimension.md",
+        "how-to/microcontroller.md",
+        "reference/devices.md",
+        "explanation/stability.md",
+        "how-to/study.md",
+        "how-to/force-dimension.md",
     }
-    assert {block.page.name for block in COMMANDS} == run
+    assert {name_of(block.page) for block in COMMANDS} == run
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_every_command_and_option_exists(page: Path) -> None:
     written = [line for block in blocks(page) if not block.language for line in block.commands]
     for line in [*written, *inline_commands(page)]:
@@ -166,10 +174,10 @@ def test_the_readme_runs(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["stability.md", "devices.md"])
+@pytest.mark.parametrize("name", ["explanation/stability.md", "reference/devices.md"])
 def test_a_page_runs(tmp_path: Path, name: str) -> None:
     small_job(tmp_path)
-    if name == "devices.md":
+    if name == "reference/devices.md":
         shutil.rmtree(tmp_path / "training")
         emit(read_scene(tmp_path / "scene.toml"), tmp_path / "model.spm", tmp_path / "c")
     run_page(name, tmp_path)
@@ -177,7 +185,7 @@ def test_a_page_runs(tmp_path: Path, name: str) -> None:
 
 @pytest.mark.slow
 def test_the_ten_minutes_of_a_study(tmp_path: Path) -> None:
-    printed = " ".join(run_page("study.md", tmp_path).split())
+    printed = " ".join(run_page("how-to/study.md", tmp_path).split())
     assert "18, 3 sessions of 4 trials" in printed
     assert "R1: " in printed
     assert "trials 216" in printed
@@ -204,7 +212,7 @@ def test_the_lab_s_first_session(tmp_path: Path) -> None:
         "[[profile]]\namplitude_n = 4.0\nfrequency_hz = 1.0\ncycles = 4\n"
         "[[profile]]\namplitude_n = 2.5\nfrequency_hz = 2.0\ncycles = 6\n"
     )
-    for block in page_blocks("force-dimension.md"):
+    for block in page_blocks("how-to/force-dimension.md"):
         if block.note.startswith("file "):
             (tmp_path / block.note.removeprefix("file ")).write_text(block.text)
         elif block.note == "prints URL":
@@ -256,8 +264,8 @@ def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
     record = [line for line in page_blocks("README.md")[1].commands if " record " in line]
     given = Block(ROOT / "README.md", 0, "", "", "\n".join(record))
     run_commands(given, tmp_path)
-    printed = " ".join(run_page("first-board.md", tmp_path).split())
-    flash, ram, stack, _, bound = table_row("first-board.md", "rf-fd")
+    printed = " ".join(run_page("how-to/microcontroller.md", tmp_path).split())
+    flash, ram, stack, _, bound = table_row("how-to/microcontroller.md", "rf-fd")
     found = re.search(r"flash (\d+) bytes RAM (\d+) bytes and (\d+) of stack", printed)
     assert found, printed
     # Other versions of the compiler and of scikit-learn may differ by a few bytes and nodes.
@@ -266,5 +274,5 @@ def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
     told = re.search(r"at most (\d+) a tick", printed)
     assert told
     assert int(told[1]) == pytest.approx(int(bound), rel=0.02)
-    printed = " ".join(run_page("first-board.md", tmp_path, board=True).split())
+    printed = " ".join(run_page("how-to/microcontroller.md", tmp_path, board=True).split())
     assert "what was felt is what the model says" in printed

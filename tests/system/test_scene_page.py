@@ -1,4 +1,4 @@
-"""docs/scene.md lists the keys of a scene as the code reads them: defaults, values, bounds."""
+"""docs/reference/scene.md lists the keys of a scene as the code reads them: defaults, values, bounds."""
 
 import dataclasses
 import re
@@ -13,7 +13,7 @@ from support.paths import ROOT
 
 from springpot.codegen.scene import Scene
 
-PAGE = ROOT / "docs" / "scene.md"
+PAGE = ROOT / "docs" / "reference" / "scene.md"
 UNITS = {"_hz": "Hz", "_npm": "N/m", "_nspm": "N s/m", "_kg": "kg", "_s": "s", "_n": "N",
          "_ms": "ms", "_mm": "mm", "_nm": "N m", "_per_a": "N m/A", "_bytes": "bytes", "_us": "µs",
          "_um": "um", "m_per_turn": "m", "_turns": "turns", "_samples": "ticks",

@@ -1,4 +1,4 @@
-"""The code of README.md and docs/python.md, run as it stands there."""
+"""The code of README.md and docs/reference/python.md, run as it stands there."""
 
 import re
 
@@ -33,7 +33,7 @@ def test_ten_lines_of_the_readme(capsys):
 
 def test_from_a_recording_to_a_felt_session(capsys):
     names: dict = {}
-    exec(compile(example("docs/python.md"), "docs/python.md", "exec"), names)
+    exec(compile(example("docs/reference/python.md"), "docs/reference/python.md", "exec"), names)
     assert "mN" in capsys.readouterr().out
     assert names["session"].error is None
     assert names["session"].result()["ticks"] == len(names["felt"][0].force_n)
@@ -41,7 +41,7 @@ def test_from_a_recording_to_a_felt_session(capsys):
 
 
 def test_docs_list_every_name():
-    listed = (ROOT / "docs" / "python.md").read_text()
+    listed = (ROOT / "docs" / "reference" / "python.md").read_text()
     tables = "\n".join(line for line in listed.splitlines() if line.startswith("|"))
     for name in springpot.__all__:
         if name != "SpringpotError":

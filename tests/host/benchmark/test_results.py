@@ -1,4 +1,4 @@
-"""The README's figures and docs/results.md are what the stored benchmarks say."""
+"""The README's figures and docs/explanation/results.md are what the stored benchmarks say."""
 
 import json
 import re
@@ -55,7 +55,7 @@ def test_a_changed_figure_shows() -> None:
     changed[0]["points"][0]["rmse_n"] *= 2.0
     front = [p for p in changed[0]["points"] if p["pareto"]]
     front[0]["tick_ns_hot"] *= 3.0
-    page = SCRIPT["ROOT"] / "docs" / "results.md"
+    page = SCRIPT["ROOT"] / "docs" / "explanation" / "results.md"
     assert SCRIPT["pages"](changed, None)[page] != SCRIPT["pages"](stored(), None)[page]
     assert "in 2 s" in SCRIPT["readme_results"](stored()[0] | {"cpu_s": 2.0})
 
@@ -88,7 +88,9 @@ def test_benchmarks_of_hammerstein_s_own_class_come_last() -> None:
     kin = next(result for result in benches if "ecoflex" in result["name"])
     foreign = kin | {"name": "simulated mullins"}
     text = SCRIPT["pages"]([kin, foreign, *benches], None)
-    titles = re.findall("^## (.*)", text[SCRIPT["ROOT"] / "docs" / "results.md"], re.MULTILINE)
+    titles = re.findall(
+        "^## (.*)", text[SCRIPT["ROOT"] / "docs" / "explanation" / "results.md"], re.MULTILINE
+    )
     assert titles == [
         "Mach-1 tester (Dynamic_data.txt)",
         "Simulated mullins",

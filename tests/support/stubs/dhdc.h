@@ -1,4 +1,4 @@
-/* The calls of Force Dimension's SDK that docs/chai3d.md makes, on a motion of 300 ticks: a press of
+/* The calls of Force Dimension's SDK that docs/how-to/chai3d.md makes, on a motion of 300 ticks: a press of
  * 8 mm; every seventh position cannot be read. Prints position, velocity and force of each tick. */
 #include <stdio.h>
 

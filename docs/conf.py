@@ -1,0 +1,18 @@
+"""How `make docs` builds the site: Sphinx over the Markdown of this folder, warnings as errors."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+project = "springpot"
+extensions = ["myst_parser"]
+exclude_patterns = ["reliability"]  # others.md there is a part of explanation/reliability.md
+myst_heading_anchors = 4
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+
+html_theme = "furo"
+html_title = "springpot"
+html_copy_source = False
+html_show_sphinx = False
+highlight_language = "bash"  # blocks without a language are commands
