@@ -35,8 +35,8 @@ def record(
 
     url: of a device, "sim://ecoflex-00-30" a simulated one. protocol: "paper" or another that
     docs/reference/recordings.md lists, or a TOML file. seed: of random commands and of a
-    simulated device's noise. object_name: what lies under a real device. max_force_n, N (by default 1.3 x the
-    command), and max_depth_m, m: beyond them it stops.
+    simulated device's noise. object_name: what lies under a real device. max_force_n, N (by
+    default 1.3 x the command), and max_depth_m, m: beyond them it stops.
     Raises UsageError where files would be overwritten, DeviceError where the device fails.
     """
     from springpot.host.recording.indentation import Limits

@@ -1,4 +1,4 @@
-"""docs/explanation/reliability.md is what its command makes of the results; each section can be missing."""
+"""The page on reliability is what its command makes of the results; a section can be missing."""
 
 import json
 import tomllib

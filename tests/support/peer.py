@@ -49,7 +49,7 @@ def wait_until(true: Callable[[], object], seconds: float, what: str) -> None:
 
 @contextmanager
 def peer(kind: str, *options: object) -> Iterator[Peer]:
-    # A drive as docs/reference/devices.md wants it; left alone it sends a hundred estimates a second.
+    # A drive as it has to be set up; left alone it sends a hundred estimates a second.
     set_up = ("--rate-hz", 1000) if kind.endswith("_odrive") else ()
     command = [sys.executable, str(PEERS / f"{kind}.py"), *map(str, (*set_up, *options))]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)

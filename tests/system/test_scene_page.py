@@ -1,4 +1,4 @@
-"""docs/reference/scene.md lists the keys of a scene as the code reads them: defaults, values, bounds."""
+"""The page on scenes lists its keys as the code reads them: defaults, values, bounds."""
 
 import dataclasses
 import re
