@@ -98,6 +98,7 @@ lint: $(STAMP)
 
 types: $(STAMP) ns
 	$(BIN)/mypy
+	MYPYPATH=docs/_ext:build/ns $(BIN)/mypy docs/_ext
 
 # mypy and pyright do not see packages mapped by an editable install: a tree of links shows them.
 ns:

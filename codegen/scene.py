@@ -1,6 +1,8 @@
 """The scene: how one model is rendered, as the user states it. Key names are the scene file's.
 
-The types carry each key's bounds; the host checks a file against them and names the key.
+The types carry each key's bounds; the host checks a file against them and names the key. The text
+below a key is its line in the reference (docs/_ext): "Default:" where it is derived, "May be:"
+where the type does not say it.
 """
 
 from dataclasses import dataclass, field
@@ -15,19 +17,25 @@ _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 @dataclass(frozen=True)
 class Runtime:
-    """Rate (default: the model's own), number type, target, prefix of the C names.
-
-    measured_step: whether there is sp_step_dt, where the model is exact at any rate; by default on
-    a host, where loops are late and flash is plenty.
-    """
+    """Rate, numbers and names of the C, and what it is compiled for."""
 
     __pydantic_config__ = _CLOSED
     rate_hz: Annotated[float, Interval(ge=10, le=8000)] | None = None
+    """Ticks a second; another rate than the model's only where all its parts are exact at any.
+    Default: the model's own."""
     number: Number = "float32"
+    """Type of all numbers in the C."""
     target: Target = "host"
+    """Processor whose flash, stack and instructions `emit` states; of `wasm32`, a web page, the
+    bytes of the module."""
     prefix: str = "sp"
+    """Beginning of every C name, so that two objects live in one image. May be: lower-case
+    letters, digits, underscores."""
     forest: Literal["table", "m2cgen"] = "table"
+    """Node tables, or nested ifs by m2cgen, for small forests and comparison."""
     measured_step: bool | None = None
+    """Whether there is `sp_step_dt`, which takes the measured time step. Default: on a host,
+    where the model allows it."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +44,13 @@ class Coupling:
 
     __pydantic_config__ = _CLOSED
     mode: Literal["auto", "off", "tool", "proxy"] = "auto"
+    """What stands between tool and model."""
     stiffness_npm: Annotated[float, Interval(ge=1e-3, le=1e7)] = 1500.0
+    """Of the coupling's spring, in the modes `tool` and `proxy`."""
     damping_nspm: Annotated[float, Interval(ge=1e-6, le=1e7)] = 20.0
+    """Of the coupling's damper."""
     mass_kg: Annotated[float, Interval(ge=1e-6, le=1e3)] = 0.05
+    """Of the proxy."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +59,7 @@ class Smoothing:
 
     __pydantic_config__ = _CLOSED
     time_constant_s: Annotated[float, Interval(ge=0, le=1)] = 0.0
+    """Exponential moving average of the force; 0 leaves it out."""
 
 
 @dataclass(frozen=True)
@@ -55,44 +68,62 @@ class Guard:
 
     __pydantic_config__ = _CLOSED
     max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
+    """The force is clamped there. Default: 1.2 times the maximum trained force."""
     outside: Literal["fallback", "hold", "zero"] = "fallback"
+    """Beyond the trained depth: the passive model adds its share, the force stays, or it ends."""
     watchdog_ms: Annotated[float, Interval(gt=0, le=1000)] | None = None
+    """Without a good sample for so long, the force goes to zero and latches. Default: 20, and at
+    least three ticks."""
     contact: Literal["surface", "always"] | None = None
+    """`"surface"`: positions at or below 0 are free air; `"always"`: the tool never leaves the
+    object. Default: the model's own."""
     onset_mm: Annotated[float, Interval(ge=1e-4, le=100)] | None = None
+    """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
+    depth."""
 
 
 @dataclass(frozen=True)
 class Device:
-    """What loop checks assume and drivers need; None: not measured, or not stated.
-
-    delay_samples or delay_s: how late its force acts. mass_kg, viscous_nspm, coulomb_n: what a
-    hand moves and what brakes it, without the hand. resolution_um: the smallest step of its
-    position; velocity_noise_mps: standard deviation of its velocity.
-    m_per_turn, sign, zero_turns, max_torque_nm: the transmission of a motor drive;
-    nm_per_a: its motor's torque constant.
-    force_sign: -1 where a positive command pulls the wrong way. effector_mass_kg: what its own
-    gravity compensation carries. weight_n: what the handle weighs beyond that.
-    """
+    """What loop checks assume and drivers need; None: not measured, or not stated."""
 
     __pydantic_config__ = _CLOSED
     delay_samples: Annotated[int, Interval(ge=0, le=10)] = 0
+    """How late the device's force acts: for the checks."""
     delay_s: Annotated[float, Interval(ge=0, le=0.02)] | None = None
+    """The same in seconds, in place of `delay_samples`; the checks round it up to whole ticks."""
     mass_kg: Annotated[float, Interval(ge=1e-3, le=100)] | None = None
+    """That a hand moves with the device, without the hand: for the checks, which assume 0.3
+    without it."""
     viscous_nspm: Annotated[float, Interval(ge=0, le=1e3)] | None = None
+    """Friction that grows with speed: for the checks, which assume 4 without it."""
     coulomb_n: Annotated[float, Interval(ge=0, le=1e3)] | None = None
+    """Friction that does not: for the closed loop of the checks."""
     velocity_noise_mps: Annotated[float, Interval(ge=0, le=10)] | None = None
+    """Standard deviation of the device's velocity about the true one."""
     velocity: Literal["estimate", "device"] = "estimate"
+    """Where a coupling takes the tool's velocity from."""
     surface_mm: float = 0.0
+    """Position of the undeformed surface, from the device's zero."""
     m_per_turn: Annotated[float, Interval(gt=0, le=100)] | None = None
+    """Travel of the tool for one turn of a motor."""
     sign: Literal[1, -1] = 1
+    """-1: positive turns pull the tool out."""
     zero_turns: float = 0.0
+    """Motor position of the tool's zero."""
     max_torque_nm: Annotated[float, Gt(0)] | None = None
+    """Of the motor."""
     nm_per_a: Annotated[float, Gt(0)] | None = None
+    """Torque constant of the motor: 8.27 / KV."""
     resolution_um: Annotated[float, Interval(gt=0, le=1e4)] = 10.0
+    """Smallest step of the device's position: `emit` says how much the force may change with it."""
     force_sign: Literal[1, -1] = 1
+    """-1: a positive command pulls the tool the wrong way."""
     max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
+    """Largest force of the device."""
     effector_mass_kg: Annotated[float, Interval(ge=0, le=100)] | None = None
+    """Mass of the handle, for a device that carries its weight by itself."""
     weight_n: Annotated[float, Interval(ge=-20, le=20)] = 0.0
+    """That the handle weighs beyond what the device carries; of `dhd://` devices."""
 
 
 @dataclass(frozen=True)
@@ -101,10 +132,15 @@ class Budget:
 
     __pydantic_config__ = _CLOSED
     flash_bytes: Annotated[int, Gt(0)] | None = None
+    """Code, constants and initialised data of the scene."""
     ram_bytes: Annotated[int, Gt(0)] | None = None
+    """One state."""
     stack_bytes: Annotated[int, Gt(0)] | None = None
+    """Of a tick, along the deepest path of calls."""
     tick_instructions: Annotated[int, Gt(0)] | None = None
+    """Bound of the instructions of a tick."""
     tick_us: Annotated[float, Gt(0)] | None = None
+    """Not checked when emitting: `springpot validate` measures it."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +149,11 @@ class Scene:
 
     __pydantic_config__ = _CLOSED
     schema: Literal[1]
+    """Version of this format."""
     name: str
+    """Of the object: in headings, comments and logs. May be: printable text."""
     model: str
+    """Model file of `springpot train`, from where the scene file is. May be: a path."""
     runtime: Runtime = field(default_factory=Runtime)
     coupling: Coupling = field(default_factory=Coupling)
     smoothing: Smoothing = field(default_factory=Smoothing)

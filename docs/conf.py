@@ -6,10 +6,16 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 project = "springpot"
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "reference_pages"]
 exclude_patterns = ["reliability"]  # others.md there is a part of explanation/reliability.md
 myst_heading_anchors = 4
-myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_enable_extensions = ["attrs_inline", "colon_fence", "dollarmath"]
+
+autodoc_typehints = "none"  # signatures are those of the source: reference_pages/signatures.py
+nitpick_ignore_regex = [
+    ("py:class", r"(?!springpot\.).*"),  # types of numpy and of Python itself
+    ("c:identifier", "uint32_t"),
+]
 
 html_theme = "furo"
 html_title = "springpot"

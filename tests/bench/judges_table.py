@@ -33,8 +33,9 @@ EXPLAINED = (
     "of what `auto` chose without the test part, of that of the best candidate. "
     "[recordings](../reference/recordings.md) says what the recordings are. `paper`: the "
     "paper's 27 presses, and 4 of its sums as a test; it and `third-repeat` press one object "
-    "every 2 s, the others a fresh one each time; `slow-ramps` sampled at 50 Hz, `one-long` at 100 Hz with a "
-    "load cell that drifts by 0.1 N a minute, `preload` with a first position that reads 0.\n"
+    "every 2 s, the others a fresh one each time; `slow-ramps` sampled at 50 Hz, `one-long` at "
+    "100 Hz with a load cell that drifts by 0.1 N a minute, `preload` with a first position that "
+    "reads 0.\n"
 )
 
 

@@ -1,0 +1,49 @@
+"""Sphinx extension: pages of the reference are completed from the code while they are read.
+
+A line `<!-- generated: NAME -->` of a page becomes the Markdown that the generator of that name
+makes; nothing of it is kept in the repository.
+"""
+
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from reference_pages.c_header import c_functions, c_notes
+from reference_pages.commands import command_pages
+from reference_pages.docstrings import as_rst
+from reference_pages.exit_statuses import exit_status_table
+from reference_pages.python_names import python_name_list
+from reference_pages.scene_keys import scene_key_tables
+from reference_pages.signatures import as_written
+from reference_pages.wire import wire_messages
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
+GENERATORS: dict[str, Callable[[], str]] = {
+    "commands": command_pages,
+    "exit statuses": exit_status_table,
+    "scene keys": scene_key_tables,
+    "c functions": c_functions,
+    "c notes": c_notes,
+    "python names": python_name_list,
+    "wire": wire_messages,
+}
+_MARK = re.compile(r"^<!-- generated: (.*) -->$", re.M)
+
+
+def completed(text: str) -> str:
+    """A page with what its marks stand for. Raises KeyError for a mark without a generator."""
+    return _MARK.sub(lambda found: GENERATORS[found[1]](), text)
+
+
+def setup(app: "Sphinx") -> dict[str, Any]:
+    """Called by Sphinx."""
+
+    def complete(_app: "Sphinx", _page: str, source: list[str]) -> None:
+        source[0] = completed(source[0])
+
+    app.connect("source-read", complete)
+    app.connect("autodoc-process-docstring", as_rst)
+    app.connect("autodoc-process-signature", as_written)
+    return {"parallel_read_safe": True}

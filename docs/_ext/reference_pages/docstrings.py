@@ -1,0 +1,18 @@
+"""Docstrings of the Python interface: written as plain text with `code`, read by Sphinx as reST."""
+
+import re
+from typing import Any
+
+_CODE = re.compile(r"(?<![`\w])`([^`\n]+)`(?!`)")
+
+
+def as_rst(_app: Any, _what: str, _name: str, _of: Any, _options: Any, lines: list[str]) -> None:
+    """Sphinx's autodoc-process-docstring: single backticks are code, other marks themselves."""
+    lines[:] = [_line(line) for line in lines]
+
+
+def _line(line: str) -> str:
+    parts = _CODE.split(line)
+    text = [re.sub(r"([*|]|(?<=\w)_(?!\w))", r"\\\1", part) for part in parts[::2]]
+    code = [f"``{part}``" for part in parts[1::2]]
+    return "".join(a + b for a, b in zip(text, [*code, ""], strict=True))

@@ -1,0 +1,125 @@
+"""The generated pages of the reference: complete, and as the code is."""
+
+import json
+import re
+import sys
+import typing
+from dataclasses import dataclass
+
+import click
+import pytest
+from support.paths import ROOT
+
+import springpot
+from springpot.codegen import scene
+from springpot.host.cli import springpot as command_line
+from springpot.host.emission.scene_file import scene_to_json
+
+sys.path.append(str(ROOT / "docs" / "_ext"))
+import reference_pages
+from reference_pages import commands, scene_keys
+from reference_pages.c_header import c_functions, declarations, notes
+from reference_pages.exit_statuses import statuses
+from reference_pages.python_names import python_name_list
+from reference_pages.wire import wire_messages
+
+PLAIN = scene.Scene(schema=1, name="x", model="x.spm")
+
+
+def test_every_mark_of_a_page_has_a_generator_and_each_generator_a_page() -> None:
+    pages = (ROOT / "docs").rglob("*.md")
+    marks = [mark for page in pages for mark in reference_pages._MARK.findall(page.read_text())]
+    assert sorted(marks) == sorted(reference_pages.GENERATORS)
+    with pytest.raises(KeyError):
+        reference_pages.completed("<!-- generated: nothing -->")
+
+
+def test_every_key_of_a_scene_is_listed() -> None:
+
+    keys = json.loads(scene_to_json(PLAIN))
+    sections = {name: section for name, section in keys.items() if isinstance(section, dict)}
+    expected = {f"{name}.{key}" for name, section in sections.items() for key in section}
+    expected |= {f".{name}" for name in keys if name not in sections}
+    rows = list(scene_keys.key_rows())
+    assert {f"{row.section}.{row.name}" for row in rows} == expected
+    assert len(rows) > 40
+    table = scene_keys.scene_key_tables()
+    for row in rows:
+        assert f"[`{row.name}`]{{#" in table
+        assert row.meaning.endswith(".")
+
+
+def test_a_row_says_unit_default_and_bounds() -> None:
+    rows = {f"{row.section}.{row.name}": row[2:] for row in scene_keys.key_rows()}
+    assert rows["runtime.rate_hz"][:3] == ("Hz", "the model's own", "10 to 8000")
+    assert rows["coupling.damping_nspm"][:3] == ("N s/m", "`20.0`", "1e-06 to 1e+07")
+    assert rows["guard.max_force_n"][2] == "above 0, to 10000"
+    assert rows["guard.contact"][2] == '`"surface"`, `"always"`'
+    assert rows["budget.flash_bytes"][:3] == ("bytes", "none", "above 0")
+    assert rows["device.surface_mm"][2] == "any"
+    assert rows["runtime.measured_step"][2] == "`true`, `false`"
+    assert rows[".schema"][1] == "must be stated"
+
+
+def test_a_key_without_a_text_is_refused() -> None:
+    with pytest.raises(ValueError, match="silent"):
+        list(scene_keys._rows("section", SilentSection))
+
+
+@dataclass(frozen=True)
+class SilentSection:
+    silent: float = 1.0
+
+
+def test_every_command_and_option_is_listed() -> None:
+    page = commands.command_pages()
+    context = click.Context(command_line, info_name="springpot")
+    listed = dict(commands.every_command(context))
+    assert len(listed) > 24
+    assert "springpot study plan" in listed
+    for name, command in listed.items():
+        section = page.split(f"\n## {name}\n")[1].split("\n## ")[0]
+        for option in command.params:
+            if isinstance(option, click.Option):
+                assert f":::{{option}} {option.opts[0]}" in section, name
+    assert "Default: `cv`." in page
+    assert "Range: 0<x<=1." in page
+
+
+def test_every_function_and_note_of_c_is_listed() -> None:
+    header = (ROOT / "runtime_c" / "include" / "sp.h").read_text()
+    functions = [line for group in declarations() for line in group.functions]
+    for name in ("sp_init", "sp_reset", "sp_step", "sp_step_dt", "sp_run", "sp_idle", "sp_selftest",
+                 "sp_manifest", "sp_state_size", "sp_abi_version"):  # fmt: skip
+        assert f"{name}(" in header
+        assert len([line for line in functions if f"{name}(" in line]) == 1
+        assert f"{name}(" in c_functions()
+    assert len(functions) == len(
+        re.findall(r"^(?:int|void|uint32_t|const char) [^;]*\(", header, re.M)
+    )
+    assert all(group.comment for group in declarations())
+    assert ("SP_NOTE_LATCHED", 32) in {note[:2] for note in notes()}
+    assert ("SP_ERROR_TIME_STEP", -2) in {note[:2] for note in notes()}
+    assert len(notes()) == (ROOT / "runtime_c" / "include" / "sp_notes.h").read_text().count(" = ")
+
+
+def test_every_message_and_field_of_the_wire_is_listed() -> None:
+    page = wire_messages()
+    assert "## HELLO, type 2" in page
+    assert "| `max_n` | `f32` | maximum force of its motor |" in page
+    text = (ROOT / "runtime_c" / "port" / "wire" / "sp_wire_messages.h").read_text()
+    table = text[text.index("#define SP_WIRE_ASK") :]
+    assert page.count("| `f32` |") == table.count("FIELD(f32")
+    assert page.count("| `SP_WIRE_") == table.count(" = ")
+
+
+def test_every_public_name_of_python_is_listed() -> None:
+    page = python_name_list()
+    for name in springpot.__all__:
+        assert f":: {name}\n" in page
+        assert typing.cast("str | None", getattr(springpot, name).__doc__)
+
+
+def test_exit_statuses_are_those_of_the_command_line() -> None:
+    assert list(statuses()) == [0, 1, 2, 3, 4, 5, 6, 7, 130]
+    assert statuses()[6][0] == "UnsafeError"
