@@ -18,6 +18,7 @@ nitpick_ignore_regex = [
 ]
 
 html_theme = "furo"
+html_math_renderer = "mathml"
 html_title = "springpot"
 html_copy_source = False
 html_show_sphinx = False

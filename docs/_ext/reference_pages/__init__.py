@@ -12,6 +12,7 @@ from reference_pages.c_header import c_functions, c_notes
 from reference_pages.commands import command_pages
 from reference_pages.docstrings import as_rst
 from reference_pages.exit_statuses import exit_status_table
+from reference_pages.mathml import visit_block, visit_inline
 from reference_pages.python_names import python_name_list
 from reference_pages.scene_keys import scene_key_tables
 from reference_pages.signatures import as_written
@@ -46,4 +47,5 @@ def setup(app: "Sphinx") -> dict[str, Any]:
     app.connect("source-read", complete)
     app.connect("autodoc-process-docstring", as_rst)
     app.connect("autodoc-process-signature", as_written)
+    app.add_html_math_renderer("mathml", (visit_inline, None), (visit_block, None))
     return {"parallel_read_safe": True}
