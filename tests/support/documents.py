@@ -4,7 +4,9 @@ A comment in front of a block, which a reader does not see, says what a test has
 
     <!-- test: file scene.toml -->     the block is written to that file
     <!-- test: URL = sim://pad, 60 = 1 -->     words that stand for others when it runs
+    <!-- test: arm -->                 needs a cross compiler
     <!-- test: board -->               needs a cross compiler and an emulator
+    <!-- test: seen -->                lines of what the commands before it print, with any numbers
     <!-- test: prints URL -->          each line is a process that prints a URL, and goes on
 """
 
@@ -26,6 +28,7 @@ _BLOCK = re.compile(
 )
 _INLINE = re.compile(r"`((?:springpot|make) [^`]+)`")
 _TTY = "/dev/pts/N"
+NEEDS = ("arm", "board")
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,11 @@ class Block:
     @property
     def where(self) -> str:
         return f"{self.page.relative_to(ROOT)}:{self.line}"
+
+    @property
+    def need(self) -> str:
+        """What the block needs beside Python and a compiler: "arm", "board" or ""."""
+        return next((word for word in self.note.split() if word in NEEDS), "")
 
     @property
     def commands(self) -> list[str]:
@@ -88,6 +96,21 @@ def run_commands(block: Block, folder: Path) -> list[str]:
     return printed
 
 
+def unseen(block: Block, printed: str) -> list[str]:
+    """Lines of a block that what was printed does not have, numbers and spaces apart."""
+    text = _masked(printed)
+    return [line for line in block.text.splitlines() if _masked(line) not in text]
+
+
+def _masked(text: str) -> str:
+    return re.sub(r"\d[\d.]*", "#", " ".join(text.split()))
+
+
+def run_python(code: str, folder: Path, where: str) -> str:
+    """Run a page's Python in `folder`, in a process of its own; what it printed."""
+    return _run(["python", "-c", code], folder, where)
+
+
 def print_urls(block: Block, folder: Path) -> list[str]:
     """Start each line's process from where the paths of the page begin; return their URLs."""
     found = []
@@ -107,6 +130,8 @@ def print_urls(block: Block, folder: Path) -> list[str]:
 def _run(words: list[str], folder: Path, where: str) -> str:
     if words[0] == "springpot":
         words = [*MAIN, *words[1:]]
+    elif words[0] == "python":
+        words[0] = sys.executable
     elif words[:2] == ["make", "firmware"]:  # into this checkout's build folder, by its .venv
         board, scene = (word.partition("=")[2] for word in words[2:])
         words = [*MAIN, "firmware", "--scene", scene, "--board", board, "--out",
@@ -132,4 +157,6 @@ def _emulator(words: list[str], folder: Path, running: ExitStack) -> str:
 
 
 def _environment() -> dict[str, str]:
-    return os.environ | {"PYTHONPATH": os.pathsep.join([*filter(None, sys.path), str(TESTS)])}
+    """Wide, so that no line of a table is broken."""
+    path = os.pathsep.join([*filter(None, sys.path), str(TESTS)])
+    return os.environ | {"COLUMNS": "400", "PYTHONPATH": path}

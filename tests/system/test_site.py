@@ -1,0 +1,124 @@
+"""The documentation builds as `make docs` builds it: strictly, and to all that it has to hold."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from support.paths import ROOT
+
+import springpot
+from springpot.host.cli import springpot as command_line
+
+sys.path.append(str(ROOT / "docs" / "_ext"))
+from reference_pages import commands, scene_keys
+from reference_pages.c_header import declarations, notes
+
+LINK = re.compile(r"\]\(([^)#:\s]+)[^)\s]*\)|(?:href|src)=\"([^\"#:]+)\"")
+
+
+def site(docs: Path, out: Path) -> subprocess.CompletedProcess[str]:
+    """Build docs/ with the options of the Makefile."""
+    (options,) = re.findall(r"sphinx-build (-.*?) -d", (ROOT / "Makefile").read_text())
+    command = [sys.executable, "-m", "sphinx", *options.split(), "-d", out / "doctrees", docs]
+    return subprocess.run([*command, out / "html"], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The site, built once."""
+    out = tmp_path_factory.mktemp("site")
+    done = site(ROOT / "docs", out)
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr
+    return out / "html"
+
+
+@pytest.mark.slow
+def test_it_holds_every_option_key_function_and_name(pages: Path) -> None:
+    reference = {file.stem: file.read_text() for file in (pages / "reference").glob("*.html")}
+    for name, command in commands.every_command(click.Context(command_line, info_name="springpot")):
+        for option in command.params:
+            if isinstance(option, click.Option):
+                target = f"cmdoption-{name.replace(' ', '-')}-{option.opts[0].lstrip('-')}"
+                assert f'id="{target}"' in reference["commands"], target
+    for row in scene_keys.key_rows():
+        target = f"{row.section}-{row.name}".lstrip("-").replace("_", "-")
+        assert f'id="{target}"' in reference["scene"], target
+    for group in declarations():
+        for function in group.functions:
+            (name,) = re.findall(r"(\w+)\(", function)
+            assert f'id="c.{name}"' in reference["c"], name
+    assert all(f'id="c.{note}"' in reference["c"] for note, _, _ in notes())
+    assert all(f'id="springpot.{name}"' in reference["python"] for name in springpot.__all__)
+
+
+@pytest.mark.slow
+def test_it_fetches_nothing_and_every_page_is_reached(pages: Path) -> None:
+    for file in pages.rglob("*.html"):
+        if "_downloads" not in file.parts:
+            text = file.read_text()
+            assert not re.search(r'<(?:link|script|img)[^>]*(?:src|href)="(?:https?:)?//', text), (
+                file
+            )
+    made = {str(file.relative_to(pages).with_suffix(".md")) for file in pages.rglob("*.html")}
+    written = {
+        str(page.relative_to(ROOT / "docs"))
+        for page in (ROOT / "docs").rglob("*.md")
+        if "reliability/" not in str(page)
+    }
+    assert written <= made
+
+
+# What is done to a copy of docs/, and a part of what the build has to say.
+DEFECTS = {
+    "a page that is gone": ("how-to/record.md", "](force-sensor.md)", "](force-sensors.md)",
+                            "cross-reference target not found: 'force-sensors.md'"),
+    "an anchor that is gone": ("how-to/record.md", "#protocols-of-record", "#protocols",
+                               "local id not found"),
+    "a file that is gone": ("how-to/own-device.md", "devices/drivers.py", "devices/driver.py",
+                            "cross-reference target not found"),
+    "a page in no list": ("how-to/index.md", "\nodrive\n", "\n", "document isn't included in any"),
+    "an option that is gone": ("how-to/record.md", "# Record an object",
+                               "# Record\n\n{option}`springpot train --modell`",
+                               "unknown option: 'springpot train --modell'"),
+    "a function that is gone": ("reference/c.md", "# C interface", "# C\n\n{c:func}`sp_stop`",
+                                "c:func reference target not found: sp_stop"),
+    "a name of Python that is gone": ("reference/python.md", "# Python",
+                                      "# Python\n\n{py:func}`springpot.fit`",
+                                      "py:func reference target not found: springpot.fit"),
+    "a generator that is gone": ("reference/wire.md", "generated: wire", "generated: wires",
+                                 "exception: 'wires'"),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_defect_ends_the_build(tmp_path: Path) -> None:
+    """All but the last at once; each has its line."""
+    copy = tmp_path / "docs"
+    shutil.copytree(ROOT / "docs", copy, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("README.md", "host", "trainer", "tests", "codegen", "runtime_c"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    *first, last = DEFECTS.values()
+    for planted in (first, [last]):
+        for file, text, other, _ in planted:
+            page = copy / file
+            assert text in page.read_text(), file
+            page.write_text(page.read_text().replace(text, other, 1))
+        done = site(copy, tmp_path)
+        assert done.returncode != 0
+        for *_, line in planted:
+            assert line in done.stderr, f"{line} not in\n{done.stderr}"
+
+
+@pytest.mark.parametrize(
+    "page", [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))], ids=lambda page: page.stem
+)
+def test_every_file_that_a_page_names_exists(page: Path) -> None:
+    """Of the README too, which the site does not hold."""
+    for found in LINK.finditer(page.read_text()):
+        target = found[1] or found[2]
+        assert (page.parent / target).exists(), f"{page.name}: {target}"
