@@ -24,7 +24,8 @@ from support.paths import ROOT, TESTS
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MAIN = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 _BLOCK = re.compile(
-    r"^(?:<!-- test: (?P<note>[^\n]*) -->\n)?```(?P<language>\w*)\n(?P<text>.*?)^```", re.M | re.S
+    r"^(?:<!-- test: (?P<note>[^\n]*) -->\n)?```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```",
+    re.M | re.S,
 )
 _INLINE = re.compile(r"`((?:springpot|make) [^`]+)`")
 _TTY = "/dev/pts/N"
@@ -73,6 +74,7 @@ def blocks(page: Path) -> list[Block]:
         Block(page, text.count("\n", 0, found.start()) + 1, found["note"] or "", found["language"],
               found["text"])
         for found in _BLOCK.finditer(text)
+        if not found["language"].startswith("{")  # the site's own: lists of pages
     ]  # fmt: skip
 
 

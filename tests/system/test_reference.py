@@ -4,16 +4,23 @@ import json
 import re
 import sys
 import typing
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
+from pathlib import Path
 
 import click
 import pytest
 from support.paths import ROOT
+from support.small import small_model
 
 import springpot
 from springpot.codegen import scene
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.plan.force_facts import force_facts
+from springpot.codegen.plan.plan import make_plan
 from springpot.host.cli import springpot as command_line
 from springpot.host.emission.scene_file import scene_to_json
+from springpot.host.study import definition
+from springpot.host.study.definition import Study
 
 sys.path.append(str(ROOT / "docs" / "_ext"))
 import reference_pages
@@ -123,3 +130,24 @@ def test_every_public_name_of_python_is_listed() -> None:
 def test_exit_statuses_are_those_of_the_command_line() -> None:
     assert list(statuses()) == [0, 1, 2, 3, 4, 5, 6, 7, 130]
     assert statuses()[6][0] == "UnsafeError"
+
+
+def test_every_key_of_a_study_is_listed() -> None:
+    page = (ROOT / "docs" / "reference" / "study.md").read_text()
+    table = page.split("## Keys of a study file")[1].split("\n## ")[0]
+    own = (kind for kind in vars(definition).values() if kind.__class__ is type)
+    kinds = [kind for kind in own if is_dataclass(kind) and kind.__module__ == definition.__name__]
+    assert Study in kinds
+    keys = {key.name for kind in kinds for key in fields(kind)}
+    assert len(keys) > 30
+    for key in keys:
+        assert f"`{key}`" in table or f"[{key}]" in table, key
+
+
+def test_every_key_of_a_manifest_is_listed(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "reference" / "files.md").read_text().split("## manifest.json")[1]
+    runtime = scene.Runtime(target="cortex-m4f")
+    for stated in (PLAIN, replace(PLAIN, runtime=runtime)):
+        plan = make_plan(small_model(), stated)
+        manifest = json.loads(emit_files(plan, force_facts(plan))["manifest.json"])
+        assert {key for key in manifest if f"`{key}`" not in page} == set()

@@ -13,6 +13,7 @@ from reference_pages.commands import command_pages
 from reference_pages.docstrings import as_rst
 from reference_pages.exit_statuses import exit_status_table
 from reference_pages.mathml import visit_block, visit_inline
+from reference_pages.opened_pages import open_pages
 from reference_pages.python_names import python_name_list
 from reference_pages.scene_keys import scene_key_tables
 from reference_pages.signatures import as_written
@@ -47,5 +48,6 @@ def setup(app: "Sphinx") -> dict[str, Any]:
     app.connect("source-read", complete)
     app.connect("autodoc-process-docstring", as_rst)
     app.connect("autodoc-process-signature", as_written)
+    app.connect("doctree-resolved", open_pages)
     app.add_html_math_renderer("mathml", (visit_inline, None), (visit_block, None))
     return {"parallel_read_safe": True}
