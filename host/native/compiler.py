@@ -43,7 +43,7 @@ def compiler_reason() -> str:
     """Say why `find_compiler` takes the one that it takes."""
     if os.environ.get("CC", "").strip():
         return "CC names it"
-    if find_compiler()[:-1] == packaged_compiler():
+    if (packaged := packaged_compiler()) and find_compiler() == (*packaged, "cc"):
         return "of springpot[cc]: there is no gcc, clang or cc on PATH, and CC is not set"
     return "the first of gcc, clang, cc on PATH; CC would name another"
 

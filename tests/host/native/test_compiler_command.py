@@ -11,7 +11,12 @@ from support.small import model_file, scene
 
 from springpot.host.devices.doctor import examine
 from springpot.host.emission.emission import emit
-from springpot.host.native.compiler import NoCompilerError, compiler_version, find_compiler
+from springpot.host.native.compiler import (
+    NoCompilerError,
+    compiler_reason,
+    compiler_version,
+    find_compiler,
+)
 
 GCC = shutil.which("gcc")
 
@@ -37,7 +42,9 @@ def counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.skipif(GCC is None, reason="no gcc")
-def test_a_command_of_two_words_builds_measures_and_is_shown(tmp_path: Path, counted: Path) -> None:
+def test_a_command_of_two_words_builds_measures_and_is_shown(
+    tmp_path: Path, counted: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert find_compiler() == (str(tmp_path / "bin/ccache"), "gcc")
     assert compiler_version(find_compiler()) == compiler_version((str(GCC),))
     emission = emit(scene(), model_file(tmp_path), tmp_path / "c")
@@ -47,6 +54,10 @@ def test_a_command_of_two_words_builds_measures_and_is_shown(tmp_path: Path, cou
     row = next(row for row in examine() if row.what == "C compiler")
     assert row.found
     assert "ccache gcc: " in row.seen
+    assert row.seen.endswith("(CC names it)")
+    monkeypatch.delenv("CC")
+    find_compiler.cache_clear()
+    assert compiler_reason().startswith("the first of gcc, clang, cc on PATH")
 
 
 def test_a_path_with_a_space_is_one_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
