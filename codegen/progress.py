@@ -4,7 +4,7 @@ import logging
 from collections.abc import Iterator, Sequence
 from typing import TypeVar
 
-T = TypeVar("T")
+_Item = TypeVar("_Item")
 _LOG = logging.getLogger("springpot.progress")
 
 
@@ -13,7 +13,7 @@ def at_step(what: str, done: int, total: int) -> None:
     _LOG.info(what, extra={"done": done, "total": total})
 
 
-def counted(items: Sequence[T], what: str) -> Iterator[T]:
+def counted(items: Sequence[_Item], what: str) -> Iterator[_Item]:
     """Go through `items`, and log before each how many are done."""
     for done, item in enumerate(items):
         at_step(what, done, len(items))
