@@ -46,7 +46,8 @@ def test_bash_takes_the_script(tmp_path: Path) -> None:
     program.chmod(0o755)
     ask = (
         'eval "$(springpot completion bash)"; COMP_WORDS=(springpot train --model rf); '
-        'COMP_CWORD=3; _springpot_completion springpot; echo "${COMPREPLY[@]}"; complete -p springpot'
+        'COMP_CWORD=3; _springpot_completion springpot; echo "${COMPREPLY[@]}"; '
+        "complete -p springpot"
     )
     done = subprocess.run(
         ["bash", "-c", ask], capture_output=True, text=True, check=False,
