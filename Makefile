@@ -14,7 +14,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove docs check format lint types ns test-c clean
+.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove docs dist check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -51,6 +51,10 @@ firmware: $(STAMP)
 # must see. Needs frama-c-base.
 prove: $(STAMP) ns
 	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects $(if $(JSON),--out $(JSON))
+
+# Source archive and wheel of the commit in dist/: built twice, the same bytes.
+dist: $(STAMP)
+	$(BIN)/python .ci/dist.py dist
 
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a

@@ -56,6 +56,8 @@ _COMMANDS = {
         "Does it feel like the object? Plan a study, run it with people, and report."),
     "material": LazyCommand("models.material:material",
         "Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."),
+    "completion": LazyCommand("completion:completion",
+        "Print the script with which a SHELL completes commands, options and file names."),
 }  # fmt: skip
 
 _EXIT_STATUS: dict[type[Exception], int] = {
@@ -86,7 +88,7 @@ def main() -> None:
             # File names that are no UTF-8, and letters that the locale lacks, must not stop a run.
             stream.reconfigure(errors="backslashreplace")
     try:
-        springpot.main(standalone_mode=False)
+        springpot.main(prog_name="springpot", standalone_mode=False)
     except errors.SpringpotError as error:
         say(f"springpot: {error}")
         sys.exit(exit_status(error))

@@ -11,7 +11,7 @@ from typing import Any
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import write_model
-from springpot.host.console.output import progress_console
+from springpot.host.console.output import progress_bar, progress_console
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
 from springpot.host.emission.scene_file import read_scene
@@ -83,7 +83,7 @@ def _record(object_name: str, protocol: str, seed: int, folder: Path) -> None:
 @contextmanager
 def _step(name: str, seconds: dict[str, float]) -> Iterator[None]:
     begin = perf_counter()
-    with progress_console.status(f"{name} ..."):
+    with progress_bar(name):
         yield
     seconds[name] = perf_counter() - begin
     progress_console.print(f"{name}: {seconds[name]:.1f} s")

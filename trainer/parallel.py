@@ -1,6 +1,7 @@
 """Jobs on all cores by joblib, or on a Dask cluster by joblib's own back end."""
 
 import os
+import signal
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -25,9 +26,11 @@ def in_parallel(
     Raises UsageError where no scheduler answers there.
     """
     with _backend(dask):
-        yield from Parallel(n_jobs=-1, return_as="generator_unordered", batch_size=1)(
-            delayed(_in_one_thread)(work, item) for item in items
-        )
+        with _interrupts_held():  # workers start here, and inherit it
+            results = Parallel(n_jobs=-1, return_as="generator_unordered", batch_size=1)(
+                delayed(_in_one_thread)(work, item) for item in items
+            )
+        yield from results
 
 
 def _in_one_thread(work: Callable[[Item], _Result], item: Item) -> _Result:
@@ -48,6 +51,16 @@ def _end_with(parent: int) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C goes to every process of a terminal: the parent's answer to it is enough."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from springpot.codegen.atomic_write import write_file
 from springpot.host.benchmark import figures
 from springpot.host.benchmark.labels import flash_text, kilobytes, label, options_text
 from springpot.host.benchmark.point import Metadata, Point, Refused, points_of
@@ -19,7 +20,7 @@ _REPORT_NAME = "report.html"
 def write_bench_report(folder: Path) -> Path:
     """Write folder/report.html. Raises DataError where the folder holds no benchmark."""
     path = folder / _REPORT_NAME
-    path.write_text(bench_page(read_result(folder), folder.name), encoding="utf-8")
+    write_file(path, bench_page(read_result(folder), folder.name).encode())
     return path
 
 

@@ -81,7 +81,7 @@ def emulator_of(board: Board) -> str:
     found = shutil.which(board.emulator)
     if found is None:
         package = _EMULATOR_PACKAGES[board.emulator]
-        raise UsageError(f"no {board.emulator}: `apt-get install {package}`, or `make setup-mcu`")
+        raise UsageError(f"no {board.emulator}: `apt-get install {package}`")
     return found
 
 

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
+from springpot.codegen.progress import counted
 from springpot.host.browser.hands import MASS_KG, STIFFNESS_NPM, added_delays
 from springpot.host.browser.scene_entry import scene_entry
 from springpot.host.page import page_text, plain
@@ -27,7 +28,7 @@ def write_press_page(
 
     Raises DataError for no emission, UsageError without the compiler for WebAssembly.
     """
-    entries = [scene_entry(folder, accept_edited) for folder in folders]
+    entries = [scene_entry(folder, accept_edited) for folder in counted(folders, "building")]
     names = [entry["name"] for entry in entries]
     for entry, folder in zip(entries, folders, strict=True):
         if names.count(entry["name"]) > 1:

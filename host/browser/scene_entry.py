@@ -9,8 +9,8 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-import crc32c
 import numpy as np
+from google_crc32c import value as crc32c
 from numpy.typing import NDArray
 
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
@@ -121,7 +121,7 @@ def _recording(folder: Path, plan: Plan) -> dict[str, Any] | None:
         "position_m": packed(position.tobytes()),
         "measured": packed(measured.tobytes()),
         "scale_n": scale_n,
-        "force_crc": f"{crc32c.crc32c(force.tobytes()):08x}",
+        "force_crc": f"{crc32c(force.tobytes()):08x}",
         "seen": _seen_words(stored.metadata["result"].get("seen"), series),
     }
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from springpot.host.console.output import json_option
 
@@ -66,5 +67,6 @@ def _print(findings: "Sequence[Diagnosis]") -> None:
     for column in ("seen", "what to do"):
         table.add_column(column, overflow="fold")  # paths are whole
     for finding in findings:
-        table.add_row(finding.what, "ok" if finding.found else "--", finding.seen, finding.do)
+        cells = (finding.what, "ok" if finding.found else "--", finding.seen, finding.do)
+        table.add_row(*map(Text, cells))  # text as it is: [cc] is no markup
     Console(file=sys.stdout).print(table)

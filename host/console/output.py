@@ -24,7 +24,7 @@ def say(line: str) -> None:
 
 
 class _ProgressLine(logging.Handler):
-    """What long work logs, beside the bar: its records may carry `done` of `total` steps."""
+    """What long work logs, beside the bar: its records carry `done` of `total` steps."""
 
     def __init__(self, progress: Progress, text: str) -> None:
         super().__init__()
@@ -44,9 +44,9 @@ class _ProgressLine(logging.Handler):
 
 
 @contextmanager
-def spinner(text: str) -> Iterator[Progress]:
-    """A bar on standard error that says how far the trainer is; it swings until that is known."""
-    logger = logging.getLogger("springpot.trainer")
+def progress_bar(text: str) -> Iterator[Progress]:
+    """A bar on standard error that says how far the work is; it swings until that is known."""
+    logger = logging.getLogger("springpot")
     columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(bar_width=20))
     with Progress(*columns, console=progress_console, transient=True) as progress:
         handler, level = _ProgressLine(progress, text), logger.level

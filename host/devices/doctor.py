@@ -15,9 +15,11 @@ from springpot.host.devices.serial_port import latency_timer
 from springpot.host.native.compiler import (
     CompilerError,
     cache_folder,
+    compiler_reason,
     compiler_version,
     find_compiler,
 )
+from springpot.host.native.toolchain import missing_tools, toolchain
 
 _LATENCY_MS = 1
 
@@ -38,12 +40,11 @@ class Diagnosis:
 def examine() -> list[Diagnosis]:
     """Look at everything that springpot uses on this machine."""
     checks: tuple[Callable[[], Diagnosis], ...] = (_compiler, _cache, _scheduling, _locked, _timer)
-    findings = [check() for check in checks] + _serial_ports() + [_force_dimension()]
+    findings = [check() for check in checks]
+    findings += [*_serial_ports(), _force_dimension(), _webassembly()]
     for program, package, why in (
         ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
         ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "C for RISC-V boards"),
-        ("clang", "clang", "C as WebAssembly"),
-        ("wasm-ld", "lld", "C as WebAssembly"),
         ("node", "nodejs", "WebAssembly's self-test"),
         ("qemu-system-arm", "qemu-system-arm", "boards without hardware"),
         ("qemu-system-riscv32", "qemu-system-misc", "boards without hardware"),
@@ -57,7 +58,8 @@ def _compiler() -> Diagnosis:
         compiler = find_compiler()
     except CompilerError as error:
         return Diagnosis("C compiler", False, "none", str(error))
-    return Diagnosis("C compiler", True, f"{' '.join(compiler)}: {compiler_version(compiler)}")
+    seen = f"{' '.join(compiler)}: {compiler_version(compiler)} ({compiler_reason()})"
+    return Diagnosis("C compiler", True, seen)
 
 
 def _cache() -> Diagnosis:
@@ -143,6 +145,13 @@ def _force_dimension() -> Diagnosis:
         seen, _, do = absent_reason().partition(": ")
         return Diagnosis(what, True, f"found; {seen}", do)
     return Diagnosis(what, True, f"{count} devices: `springpot doctor --device dhd://`")
+
+
+def _webassembly() -> Diagnosis:
+    what, tools = "C as WebAssembly", toolchain("wasm32")
+    if tools is None:
+        return Diagnosis(what, False, "no compiler for it", missing_tools("wasm32"))
+    return Diagnosis(what, True, f"{' '.join(tools.compiler)} and {' '.join(tools.linker)}")
 
 
 def _program(program: str, package: str, why: str) -> Diagnosis:

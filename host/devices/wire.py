@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import crc32c
 from cobs import cobs
+from google_crc32c import value as crc32c
 
 from springpot.runtime_c.paths import PORT_WIRE
 
@@ -76,7 +76,7 @@ def layout() -> int:
         + "".join(f"{kind} {name};" for name, kind in message.fields)
         for message in messages().values()
     )
-    return int(crc32c.crc32c("".join(rows).encode()))
+    return int(crc32c("".join(rows).encode()))
 
 
 class Sender:
@@ -95,7 +95,7 @@ class Sender:
         plain = _HEAD.pack(number, constant("VERSION"), self.sequence)
         plain += body.pack(*(values[field] for field in fields))
         self.sequence = (self.sequence + 1) & 0xFFFFFFFF
-        return bytes(b"\0" + cobs.encode(plain + _CRC.pack(crc32c.crc32c(plain))) + b"\0")
+        return bytes(b"\0" + cobs.encode(plain + _CRC.pack(crc32c(plain))) + b"\0")
 
 
 class Receiver:
@@ -131,7 +131,7 @@ class Receiver:
         except cobs.DecodeError:
             plain = b""
         covered = len(plain) - _CRC.size
-        if covered < _HEAD.size or _CRC.pack(crc32c.crc32c(plain[:covered])) != plain[covered:]:
+        if covered < _HEAD.size or _CRC.pack(crc32c(plain[:covered])) != plain[covered:]:
             self.crc_errors += 1
             return None
         number, version, sequence = _HEAD.unpack_from(plain)

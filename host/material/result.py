@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.material.figure import moduli_figure
 from springpot.trainer.models.law.material import Law, Prony
@@ -107,16 +108,15 @@ def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> li
         (point["frequency_hz"], by * complex(point["storage_npm"], point["loss_npm"]))
         for point in law.measured
     ]
-    (out / "moduli.svg").write_text(
-        moduli_figure(
-            _FREQUENCIES_HZ, dynamic, discretised, measured, beyond, (time_s, relaxing), unit
-        )
+    figure = moduli_figure(
+        _FREQUENCIES_HZ, dynamic, discretised, measured, beyond, (time_s, relaxing), unit
     )
+    write_file(out / "moduli.svg", figure.encode())
     return ["moduli.csv", "relaxation.csv", "prony.csv", "moduli.svg"]
 
 
 def _table(file: Path, header: Sequence[str], columns: Sequence[Any]) -> None:
-    with file.open("w", newline="") as text:
+    with written_aside(file) as aside, aside.open("w", newline="") as text:
         writer = csv.writer(text)
         writer.writerow(header)
         writer.writerows(np.stack(columns, axis=1).tolist())

@@ -1,12 +1,14 @@
 """Find a C compiler and build shared libraries on first use, into a cache keyed by content."""
 
 import hashlib
+import importlib.util
 import os
 import platform
 import shlex
 import shutil
 import stat
 import subprocess
+import sys
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -30,11 +32,28 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "springpot"
 
 
+def packaged_compiler() -> tuple[str, ...]:
+    """Return the command of the compiler that `springpot[cc]` brings, or nothing."""
+    if importlib.util.find_spec("ziglang") is None:
+        return ()
+    return (sys.executable, "-m", "ziglang")
+
+
+def compiler_reason() -> str:
+    """Say why `find_compiler` takes the one that it takes."""
+    if os.environ.get("CC", "").strip():
+        return "CC names it"
+    if (packaged := packaged_compiler()) and find_compiler() == (*packaged, "cc"):
+        return "of springpot[cc]: there is no gcc, clang or cc on PATH, and CC is not set"
+    return "the first of gcc, clang, cc on PATH; CC would name another"
+
+
 @cache
 def find_compiler() -> tuple[str, ...]:
-    """Return the command that compiles: $CC, which may be several words, gcc, clang or cc.
+    """Return the command that compiles.
 
-    The first word is a path. Raises NoCompilerError with what to install where there is none.
+    $CC, which may be several words; else gcc, clang or cc; else that of `springpot[cc]`. The
+    first word is a path. Raises NoCompilerError with what to install where there is none.
     """
     asked = os.environ.get("CC", "").strip()
     if asked:
@@ -51,9 +70,11 @@ def find_compiler() -> tuple[str, ...]:
     for name in ("gcc", "clang", "cc"):
         if found := shutil.which(name):
             return (found,)
+    if packaged := packaged_compiler():
+        return (*packaged, "cc")
     raise NoCompilerError(
-        "no C compiler on PATH (looked for gcc, clang, cc): install one, "
-        "for example with `apt-get install gcc`, or set CC"
+        "no C compiler on PATH (looked for gcc, clang, cc): install one, for example with "
+        "`apt-get install gcc` or `pip install 'springpot[cc]'`, or set CC"
     )
 
 

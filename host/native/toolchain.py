@@ -3,7 +3,7 @@
 import shutil
 from dataclasses import dataclass
 
-from springpot.host.native.compiler import find_compiler
+from springpot.host.native.compiler import find_compiler, packaged_compiler
 from springpot.runtime_c.paths import PORT_WASM
 
 
@@ -11,12 +11,13 @@ from springpot.runtime_c.paths import PORT_WASM
 class Toolchain:
     """A compiler's command, its size tool, and the flags of one target.
 
-    size: None where the size is that of a linked module.
+    size: None where the size is that of a linked module. linker: its command, of such a module.
     """
 
     compiler: tuple[str, ...]
     size: str | None
     flags: tuple[str, ...]
+    linker: tuple[str, ...] = ()
 
 
 _ARM = ("-mthumb", "-mfloat-abi=hard")
@@ -38,7 +39,7 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
 # No C library, no header of this machine. Every browser has the vectors since 2023; sums keep their
 # order, so that they change no bit.
 _WASM = (
-    "--target=wasm32", "-msimd128", "-mbulk-memory", "-nostdlibinc", "-isystem", str(PORT_WASM),
+    "-msimd128", "-mbulk-memory", "-nostdlibinc", "-isystem", str(PORT_WASM),
 )  # fmt: skip
 
 SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")  # doubles run in software
@@ -54,9 +55,13 @@ def toolchain(target: str) -> Toolchain | None:
         return Toolchain(find_compiler(), size, ()) if size else None
     if target == "wasm32":
         clang, linker = shutil.which("clang"), shutil.which("wasm-ld")
-        if clang is None or linker is None:
+        if clang is not None and linker is not None:
+            return Toolchain((clang,), None, ("--target=wasm32", *_WASM), (linker,))
+        packaged = packaged_compiler()
+        if not packaged:
             return None
-        return Toolchain((clang,), None, (*_WASM, f"-fuse-ld={linker}"))
+        target_flags = ("--target=wasm32-freestanding", *_WASM)
+        return Toolchain((*packaged, "cc"), None, target_flags, (*packaged, "wasm-ld"))
     prefix, flags = _CROSS[target]
     compiler, size = shutil.which(prefix + "gcc"), shutil.which(prefix + "size")
     if compiler is None or size is None:
@@ -80,4 +85,5 @@ def missing_tools(target: str) -> str:
     install = f"`apt-get install {package_of(target)}`"
     if target == "host":
         return f"no `size` on PATH: {install}"
-    return f"no compiler for {target}: {install}, or `make setup-mcu`"
+    packaged = " or `pip install 'springpot[cc]'`" if target == "wasm32" else ""
+    return f"no compiler for {target}: {install}{packaged}"

@@ -15,7 +15,7 @@ from springpot.runtime_c.paths import flags
 # Below the data, so that a stack that overflows traps; room for a state, which the self-test keeps
 # there. It is memory that the module asks for, no byte of it.
 _STACK_BYTES = 1 << 20
-_LINK = ("-nostdlib", "-Wl,--no-entry", "-Wl,--strip-all", "-Wl,--stack-first")
+_LINK = ("--no-entry", "--strip-all", "--stack-first", "-z", f"stack-size={_STACK_BYTES}")
 HEAP = "__heap_base"  # where memory that nothing of the module uses begins
 
 
@@ -45,23 +45,25 @@ def scene_functions(folder: Path) -> list[str]:
 def wasm_module(sources: Sequence[Path], include: Sequence[Path], exports: Sequence[str]) -> bytes:
     """Compile and link `sources` into a module that exports `exports`, `memory` and HEAP.
 
-    Functions that no export reaches are left out. Raises UsageError without clang or wasm-ld,
+    Functions that no export reaches are left out. Raises UsageError without compiler or linker,
     CompilerError where they refuse: a function that is nowhere defined is named.
     """
     tools = toolchain("wasm32")
     if tools is None:
         raise UsageError(missing_tools("wasm32"))
+    compile_ = [*tools.compiler, *flags("SP_CFLAGS"), *tools.flags]
+    folders = [f"-I{folder}" for folder in include]
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         built = Path(scratch) / "module.wasm"
-        command = [
-            *tools.compiler, *flags("SP_CFLAGS"), *tools.flags, *_LINK,
-            f"-Wl,-z,stack-size={_STACK_BYTES}",
-            *(f"-Wl,--export={name}" for name in (*exports, HEAP)),
-            *(f"-I{folder}" for folder in include), *map(str, sources), "-o", str(built),
-        ]  # fmt: skip
-        result = subprocess.run(command, capture_output=True, text=True, check=False)
-        if result.returncode != 0:
-            raise CompilerError(
-                f"{tools.compiler[0]} made no wasm module: {first_error(result.stderr)}"
-            )
+        objects = [Path(scratch) / f"{number}.o" for number in range(len(sources))]
+        for source, unlinked in zip(sources, objects, strict=True):
+            _run([*compile_, *folders, "-c", str(source), "-o", str(unlinked)])
+        kept = [f"--export={name}" for name in (*exports, HEAP)]
+        _run([*tools.linker, *_LINK, *kept, *map(str, objects), "-o", str(built)])
         return built.read_bytes()
+
+
+def _run(command: Sequence[str]) -> None:
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        raise CompilerError(f"{command[0]} made no wasm module: {first_error(result.stderr)}")

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import UsageError
 from springpot.host.console.output import say
 from springpot.host.native.machine import machine_metadata
@@ -94,7 +95,8 @@ def run_reproduce(
         "machine": machine_metadata(),
     }
     write_study_files(out / "study", out / "models", [item.data.name for item in results])
-    (out / EVIDENCE).write_text(json.dumps(result, indent=2, allow_nan=False) + "\n")
+    text = json.dumps(result, indent=2, allow_nan=False) + "\n"
+    write_file(out / EVIDENCE, text.encode())
     return result
 
 

@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from springpot.codegen.atomic_write import written_aside
 from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
 from springpot.host.paper.reproduce import PAPER_KINDS, ObjectResult
 from springpot.host.plot_style import MEASURED, MUTED, STYLE, SVG_METADATA, stride
@@ -35,7 +36,8 @@ def save(figure: Figure, out: Path, name: str, caption: str) -> list[str]:
     names = []
     for kind, metadata in _METADATA.items():
         names.append(f"{name}.{kind}")
-        figure.savefig(out / names[-1], format=kind, metadata=metadata)
+        with written_aside(out / names[-1]) as aside:
+            figure.savefig(aside, format=kind, metadata=metadata)
     return names
 
 

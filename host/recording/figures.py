@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import UsageError
+from springpot.codegen.progress import counted
 from springpot.host.plot_style import ERROR, MUTED, PREDICTED, STYLE, stride
 from springpot.trainer.recordings.quality.coverage import find_coverage
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
@@ -163,11 +165,12 @@ def write_figures(
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with mpl.rc_context(STYLE):
-            for name, draw in FIGURES.items():
+            for name, draw in counted(list(FIGURES.items()), "drawing"):
                 figure = draw(recordings, report)
                 for form in formats:
                     path = folder / f"{name}.{form}"
-                    figure.savefig(path, dpi=150)
+                    with written_aside(path) as aside:
+                        figure.savefig(aside, format=form, dpi=150)
                     files.append(str(path))
     except OSError as error:
         raise UsageError(f"{folder}: {error.strerror}: choose another --out") from None

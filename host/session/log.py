@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
 from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter
@@ -87,7 +88,7 @@ class SessionLog:
 def write_flight(file: Path, rows: LoopRows, why: str) -> Path:
     """Write the last seconds of a session as text beside its log, with why it stopped above."""
     path = file.with_suffix(".flight.csv")
-    with path.open("w") as text:
+    with written_aside(path) as aside, aside.open("w") as text:
         text.write(f"# {why}\n{','.join(COLUMNS)}\n")
         for row in rows.tolist():
             text.write(",".join(map(repr, row)) + "\n")

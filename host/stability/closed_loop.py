@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.progress import at_step
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.losses import TAKEN, losing_cases
@@ -94,10 +95,12 @@ class Rendered:
 
 def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
     """Every case with every hand and delay. stiff: the object ten times stiffer."""
-    for hand in HAND_MODELS:
+    steps = len(HAND_MODELS) * len(MORE_DELAY)
+    for number, hand in enumerate(HAND_MODELS):
         listed = [(scene, case) for case in cases(scene.plan, scene.force, hand)]
         hold = hold_case("stiff", Workspace.of(stiff.plan), stiff.force, hand)
-        for more_delay in MORE_DELAY:
+        for later, more_delay in enumerate(MORE_DELAY):
+            at_step(f"closed loop, {hand.name} hand", number * len(MORE_DELAY) + later, steps)
             for rendered, case in [*listed, (stiff, hold)]:
                 yield case_outcome(rendered, case, hand, more_delay)
             yield from lossy_outcomes(scene, hand, more_delay)

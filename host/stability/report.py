@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from springpot.codegen.atomic_write import write_file
 from springpot.host.page import page_text
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability
@@ -26,7 +27,7 @@ def write_stability_report(found: Stability, path: Path) -> None:
         "losses": [item for item in judged_cases(found.outcomes) if item.outcome.losses],
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(page_text("stability.html", context), encoding="utf-8")
+    write_file(path, page_text("stability.html", context).encode())
 
 
 def stability_section(found: Stability) -> dict[str, Any]:

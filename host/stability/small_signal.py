@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.progress import counted
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.selection.small_signal import (
     ACTIVE,
@@ -54,8 +55,8 @@ def small_signal_map(plan: Plan, library: SceneLibrary, delay_samples: int) -> M
     frequencies_hz = map_frequencies_hz(dt_s)
     shares = np.array(DEPTH_SHARES + OUTSIDE_SHARES)
     found = np.empty((len(shares), len(frequencies_hz)))
-    for j, frequency_hz in enumerate(frequencies_hz):
-        small = SmallMotion(float(frequency_hz), dt_s, delay_samples)
+    for j, frequency_hz in enumerate(counted(frequencies_hz.tolist(), "small motions")):
+        small = SmallMotion(frequency_hz, dt_s, delay_samples)
         for i, share in enumerate(shares):
             motions = (small.motion(base_m + share * span_m, amplitude * span_m)
                        for amplitude in AMPLITUDES)  # fmt: skip

@@ -13,6 +13,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import MismatchError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
+from springpot.codegen.progress import counted
 from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,
@@ -131,7 +132,7 @@ def _validated(
     objects: list[Recording] = []
     mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
-    for recording in recordings:
+    for recording in counted(recordings, "replaying"):
         position = recording.position_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
         force, notes = replay.run(position, velocity)

@@ -15,8 +15,8 @@ FITS = {"sklearn", "scipy", "joblib"}
 # Folders and files of a floor, lowest first. Lazy imports, and those for checkers, count too.
 ROOMS = {
     "runtime_c": ["paths"],
-    "codegen": ["errors", "arrays", "regular_file", "atomic_write", "scene", "literals", "model",
-                "forest", "stages", "coupling", "plan", "reference", "emit"],
+    "codegen": ["errors", "arrays", "progress", "regular_file", "atomic_write", "scene", "literals",
+                "model", "forest", "stages", "coupling", "plan", "reference", "emit"],
     "trainer": ["paper", "recordings", "features", "models", "kinds", "selection", "ensemble",
                 "estimator", "parallel"],
     "host": ["console", "page", "plot_style", "metrics", "native", "simulation", "stability",

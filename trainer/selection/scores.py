@@ -1,17 +1,16 @@
 """Held-out errors of the kinds that `auto` compares: every one beside the passive model's."""
 
-import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.progress import at_step
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.selection.held_out import HeldOut, TreeFit
 
-_LOG = logging.getLogger(__name__)
 PASSIVE = "hammerstein"
 _HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
 _EARLY, _FAR = 2, 2.0  # folds after which as many times the passive error is given up
@@ -61,11 +60,11 @@ def find_scores(known: Sequence[AutoCandidate], rows: HeldOut) -> list[Score]:
     for number, candidate in enumerate(known):
         text = f"{number + 1} of {len(known)}: {candidate.name}"
         errors_n: list[float] = []
-        _log(text, number * len(families), total)
+        at_step(text, number * len(families), total)
         for error_n in passive_n if candidate.tree is None else rows.tree_errors_n(candidate.tree):
             errors_n.append(float(error_n))
             tried = len(errors_n)
-            _log(text, number * len(families) + tried, total)
+            at_step(text, number * len(families) + tried, total)
             if _hopeless(np.array(errors_n) / passive_n[:tried], families):
                 break
         scores.append(_score(candidate, np.array(errors_n), passive_n, families))
@@ -104,7 +103,3 @@ def _mean(values: Samples, families: Indices) -> float:
     """Geometric mean in each family, then of all: none counts for the number of its folds."""
     means = [geometric_mean(values[families == one].tolist()) for one in np.unique(families)]
     return geometric_mean(means)
-
-
-def _log(text: str, done: int, total: int) -> None:
-    _LOG.info(text, extra={"done": done, "total": total})

@@ -36,6 +36,7 @@ def _section(name: str, command: click.Command) -> Iterator[str]:
         if isinstance(parameter, click.Option):
             yield from ("", f":::{{option}} {_names(parameter, context)}")
             yield from (_what(parameter, context), ":::")
+    yield from _paragraphs(command.epilog or "")
 
 
 def _paragraphs(text: str) -> Iterator[str]:

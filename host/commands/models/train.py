@@ -11,8 +11,8 @@ from springpot.host.console.output import (
     json_option,
     paths_argument,
     print_result,
+    progress_bar,
     say,
-    spinner,
 )
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -181,7 +181,7 @@ def _fitted(
     testing: "list[Recording]",
     options: "FitOptions",
 ) -> "Fit":
-    with spinner(f"fitting {kind} on {len(training)} recordings"):
+    with progress_bar(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for warning in fit.warnings:
         say(f"warning: {warning}")

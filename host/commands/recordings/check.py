@@ -10,7 +10,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from springpot.host.console.output import json_option, paths_argument
+from springpot.host.console.output import json_option, paths_argument, progress_bar
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.report import QualityReport
@@ -24,7 +24,8 @@ def check_(recordings: tuple[str, ...], as_json: bool) -> None:
     from springpot.trainer.recordings.quality.report import check_recordings
     from springpot.trainer.recordings.recording_file import read_recordings
 
-    report = check_recordings(read_recordings(map(Path, recordings)))
+    with progress_bar("check"):
+        report = check_recordings(read_recordings(map(Path, recordings)))
     if as_json:
         click.echo(json.dumps(report.as_dict(), allow_nan=False))
     else:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.output import json_option, paths_argument, print_result
+from springpot.codegen.progress import counted
+from springpot.host.console.output import json_option, paths_argument, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.formats.exporting import ExportFormat
@@ -29,6 +30,9 @@ def export_(recordings: tuple[str, ...], form: ExportFormat, out: Path, as_json:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise UsageError(f"two recordings are named {twice[0]}: export them into two folders")
-    files = [str(export_recording(out, recording, form)) for recording in found]
+    with progress_bar("export"):
+        files = [
+            str(export_recording(out, recording, form)) for recording in counted(found, "writing")
+        ]
     rows = {recording.name: file for recording, file in zip(found, files, strict=True)}
     print_result({"out": str(out), "files": files}, as_json, rows)

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.progress import counted
 from springpot.host.console.options import NOT_NEGATIVE, FiniteRange
-from springpot.host.console.output import say
+from springpot.host.console.output import progress_bar, say
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.decimals import DecimalMark
 
@@ -104,8 +105,12 @@ def import_(
     )
     options = ImportOptions(dbc, block, decimal, conditioning)
     recordings, guesses = [], []
-    for file in files:
-        result = import_file(file, mapping, zero, resample_hz, options)
+    with progress_bar("import"):
+        results = [
+            import_file(file, mapping, zero, resample_hz, options)
+            for file in counted(files, "reading")
+        ]
+    for result in results:
         say(result.guess)
         recordings += result.recordings
         guesses.append(result.guess)

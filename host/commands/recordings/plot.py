@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.output import json_option, paths_argument, print_result
+from springpot.host.console.output import json_option, paths_argument, print_result, progress_bar
 
 
 @click.command()
@@ -31,5 +31,6 @@ def plot(recordings: tuple[str, ...], out: Path, forms: tuple[str, ...], as_json
     from springpot.host.recording.figures import write_figures
     from springpot.trainer.recordings.recording_file import read_recordings
 
-    files = write_figures(out, read_recordings(map(Path, recordings)), forms)
+    with progress_bar("plot"):
+        files = write_figures(out, read_recordings(map(Path, recordings)), forms)
     print_result({"out": str(out), "files": files}, as_json, {Path(f).name: f for f in files})

@@ -9,7 +9,7 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import POSITIVE, accept_edited_option
-from springpot.host.console.output import json_option, print_result, say
+from springpot.host.console.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
@@ -94,7 +94,8 @@ def emit_(
     if measured and (told := seen_line(seen_by(read_model(model_file), measured), len(measured))):
         say(told)
     unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
-    emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
+    with progress_bar("emit"):
+        emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))

@@ -6,7 +6,7 @@ import click
 
 from springpot.host.boards.boards import BOARDS, board_of
 from springpot.host.console.options import accept_edited_option
-from springpot.host.console.output import json_option, print_result
+from springpot.host.console.output import json_option, print_result, progress_bar
 
 
 @click.command()
@@ -26,7 +26,7 @@ def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bo
     from springpot.host.emission.folder import emitted_folder
 
     board = board_of(name)
-    with emitted_folder(scene) as folder:
+    with progress_bar("firmware"), emitted_folder(scene) as folder:
         program = build_firmware(folder, board, out, accept_edited=accept_edited)
     run = (
         f"{' '.join([board.emulator, '-M', board.name, *board.options])} -nographic -monitor none "

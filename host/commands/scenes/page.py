@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from springpot.host.console.options import accept_edited_option
-from springpot.host.console.output import json_option, print_result
+from springpot.host.console.output import json_option, print_result, progress_bar
 
 
 @click.command()
@@ -20,7 +20,8 @@ def page(folders: tuple[Path, ...], out: Path, accept_edited: bool, as_json: boo
     """
     from springpot.host.browser.press_page import write_press_page
 
-    entries = write_press_page(folders, out, accept_edited)
+    with progress_bar("page"):
+        entries = write_press_page(folders, out, accept_edited)
     unmeasured = [entry["name"] for entry in entries if entry["recording"] is None]
     result = {
         "page": str(out),

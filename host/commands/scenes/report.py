@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.output import json_option, print_result
+from springpot.host.console.output import json_option, print_result, progress_bar
 
 
 @click.command()
@@ -16,5 +16,6 @@ def report(folder: Path, as_json: bool) -> None:
     from springpot.host.benchmark.store import RESULT
     from springpot.host.validation.report import write_report
 
-    path = write_bench_report(folder) if (folder / RESULT).exists() else write_report(folder)
+    with progress_bar("report"):
+        path = write_bench_report(folder) if (folder / RESULT).exists() else write_report(folder)
     print_result({"report": str(path)}, as_json, {"report": str(path)})

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.host.console.output import json_option, print_result, progress_console
+from springpot.host.console.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.stability.check import Stability
@@ -38,7 +38,7 @@ def stability_(
     scene = read_scene(scene_file)
     model = read_model(model_file or model_path(scene, scene_file))
     plan = make_plan(model, scene, accept_unsafe=True)
-    with progress_console.status("all cases, three hands, two delays"):
+    with progress_bar("all cases, three hands, two delays"):
         found = stability(plan)
     if report is not None:
         from springpot.host.stability.report import write_stability_report

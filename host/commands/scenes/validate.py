@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.host.console.options import accept_edited_option
-from springpot.host.console.output import json_option, print_result, progress_console
+from springpot.host.console.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.validation.validation import Validation
@@ -41,7 +41,7 @@ def validate_(
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, recordings))
-    with progress_console.status(f"replaying {len(found)} recordings"):
+    with progress_bar(f"{len(found)} recordings"):
         validation = validate(folder, found, device=url, accept_edited=accept_edited)
     felt = [recording.name for recording in found if is_session_log(recording, validation)]
     if len(felt) < len(found):  # a log says nothing of the object: the page keeps what does

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from springpot.host.console.output import json_option, print_result, spinner
+from springpot.host.console.output import json_option, print_result, progress_bar
 
 
 @click.command()
@@ -27,7 +27,7 @@ def plan(file: Path, participants: int, out: Path, as_json: bool) -> None:
     from springpot.host.study.folder import write_study
     from springpot.host.study.outline import outline
 
-    with spinner("emitting scenes") as progress:
+    with progress_bar("emitting scenes") as progress:
         task = progress.task_ids[0]
         folder = write_study(
             file,

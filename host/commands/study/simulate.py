@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from springpot.host.console.options import SEED
-from springpot.host.console.output import json_option, print_result, spinner
+from springpot.host.console.output import json_option, print_result, progress_bar
 
 
 @click.command("simulate")
@@ -26,7 +26,7 @@ def simulate_(study: Path, observers: int, out: Path, seed: int, as_json: bool) 
 
     begin_s = time.monotonic()
     folder = read_folder(study)
-    with spinner("people") as progress:
+    with progress_bar("people") as progress:
         task = progress.task_ids[0]
         found = simulate(
             folder, observers, seed, out,

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Self
 
-import crc32c
+from google_crc32c import value as crc32c
 
 from springpot.codegen.atomic_write import sync_folder
 from springpot.codegen.errors import DataError, UsageError
@@ -82,7 +82,7 @@ def read_lines(file: Path) -> list[Line]:
 def encoded(line: Line) -> bytes:
     """A line as it is in the file."""
     text = json.dumps(line, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
-    return f'{text[:-1]},"crc":"{crc32c.crc32c(text.encode()):08x}"}}\n'.encode()
+    return f'{text[:-1]},"crc":"{crc32c(text.encode()):08x}"}}\n'.encode()
 
 
 def parse_lines(content: bytes, where: str) -> tuple[list[Line], int]:

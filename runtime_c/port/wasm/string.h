@@ -1,10 +1,10 @@
-/* The string.h of a module without a C library: what clang turns into memory.copy, memory.fill. */
+/* The string.h of a module without a C library: what becomes memory.copy, memory.fill. */
 #ifndef SP_WASM_STRING_H
 #define SP_WASM_STRING_H
 
 #include <stddef.h>
 
-void *memcpy(void *to, const void *from, size_t size);
-void *memset(void *at, int value, size_t size);
+#define memcpy(to, from, size) __builtin_memcpy(to, from, size)
+#define memset(at, value, size) __builtin_memset(at, value, size)
 
 #endif

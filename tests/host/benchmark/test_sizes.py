@@ -27,7 +27,7 @@ from springpot.trainer import parallel
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.selection.sweep import Candidate
 
-REMEDY = "no compiler for cortex-m4f: `apt-get install gcc-arm-none-eabi`, or `make setup-mcu`"
+REMEDY = "no compiler for cortex-m4f: `apt-get install gcc-arm-none-eabi`"
 
 
 def in_this_process(
@@ -158,7 +158,8 @@ def test_a_machine_without_clang_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))
-    remedy = "no compiler for wasm32: `apt-get install clang lld`, or `make setup-mcu`"
+    install = "`apt-get install clang lld` or `pip install 'springpot[cc]'`"
+    remedy = f"no compiler for wasm32: {install}"
     assert missing_tools("wasm32") == remedy == untimed()
     with pytest.raises(UsageError, match="no compiler for wasm32"):
         wasm_module([], [], [])

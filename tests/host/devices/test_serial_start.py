@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-import crc32c
 import pytest
 import serial
 from cobs import cobs
+from google_crc32c import value as crc32c
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices import sample_rate, serial_device
@@ -115,7 +115,7 @@ class SimulatedDevice:
 def of_version(version: int) -> bytes:
     """A whole frame of a protocol version, without a body."""
     plain = bytes([2, version, 0, 0, 0, 0])
-    return b"\0" + cobs.encode(plain + crc32c.crc32c(plain).to_bytes(4, "little")) + b"\0"
+    return b"\0" + cobs.encode(plain + crc32c(plain).to_bytes(4, "little")) + b"\0"
 
 
 NEEDS = DeviceRequirements(1000, 0.15, 10.0)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
+from springpot.codegen.progress import counted
 from springpot.trainer.recordings.alignment import Skew, estimate_skew, low_pass_delay_s
 from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
 from springpot.trainer.recordings.quality.coverage import find_coverage
@@ -58,7 +59,7 @@ class QualityReport:
 def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
     """Check each recording by itself, and all together: speeds, repeats, alignment."""
     findings: list[Finding] = []
-    cycles = [find_cycles(recording) for recording in recordings]
+    cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
     signs = [find_signs(recording) for recording in recordings]
     for recording, own_cycles, own_signs in zip(recordings, cycles, signs, strict=True):
         findings += channel_findings(recording)
