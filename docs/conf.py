@@ -6,6 +6,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 project = "springpot"
+smartquotes = False  # text is copied into shells
 extensions = ["myst_parser", "sphinx.ext.autodoc", "reference_pages"]
 exclude_patterns = ["reliability"]  # others.md there is a part of explanation/reliability.md
 myst_heading_anchors = 4

@@ -40,11 +40,17 @@ def _section(name: str, command: click.Command) -> Iterator[str]:
 
 
 def _paragraphs(text: str) -> Iterator[str]:
-    r"""Lines of a help text; those of a paragraph marked \b, which click does not wrap, end so."""
+    r"""Lines of a help text; those of a paragraph marked \b, which click does not wrap, end so.
+
+    What is set in below its first line is code.
+    """
     for paragraph in text.replace("\f", "").split("\n\n"):
         lines = paragraph.splitlines()
         if lines and lines[0] == "\b":
-            yield from ("", *(f"{line}\\" for line in lines[1:-1]), lines[-1])
+            inner = [line for line in lines[1:] if line.startswith("  ")]
+            outer = [line for line in lines[1:] if line not in inner]
+            yield from ("", *(f"{line}\\" for line in outer[:-1]), *outer[-1:])
+            yield from ("", "```sh", *(line.strip() for line in inner), "```") if inner else ()
         else:
             yield from ("", *lines)
 
