@@ -14,7 +14,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove docs dist check format lint types ns test-c clean
+.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove docs dist lock licences check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -55,6 +55,16 @@ prove: $(STAMP) ns
 # Source archive and wheel of the commit in dist/: built twice, the same bytes.
 dist: $(STAMP)
 	$(BIN)/python .ci/dist.py dist
+
+# requirements.lock: every version and hash that the targets here install, for every system.
+lock: $(STAMP)
+	$(BIN)/pip install --quiet --disable-pip-version-check uv
+	echo setuptools | $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra test \
+	  --generate-hashes --no-header --no-annotate -o requirements.lock pyproject.toml -
+
+# Licences of everything that is installed here; .ci/packages refuses copyleft in what is required.
+licences: $(STAMP)
+	$(BIN)/pip-licenses --from=mixed --order=license
 
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a

@@ -48,6 +48,10 @@ class BoardReplay:
             "guard.watchdog_ms, check the cable"
         )
 
+    def compared(self, replay: Replay, position_m: Reals, velocity_mps: Reals) -> tuple[Reals, int]:
+        """Replay from a reset; as `board_force`."""
+        return board_force(replay, self.run(position_m, velocity_mps))
+
     def _replayed(self, position_m: Reals, velocity_mps: Reals) -> list[_Row] | None:
         self._device.command("RESET")
         self._unread = iter(())

@@ -1,21 +1,18 @@
 """Open the device of a URL: a dictionary of schemes."""
 
-from collections.abc import Callable
+from importlib import import_module
 
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
-from springpot.host.devices.dhd_device import DhdDevice
-from springpot.host.devices.odrive_device import OdriveDevice
-from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.devices.url import Address, parse_device
-from springpot.host.devices.virtual import ReplayDevice, simulated_device
+from springpot.host.devices.url import parse_device
 
-_DRIVERS: dict[str, Callable[[Address, DeviceRequirements], OpenedDevice]] = {
-    "sim": simulated_device,
-    "replay": ReplayDevice,
-    "serial": SerialDevice,
-    "odrive": OdriveDevice,
-    "dhd": DhdDevice,
+# Each is loaded when it is opened: a simulated device needs no serial port.
+_DRIVERS = {
+    "sim": "virtual.simulated_device",
+    "replay": "virtual.ReplayDevice",
+    "serial": "serial_device.SerialDevice",
+    "odrive": "odrive_device.OdriveDevice",
+    "dhd": "dhd_device.DhdDevice",
 }
 _SIMPLE = ("serial", "odrive")  # one axis, of which springpot does not know the way down
 
@@ -34,4 +31,7 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
         raise UsageError(
             f"{url}: its position and force have one frame: leave [device] force_sign out"
         )
-    return _DRIVERS[address.scheme](address, requirements)
+    module, _, name = _DRIVERS[address.scheme].partition(".")
+    driver = getattr(import_module(f"springpot.host.devices.{module}"), name)
+    opened: OpenedDevice = driver(address, requirements)
+    return opened

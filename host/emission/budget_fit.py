@@ -1,56 +1,17 @@
-"""Smaller versions of a model that fit a scene's budget, measured on recordings."""
+"""Emission within a budget: as it is, or by a smaller version of the model."""
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from springpot.codegen.errors import BudgetError, SpringpotError, UsageError
-from springpot.codegen.model.model import Model
+from springpot.codegen.errors import BudgetError, UsageError
 from springpot.codegen.model.model_file import read_model, write_model
-from springpot.codegen.plan.instructions import instruction_bound
-from springpot.codegen.plan.plan import Plan, make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.scene import Budget, Scene
+from springpot.codegen.scene import Scene
 from springpot.host.console.output import say
 from springpot.host.emission.emission import emit
-from springpot.host.emission.result import Emission, over_budget
-from springpot.host.metrics import rms
-from springpot.host.native.replay import Replay, replayed_accuracy
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.emission.result import Emission
 from springpot.host.native.toolchain import toolchain
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.compatibility import require_compatible
-from springpot.trainer.models.passive.passive_terms import hammerstein_force
-from springpot.trainer.models.predict import regressor_force
-from springpot.trainer.models.training_set import depth_m
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.prune import Pruned, pruned_models
-
-_BEST = 3
-_EVALUATED = 4000  # samples that decide the order; what is reported is measured on all
-
-
-@dataclass(frozen=True)
-class Reduction:
-    """What was left out, and what the scene then measures on its target."""
-
-    what: str
-    model: Model
-    flash_bytes: int
-    ram_bytes: int
-    instructions: int | None
-    rmse_n: float
-
-    def line(self) -> str:
-        ticks = "" if self.instructions is None else f", at most {self.instructions} instructions"
-        return (
-            f"{self.what}: {self.flash_bytes} bytes of flash, {self.ram_bytes} of RAM{ticks}, "
-            f"RMSE {self.rmse_n:.4g} N"
-        )
 
 
 def emit_fitting(
@@ -77,6 +38,8 @@ def emit_fitting(
             raise  # nothing can be measured, of a smaller model neither
         if not recordings:
             raise BudgetError(f"{error}; give --recording REC to see what would fit") from None
+        from springpot.host.emission.reductions import best_reductions  # loads what fits need
+
         found = best_reductions(scene, read_model(model_file), recordings, accept_unsafe)
         if not found:
             raise BudgetError(
@@ -91,98 +54,3 @@ def emit_fitting(
         reduced = Path(scratch) / "model.spm"
         write_model(reduced, found[0].model)
         return emit(scene, reduced, folder, accept_unsafe)
-
-
-def best_reductions(
-    scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
-) -> list[Reduction]:
-    """At most three reductions that fit, lowest error first; each size of leaf is there once."""
-    tick_s = make_plan(model, scene, accept_unsafe).dt_s
-    for recording in recordings:
-        require_compatible(recording, model, tick_s)
-    candidates = list(pruned_models(model))
-    if not candidates:
-        return []
-    evaluation = _evaluation(candidates[0].model, recordings)  # all have the same features
-    ranked = sorted(candidates, key=lambda item: evaluation.error_n(item.model))
-    found: list[Reduction] = []
-    leaves_found = set()
-    for pruned in ranked:
-        if len(found) == _BEST:
-            break
-        if pruned.leaves in leaves_found:
-            continue
-        reduction = _measured(scene, pruned, recordings, accept_unsafe)
-        if reduction is not None:
-            leaves_found.add(pruned.leaves)
-            found.append(reduction)
-    return sorted(found, key=lambda reduction: reduction.rmse_n)
-
-
-@dataclass(frozen=True, eq=False)
-class _Evaluation:
-    """Some samples of the recordings: features (n, features), and what the trees must give, N."""
-
-    values: Any
-    target_n: Any
-
-    def error_n(self, model: Model) -> float:
-        assert model.regressor is not None
-        return rms(regressor_force(model.regressor, self.values) - self.target_n)
-
-
-def _evaluation(model: Model, recordings: Sequence[Recording]) -> _Evaluation:
-    every = -(-sum(len(item.force_n) for item in recordings) // _EVALUATED)
-    values, target_n = [], []
-    for item in recordings:
-        rows = np.arange(0, len(item.force_n), every)
-        depth = depth_m(item, model.contact)
-        force_n = item.force_n[rows]
-        if model.hammerstein is not None and model.hammerstein_adds:
-            force_n = force_n - hammerstein_force(model.hammerstein, depth, model.dt_s, rows)
-        assert model.features is not None
-        values.append(feature_values(model.features, depth, model.dt_s, rows))
-        target_n.append(force_n)
-    return _Evaluation(np.concatenate(values), np.concatenate(target_n))
-
-
-def _measured(
-    scene: Scene, pruned: Pruned, recordings: Sequence[Recording], accept_unsafe: bool
-) -> Reduction | None:
-    """Build it for its target and replay it here; None where it does not fit either."""
-    free = replace(scene, budget=Budget())
-    model = pruned.model
-    plan = make_plan(model, scene, accept_unsafe=True)
-    if _surely_over(plan, scene.budget):
-        return None
-    bound = instruction_bound(plan)
-    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
-        file = Path(scratch) / "model.spm"
-        write_model(file, model)
-        try:
-            emission = emit(free, file, Path(scratch) / "c", accept_unsafe)
-        except SpringpotError:
-            return None
-        if emission.footprint is None or over_budget(emission, scene.budget):
-            return None
-        replay = Replay(SceneLibrary(emission.folder))
-        return Reduction(
-            what=", ".join(pruned.what),
-            model=model,
-            flash_bytes=emission.footprint.flash_bytes,
-            ram_bytes=emission.ram_bytes,
-            instructions=None if bound is None else bound.tick,
-            rmse_n=replayed_accuracy(replay, recordings).rmse_n,
-        )
-
-
-def _surely_over(plan: Plan, budget: Budget) -> bool:
-    """Whether what is known without a compiler is too much already."""
-    bound = instruction_bound(plan)
-    tables_bytes = 0 if plan.regressor is None else plan.regressor.table_bytes
-    known = (
-        (tables_bytes, budget.flash_bytes),
-        (state_bytes(plan), budget.ram_bytes),
-        (bound.tick if bound else 0, budget.tick_instructions),
-    )
-    return any(may is not None and has > may for has, may in known)

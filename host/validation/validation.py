@@ -1,10 +1,10 @@
 """Validation: recordings replayed through the C, against the measurement and the reference."""
 
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,6 @@ from springpot.codegen.reference.notes import (
     RESYNC,
 )
 from springpot.codegen.reference.run import run_reference
-from springpot.host.boards.replay import BoardReplay, board_force, board_replay
 from springpot.host.emission.emission import read_emission
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
@@ -36,6 +35,9 @@ from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.recording import Recording
+
+if TYPE_CHECKING:
+    from springpot.host.boards.replay import BoardReplay
 
 NOTE_NAMES = {HELD: "held", RESYNC: "resync", OUTSIDE: "outside", CLAMPED: "clamped",
               RAMPED: "ramped", LATCHED: "latched", LIMITED: "limited"}  # fmt: skip
@@ -104,10 +106,19 @@ def validate(
         require_compatible(recording, model, plan.dt_s)
     library = SceneLibrary(folder)
     library.manifest["hash"] = emitted.hash  # of what was built, edits and all
-    opened = nullcontext() if device is None else board_replay(device, plan, emitted.hash)
-    with opened as board:
+    with _board(device, plan, emitted.hash) as board:
         found = _validated(plan, library, recordings, paced_s, board)
     return replace(found, edited=emitted.edited, seen=seen_by(model, recordings))
+
+
+def _board(
+    device: str | None, plan: Plan, scene_hash: str
+) -> AbstractContextManager["BoardReplay | None"]:
+    if device is None:
+        return nullcontext()
+    from springpot.host.boards.replay import board_replay  # opens ports, which no other case needs
+
+    return board_replay(device, plan, scene_hash)
 
 
 def fail_on_mismatch(folder: Path, validation: Validation) -> None:
@@ -124,7 +135,7 @@ def _validated(
     library: SceneLibrary,
     recordings: Sequence[Recording],
     paced_s: float,
-    board: BoardReplay | None,
+    board: "BoardReplay | None",
 ) -> Validation:
     replay = Replay(library)
     predicted: list[NDArray[np.float64]] = []
@@ -148,7 +159,7 @@ def _validated(
             force = again[0]
             mismatches += again[1]
         if board is not None:
-            force, others = board_force(replay, board.run(position, velocity))
+            force, others = board.compared(replay, position, velocity)
             mismatches += others
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))

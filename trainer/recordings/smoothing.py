@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from springpot.trainer.recordings.recording import Recording
 
@@ -30,5 +29,9 @@ def smoothed(recording: Recording, smooth_s: float) -> Recording:
 
 
 def _average(values: NDArray[np.float64], samples: int) -> NDArray[np.float64]:
-    averaged: NDArray[np.float64] = uniform_filter1d(values, samples, mode="nearest")
+    """Running sum, as scipy.ndimage.uniform_filter1d: what replays recordings has no scipy."""
+    padded = np.pad(values, samples // 2, mode="edge")
+    first = np.add.accumulate(padded[:samples])[-1]
+    changes = padded[samples:] - padded[:-samples]
+    averaged: NDArray[np.float64] = np.add.accumulate(np.append(first, changes)) / samples
     return averaged

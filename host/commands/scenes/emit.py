@@ -13,6 +13,7 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
+    from springpot.trainer.recordings.recording import Recording
 
 
 @click.command(name="emit")
@@ -66,20 +67,20 @@ def emit_(
     as_json: bool,
 ) -> None:
     """Emit the C source of a scene, or of a benchmark's pick (keys of --scene override it)."""
-    from springpot.codegen.model.model_file import read_model
-    from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
-    from springpot.host.benchmark.picks import PlatformBudget
     from springpot.host.emission.budget_fit import emit_fitting
     from springpot.host.emission.scene_file import model_path, read_scene
-    from springpot.host.validation.seen import seen_by, seen_line
-    from springpot.trainer.recordings.recording_file import read_recordings
 
     scene = None if scene_file is None else read_scene(scene_file)
-    budget = PlatformBudget("chosen", "chosen", tick_us=budget_us, flash_bytes=flash, ram_bytes=ram)
-    stated = budget_us is not None or flash is not None or ram is not None
+    stated = any(limit is not None for limit in (budget_us, flash, ram))
     if picked is not None or stated:
+        from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
+        from springpot.host.benchmark.picks import PlatformBudget
+
         if (picked is not None and stated) or model_file is not None:
             raise UsageError("--pick, a budget, --model: each names a model: give one of them")
+        budget = PlatformBudget(
+            "chosen", "chosen", tick_us=budget_us, flash_bytes=flash, ram_bytes=ram
+        )
         found = (
             choose_pick(bench_folder, picked, accept_unsafe)
             if picked
@@ -90,15 +91,25 @@ def emit_(
         raise UsageError("nothing to emit: give --scene FILE, or --pick NAME --bench DIR")
     else:
         model_file = model_file or model_path(scene, scene_file)
-    measured = read_recordings(map(Path, recordings)) if recordings else []
-    if measured and (told := seen_line(seen_by(read_model(model_file), measured), len(measured))):
-        say(told)
+    measured = _recordings(recordings, model_file) if recordings else []
     unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
     with progress_bar("emit"):
         emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))
+
+
+def _recordings(names: tuple[str, ...], model_file: Path) -> list[Recording]:
+    """Read what smaller versions are measured on; say which of them the model has seen."""
+    from springpot.codegen.model.model_file import read_model
+    from springpot.host.validation.seen import seen_by, seen_line
+    from springpot.trainer.recordings.recording_file import read_recordings
+
+    found = read_recordings(map(Path, names))
+    if seen := seen_line(seen_by(read_model(model_file), found), len(found)):
+        say(seen)
+    return found
 
 
 def emission_rows(emission: Emission) -> dict[str, str]:

