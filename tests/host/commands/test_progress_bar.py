@@ -2,12 +2,12 @@
 
 import logging
 
-from springpot.host.console.output import spinner
+from springpot.host.console.output import progress_bar
 
 
 def test_the_bar_says_which_candidate_is_fitted_and_how_much_is_left() -> None:
     auto = logging.getLogger("springpot.trainer.selection.auto")
-    with spinner("fitting auto on 4 recordings") as progress:
+    with progress_bar("fitting auto on 4 recordings") as progress:
         (task,) = progress.tasks
         assert task.total is None
         auto.info("3 of 4: rf-fd", extra={"done": 9, "total": 12})
