@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a */
+/* springpot 0.1.0 173a4513128992d791a3c7e67a8880d1e57471c4066f6cc59f47553dee4608b8 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
