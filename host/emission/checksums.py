@@ -12,7 +12,7 @@ CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.
 _OWN_LATER = {"validation", "report.html", "example"}
 # For a build by hand, and its user's to change: springpot compiles neither these nor with these.
-_FOR_BY_HAND = {"main.c", "Makefile", "flags.mk"}
+_FOR_BY_HAND = {"main.c", "Makefile", "flags.mk", "library.properties", "library.json", "examples"}
 # What a build reads. A header more would be taken in the place of a system's.
 _READ = ("*.h", "*.gch", "*_scene.c", "*_selftest.c", "manifest.json", "from/*")
 _MAX_BYTES = 1 << 30
@@ -81,7 +81,7 @@ def _edited(folder: Path) -> tuple[str, ...]:
     changed = {
         name
         for name, digest in known.items()
-        if name not in _FOR_BY_HAND and _digest(folder / name) != digest
+        if name.split("/")[0] not in _FOR_BY_HAND and _digest(folder / name) != digest
     }
     read = {file for pattern in _READ for file in folder.rglob(pattern)}
     read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}

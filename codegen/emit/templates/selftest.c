@@ -1,9 +1,3 @@
-#include <stddef.h>
-#include <string.h>
-
-#include "@PREFIX@_golden.h"
-#include "@PREFIX@_scene.h"
-@TABLES@
 static sp_real from_bits(@BITS@ bits)
 {
     sp_real number;

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 173a4513128992d791a3c7e67a8880d1e57471c4066f6cc59f47553dee4608b8 */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>
@@ -16,7 +16,7 @@ int main(void)
     if (differs != 0) {
         fprintf(stderr,
                 "self-test: tick %d differs: this compiler changes floating-point results; build "
-                "with the flags of flags.mk (-ffp-contract=off, no -ffast-math)\n",
+                "with -ffp-contract=off and without -ffast-math\n",
                 differs - 1);
         return 1;
     }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 173a4513128992d791a3c7e67a8880d1e57471c4066f6cc59f47553dee4608b8 */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 #include <stddef.h>
 #include <string.h>
 
