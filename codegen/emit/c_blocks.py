@@ -12,7 +12,7 @@ _OWN = ("static ", "SP_")  # what a function begins with that no other file sees
 _DIRECTIVE = re.compile(r"^#(?!pragma)", re.MULTILINE)
 
 
-def blocks(text: str) -> list[str]:
+def top_level_blocks(text: str) -> list[str]:
     """Cut a text into its blocks, in order."""
     found, block, depth = [], list[str](), 0
     for line, code in zip(text.split("\n"), code_of(text).split("\n"), strict=True):

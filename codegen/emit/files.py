@@ -36,7 +36,7 @@ def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, 
     files = {
         f"{prefix}.h": public_header(plan),
         f"{prefix}_scene.h": scene_header(plan),
-        f"{prefix}_tables.h": _header(plan, "tables", tables(plan)),
+        f"{prefix}_tables.h": _header(plan, "tables", stage_tables(plan)),
         sources[0]: scene_source(plan, short_manifest_text(plan)),
         f"{prefix}_golden.h": _golden_header(plan),
         sources[1]: selftest_source(plan),
@@ -150,7 +150,7 @@ def stamp(name: str) -> str:
     return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"
 
 
-def tables(plan: Plan) -> list[str]:
+def stage_tables(plan: Plan) -> list[str]:
     """Constant arrays of every stage; the two of the excess share theirs."""
     once = [stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]]
     return [*_spaced(once), *measured_tables(plan)]

@@ -9,15 +9,15 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from springpot.codegen.emit.c_blocks import blocks, code_of, without_unused
+from springpot.codegen.emit.c_blocks import code_of, top_level_blocks, without_unused
 from springpot.codegen.emit.files import (
     golden_arrays,
     hashed,
     manifest_text,
     regressor_tables,
     short_manifest_text,
+    stage_tables,
     stamp,
-    tables,
 )
 from springpot.codegen.emit.glue import constants, functions, public_header
 from springpot.codegen.emit.library import arduino_properties, arduino_sketch, platformio_manifest
@@ -26,7 +26,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 
-EXAMPLE = "examples/{0}_lines/main.c"  # of a prefix: positions from standard input
+SINGLE_EXAMPLE = "examples/{0}_lines/main.c"  # of a prefix: positions from standard input
 _WIDTH = 100
 _MANIFEST = "@IMAGE@"
 # What the source includes itself, at its head.
@@ -45,7 +45,7 @@ def emit_single(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str,
         f"{prefix}.h": single_header(plan),
         f"{prefix}.c": single_source(plan),
         f"examples/{prefix}_loop/{prefix}_loop.ino": arduino_sketch(plan),
-        EXAMPLE.format(prefix): example_main(plan, f"{prefix}.h"),
+        SINGLE_EXAMPLE.format(prefix): example_main(plan, f"{prefix}.h"),
     }
     files = {name: stamp(name) + text for name, text in files.items()}
     files["library.properties"] = arduino_properties(plan)
@@ -78,11 +78,11 @@ def single_source(plan: Plan) -> str:
     for header in planned_headers(plan):
         parts += [_rule(header), *(block for block in _unit(header) if block not in kept)]
     parts += [_rule("constants of this scene"), constants(plan)]
-    parts += [*blocks("\n".join([*tables(plan), *regressor_tables(plan)]))]
+    parts += [*top_level_blocks("\n".join([*stage_tables(plan), *regressor_tables(plan)]))]
     parts += [_rule("the tick, and the functions of the header")]
-    parts += blocks("\n\n".join(functions(plan, _MANIFEST)))
+    parts += top_level_blocks("\n\n".join(functions(plan, _MANIFEST)))
     parts += [_rule("self-test"), "#ifndef SP_NO_SELFTEST /* to leave it out of an image */"]
-    parts += ["\n".join(golden_arrays(plan)), *blocks(selftest(plan)), "#endif"]
+    parts += ["\n".join(golden_arrays(plan)), *top_level_blocks(selftest(plan)), "#endif"]
     body = "\n\n".join(without_unused(parts))
     text = _renamed(filled("single_head.txt", plan, BODY="\n" + body), prefix, plan.real)
     manifest = short_manifest_text(plan).replace("\\", "\\\\").replace('"', '\\"')
@@ -112,13 +112,15 @@ def _unit(header: str) -> tuple[str, ...]:
     guard = header.replace(".", "_").upper()
     text = text.replace(f"#ifndef {guard}\n#define {guard}\n", "").rstrip("\n")
     text = _ANALYSIS.sub("", _INCLUDES.sub("", text.removesuffix("#endif")))
-    return tuple(blocks(_ELSEWHERE.sub("", text)))
+    return tuple(top_level_blocks(_ELSEWHERE.sub("", text)))
 
 
 def _numbers(real: str) -> str:
     """sp_real.h without its type, which the C writes as what it is."""
     text = (INCLUDE / real / "sp_real.h").read_text()
-    return "\n\n".join(block for block in blocks(text) if "#define sp_" in block or "_MAX" in block)
+    return "\n\n".join(
+        block for block in top_level_blocks(text) if "#define sp_" in block or "_MAX" in block
+    )
 
 
 def _notes() -> str:

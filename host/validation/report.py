@@ -9,7 +9,7 @@ import numpy as np
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.emit.single import EXAMPLE
+from springpot.codegen.emit.single import SINGLE_EXAMPLE
 from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
@@ -114,7 +114,7 @@ def _by_hand(folder: Path) -> str:
     files = scene_files(folder)
     if not files.single:
         return f"make -C {folder.name} test    # {files.prefix}_selftest.c, without Python"
-    names = (files.sources[0], EXAMPLE.format(files.prefix))
+    names = (files.sources[0], SINGLE_EXAMPLE.format(files.prefix))
     sources = " ".join(f"{folder.name}/{name}" for name in names)
     return f"cc -O2 -I{folder.name} {sources} -lm"
 
