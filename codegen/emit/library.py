@@ -50,7 +50,7 @@ def platformio_manifest(plan: Plan) -> str:
             "srcDir": ".",
             "includeDir": ".",
             "srcFilter": [f"+<{prefix}.c*>"],
-            "flags": ["-ffp-contract=off"],
+            "flags": ["-ffp-contract=off", "-fno-math-errno"],
         },
     }
     return json.dumps(fields, indent=2) + "\n"
