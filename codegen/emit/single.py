@@ -29,6 +29,15 @@ from springpot.runtime_c.paths import INCLUDE, SOURCE
 SINGLE_EXAMPLE = "examples/{0}_lines/main.c"  # of a prefix: positions from standard input
 _WIDTH = 100
 _MANIFEST = "@IMAGE@"
+# What gcc says of a forest's traversal at some levels of optimisation, and without reason.
+_QUIET = """/* No warning of what gcc's own intrinsics leave undefined on purpose and convert where they are
+ * macros, nor of the places of trees that are never there. */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+"""
+_LOUD = "#pragma GCC diagnostic pop\n"
 # What the source includes itself, at its head.
 _INCLUDES = re.compile(r'^#include (?:"[^"]*"|<(?:float|math|std\w+|string)\.h>)\n', re.MULTILINE)
 _ANALYSIS = re.compile(r"^ *//@.*\n", re.MULTILINE)  # notes for the proof alone
@@ -84,7 +93,9 @@ def single_source(plan: Plan) -> str:
     parts += [_rule("self-test"), "#ifndef SP_NO_SELFTEST /* to leave it out of an image */"]
     parts += ["\n".join(golden_arrays(plan)), *top_level_blocks(selftest(plan)), "#endif"]
     body = "\n\n".join(without_unused(parts))
-    text = _renamed(filled("single_head.txt", plan, BODY="\n" + body), prefix, plan.real)
+    quiet, loud = (_QUIET, _LOUD) if "sp_forest.h" in planned_headers(plan) else ("", "")
+    text = filled("single_head.txt", plan, QUIET=quiet, LOUD=loud, BODY="\n" + body)
+    text = _renamed(text, prefix, plan.real)
     manifest = short_manifest_text(plan).replace("\\", "\\\\").replace('"', '\\"')
     return text.replace("@NAME@", plan.scene.name).replace(_MANIFEST, manifest)
 

@@ -14,10 +14,6 @@
 
 #include "sp_forest.h"
 
-/* Where nothing is optimised, gcc's intrinsics are macros that convert their own constants. */
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-
 enum { SP_FOREST_GROUPS = 7 }; /* traversed at once; in a last round some may be idle */
 
 #define SP_TARGET_AVX512 __attribute__((target("avx512f,avx512bw,avx512vl")))
@@ -181,8 +177,6 @@ SP_TARGET_AVX2 static inline uint32_t sp_forest_avx2(const sp_forest *forest, co
     return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
            ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
 }
-
-#pragma GCC diagnostic pop
 
 #endif
 

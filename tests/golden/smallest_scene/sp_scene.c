@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f71aa0e2962ddd2b0167d95bc5bde62a8cf7d4759b3bbcd15267bc3e267da1f6 */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 #include <stddef.h>
 #include <string.h>
 
@@ -179,5 +179,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f71aa0e2962ddd2b0167d95bc5bde62a8cf7d4759b3bbcd15267bc3e267da1f6\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

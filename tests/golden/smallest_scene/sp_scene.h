@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f71aa0e2962ddd2b0167d95bc5bde62a8cf7d4759b3bbcd15267bc3e267da1f6 */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 

@@ -20,6 +20,7 @@ LANGUAGES = {
     "c": ("gcc", ".c", ("-std=gnu11", "-Os")),
     "cpp": ("g++", ".cpp", ("-std=gnu++17", "-O2", "-fno-exceptions", "-fno-rtti")),
 }
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 FUSED = re.compile(r"\s(vfn?m[as]|fn?madd|fn?msub)\.")  # of ARM, of RISC-V
 
 
@@ -34,7 +35,7 @@ def build(board: Board, source: Path, language: str, out: Path) -> Path:
     compiler, suffix, options = LANGUAGES[language]
     tools = compiler_of(board)
     command = [tools.compiler[0].removesuffix("gcc") + compiler, *tools.flags, *options,
-               "-ffunction-sections", "-fdata-sections", f"-I{source.parent}", "-c",
+               *WARNINGS, "-ffunction-sections", "-fdata-sections", f"-I{source.parent}", "-c",
                str(source.with_suffix(suffix)), "-o", str(out)]  # fmt: skip
     subprocess.run(command, check=True)
     return out
