@@ -109,7 +109,7 @@ def _angle(swing: complex) -> str:
     return f"{np.degrees(np.angle(swing)):.1f}"
 
 
-def _by_hand(folder: Path) -> str:
+def by_hand(folder: Path) -> str:
     """The build of an emission without Python."""
     files = scene_files(folder)
     if not files.single:
@@ -126,7 +126,7 @@ def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[st
         f"springpot emit --scene SCENE.toml --out {folder.name}",
         f"springpot validate {folder.name} --recording VALIDATION",
         f"springpot report {folder.name}",
-        _by_hand(folder),
+        by_hand(folder),
         f"# model and scene: {folder.name}/{MODEL_COPY}, {folder.name}/{SCENE_COPY}; "
         f"{len(stored.series)} validation recordings",
     ]
