@@ -30,8 +30,8 @@ SINGLE_EXAMPLE = "examples/{0}_lines/main.c"  # of a prefix: positions from stan
 _WIDTH = 100
 _MANIFEST = "@IMAGE@"
 # What gcc says of a forest's traversal at some levels of optimisation, and without reason.
-_QUIET = """/* No warning of what gcc's own intrinsics leave undefined on purpose, and convert where they
- * are macros; nor of the places of trees that are never there. */
+_QUIET = """/* No warning of what gcc's own intrinsics leave undefined on purpose, and convert
+ * where they are macros; nor of the places of trees that are never there. */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wuninitialized"
