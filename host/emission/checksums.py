@@ -78,15 +78,11 @@ def _edited(folder: Path) -> tuple[str, ...]:
     known = _known(folder)
     if not known:
         return (CHECKSUMS,)
-    changed = {
-        name
-        for name, digest in known.items()
-        if name.split("/")[0] not in _FOR_BY_HAND and _digest(folder / name) != digest
-    }
+    changed = {name for name, digest in known.items() if _digest(folder / name) != digest}
     read = {file for pattern in _READ for file in folder.rglob(pattern)}
     read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
     more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
-    return tuple(sorted(changed | more))
+    return tuple(sorted(name for name in changed | more if name.split("/")[0] not in _FOR_BY_HAND))
 
 
 def _known(folder: Path) -> dict[str, str]:

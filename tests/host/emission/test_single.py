@@ -239,6 +239,7 @@ def test_an_edited_source_is_refused_and_an_edited_example_is_the_users(tmp_path
     folder = emit(scene(prefix="eco"), model_file(tmp_path), tmp_path / "c", single=True).folder
     for name in ("examples/eco_loop/eco_loop.ino", "library.properties"):
         (folder / name).write_text("mine")
+    (folder / "examples" / "eco_loop" / "my_pins.h").write_text("mine")
     assert spring("build", str(folder)).returncode == 0
     with pytest.raises(UsageError, match="not as springpot emitted it"):
         emit(scene(), model_file(tmp_path), folder)
