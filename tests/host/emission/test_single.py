@@ -18,7 +18,7 @@ from support.small import model_file, press, recording, scene
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.plan.units import planned_headers, state_bytes
 from springpot.host.boards.boards import default_board
 from springpot.host.boards.firmware import build_firmware
 from springpot.host.browser.scene_entry import page_module
@@ -26,6 +26,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.validation.report import by_hand
+from springpot.runtime_c.paths import SOURCE
 from springpot.trainer.recordings.recording_file import write_recording
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
@@ -84,9 +85,12 @@ def test_no_warning_in_c_and_cpp(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
     """Levels and pairs of compilers take turns; for boards: test_single_boards.py."""
+    units: set[str] = set()
     turns = zip(cycle(LEVELS), cycle((FOUND[::3], FOUND[1:3])), strict=False)
     for plan, (level, languages) in zip(every_plan("host"), turns, strict=False):
+        units.update(planned_headers(plan))
         require_clean(plan, tmp_path / plan.scene.name, level, languages)
+    assert units == {file.name for file in SOURCE.glob("*.h")}
 
 
 def test_the_same_forces_as_in_many_files(tmp_path: Path) -> None:
