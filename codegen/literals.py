@@ -1,6 +1,6 @@
 """Numbers as C literals: the shortest text that reads back as the same bits."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -48,11 +48,20 @@ def wrapped(items: Iterable[str]) -> list[str]:
 
 def struct_text(name: str, c_type: str, config: Any) -> str:
     """`static const` definition of a config struct from its dataclass, member by member."""
-    members = []
-    for member, value in vars(config).items():
-        if isinstance(value, np.ndarray):
-            text = "{" + ", ".join(map(literal, value)) + "}"
-        else:
-            text = literal(value)
-        members.append(f"    .{member} = {text},")
-    return "\n".join([f"static const {c_type} {name} = {{", *members, "};"])
+    return members_text(name, c_type, {key: _value(value) for key, value in vars(config).items()})
+
+
+def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:
+    """The same from the text of each member, in the order of the C struct.
+
+    Without designators: C++ has none before 2020.
+    """
+    width = max(map(len, members.values())) + 1
+    lines = [f"    {f'{text},':<{width}} /* {member} */" for member, text in members.items()]
+    return "\n".join([f"static const {c_type} {name} = {{", *lines, "};"])
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, np.ndarray):
+        return "{" + ", ".join(map(literal, value)) + "}"
+    return literal(value)

@@ -32,34 +32,49 @@ def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, 
     keeps goes without.
     """
     prefix = plan.scene.runtime.prefix
+    sources = (f"{prefix}_scene.c", f"{prefix}_selftest.c")
     files = {
         f"{prefix}.h": public_header(plan),
         f"{prefix}_scene.h": scene_header(plan),
-        f"{prefix}_tables.h": _tables(plan, "tables", _once(plan), measured_tables(plan)),
-        f"{prefix}_scene.c": scene_source(plan, json.dumps(_short_manifest(plan))),
-        f"{prefix}_golden.h": _golden(plan),
-        f"{prefix}_selftest.c": selftest_source(plan),
-        "main.c": example_main(plan),
+        f"{prefix}_tables.h": _header(plan, "tables", stage_tables(plan)),
+        sources[0]: scene_source(plan, short_manifest_text(plan)),
+        f"{prefix}_golden.h": _golden_header(plan),
+        sources[1]: selftest_source(plan),
+        "main.c": example_main(plan, f"{prefix}_scene.h"),
         "Makefile": example_makefile(plan),
     }
     if plan.regressor is not None:
-        files[f"{prefix}_regressor.h"] = _tables(plan, "regressor", [plan.regressor])
-    files = {name: _stamp(name) + text for name, text in files.items()}
+        files[f"{prefix}_regressor.h"] = _header(plan, "regressor", regressor_tables(plan))
+    files = {name: stamp(name) + text for name, text in files.items()}
     for header in ["sp_notes.h", *planned_headers(plan)]:
         folder = INCLUDE if header == "sp_notes.h" else SOURCE
         files[header] = (folder / header).read_text()
     files["sp_real.h"] = (INCLUDE / plan.real / "sp_real.h").read_text()
     files["flags.mk"] = FLAGS_FILE.read_text()
-    files["manifest.json"] = (
-        json.dumps(manifest(plan, facts or {}), indent=2, sort_keys=True) + "\n"
-    )
+    files["manifest.json"] = manifest_text(plan, facts or {}, sources)
+    return hashed(files)
+
+
+def hashed(files: Mapping[str, str]) -> dict[str, str]:
+    """The files with the hash of them all in the place of its mark."""
     digest = hashlib.sha256()
     for name in sorted(files):
         digest.update(f"{name}\n{files[name]}".encode())
     return {name: text.replace(_HASH, digest.hexdigest()) for name, text in files.items()}
 
 
-def manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
+def manifest_text(plan: Plan, facts: Mapping[str, Any], sources: Sequence[str]) -> str:
+    """manifest.json; sources: names of the C files that are compiled."""
+    found = {**_manifest(plan, facts), "sources": list(sources)}
+    return json.dumps(found, indent=2, sort_keys=True) + "\n"
+
+
+def short_manifest_text(plan: Plan) -> str:
+    """What the image itself reports, as JSON."""
+    return json.dumps(_short_manifest(plan))
+
+
+def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
     """All metadata of the emission, for people and tools."""
     return {
         **_short_manifest(plan),
@@ -129,30 +144,36 @@ def _short_manifest(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _stamp(name: str) -> str:
+def stamp(name: str) -> str:
+    """First line of a generated file."""
     text = f"springpot {version('springpot')} {_HASH}"
     return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"
 
 
-def _tables(
-    plan: Plan, name: str, parts: Sequence[Stage | RegressorStage], more: Sequence[str] = ()
-) -> str:
+def stage_tables(plan: Plan) -> list[str]:
+    """Constant arrays of every stage; the two of the excess share theirs."""
+    once = [stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]]
+    return [*_spaced(once), *measured_tables(plan)]
+
+
+def regressor_tables(plan: Plan) -> list[str]:
+    """Constant arrays of the regressor; none without one."""
+    return [] if plan.regressor is None else _spaced([plan.regressor])
+
+
+def _spaced(parts: Sequence[Stage | RegressorStage]) -> list[str]:
+    return [line for part in parts for line in ("", *part.tables())]
+
+
+def _header(plan: Plan, name: str, lines: Sequence[str]) -> str:
     prefix = plan.scene.runtime.prefix
     guard = f"{prefix}_{name}_H".upper()
-    lines = [*(line for part in parts for line in ("", *part.tables())), *more]
     head = f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n\n"
     return "\n".join([f'{head}#include "{prefix}_scene.h"', *lines, "\n#endif\n"])
 
 
-def _once(plan: Plan) -> list[Stage]:
-    """Stages with tables of their own: the two of the excess share theirs."""
-    return [stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]]
-
-
-def _golden(plan: Plan) -> str:
+def golden_arrays(plan: Plan) -> list[str]:
     """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
-    prefix = plan.scene.runtime.prefix
-    guard = f"{prefix.upper()}_GOLDEN_H"
     positions = golden_positions(plan)
     velocities = golden_velocities(plan) if plan.needs_device_velocity else None
     columns = {"golden_position": positions}
@@ -163,11 +184,17 @@ def _golden(plan: Plan) -> str:
     if plan.features is not None and (probe := plan.features.probe()) is not None:
         columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))
     bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
-    parts = [f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"]
+    parts = []
     for name, values in columns.items():
         items = [f"0x{pattern:x}u" for pattern in values.view(bits).tolist()]
         parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
         parts += [*wrapped(items), "};"]
     notes = map(str, run.notes.tolist())
-    parts += [f"static const uint8_t golden_notes[{len(run.notes)}] = {{", *wrapped(notes), "};"]
-    return "\n".join([*parts, "\n#endif\n"])
+    parts.append(f"static const uint8_t golden_notes[{len(run.notes)}] = {{")
+    return [*parts, *wrapped(notes), "};"]
+
+
+def _golden_header(plan: Plan) -> str:
+    guard = f"{plan.scene.runtime.prefix.upper()}_GOLDEN_H"
+    head = f"#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n"
+    return "\n".join([head, *golden_arrays(plan), "\n#endif\n"])

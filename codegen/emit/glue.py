@@ -52,10 +52,16 @@ def scene_header(plan: Plan) -> str:
 def scene_source(plan: Plan, manifest: str) -> str:
     """Constants and the public functions. The tick reads like figure 12 of the paper."""
     prefix = plan.scene.runtime.prefix
-    parts = [
-        f'#include <stddef.h>\n\n#include "{prefix}_scene.h"\n#include "{prefix}_tables.h"'
-        + (f'\n#include "{prefix}_regressor.h"' if plan.regressor is not None else ""),
-        _constants(plan),
+    headers = [f"{prefix}_scene.h", f"{prefix}_tables.h"]
+    headers += [f"{prefix}_regressor.h"] if plan.regressor is not None else []
+    includes = "\n".join(f'#include "{header}"' for header in headers)
+    head = f"#include <stddef.h>\n#include <string.h>\n\n{includes}"
+    return prefixed("\n\n".join([head, constants(plan), *functions(plan, manifest)]), prefix)
+
+
+def functions(plan: Plan, manifest: str) -> list[str]:
+    """All functions of a scene, those of the loop first; manifest: JSON that the image holds."""
+    return [
         restart(plan),
         tick(plan),
         *([tick_dt(plan)] if plan.any_rate else []),
@@ -65,10 +71,10 @@ def scene_source(plan: Plan, manifest: str) -> str:
         *([step_dt(plan)] if plan.any_rate else []),
         _api(plan, manifest),
     ]
-    return prefixed("\n\n".join(parts), prefix)
 
 
-def _constants(plan: Plan) -> str:
+def constants(plan: Plan) -> str:
+    """What the scene itself fixes: limits, gains, rates."""
     parts = [
         struct_text("silence", "sp_silence_config", plan.silence),
         struct_text("guard", "sp_guard_config", plan.guard),

@@ -4,6 +4,7 @@ import re
 from importlib.resources import files
 
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.stages.stage import Probe
 
 _PUBLIC = "abi_version|state_size|manifest|init|reset|step|step_dt|run|idle|selftest|state"
 
@@ -15,8 +16,17 @@ def prefixed(text: str, prefix: str) -> str:
 
 def selftest_source(plan: Plan) -> str:
     """C source of sp_selftest: golden vectors through the C, bits compared."""
+    prefix = plan.scene.runtime.prefix
+    headers = [f"{prefix}_golden.h", f"{prefix}_scene.h"]
+    headers += [f"{prefix}_tables.h"] if _probe(plan) is not None else []
+    includes = "\n".join(f'#include "{header}"' for header in headers)
+    return f"#include <stddef.h>\n#include <string.h>\n\n{includes}\n\n{selftest(plan)}"
+
+
+def selftest(plan: Plan) -> str:
+    """C functions of the self-test, without the golden vectors."""
     velocity = "from_bits(golden_velocity[i])" if plan.needs_device_velocity else "(sp_real)0"
-    probe = plan.features.probe() if plan.features is not None else None
+    probe = _probe(plan)
     text = (
         ""
         if probe is None
@@ -29,15 +39,18 @@ def selftest_source(plan: Plan) -> str:
         plan,
         VELOCITY=velocity,
         NAN="0x7fc00000u" if plan.real == "float" else "0x7ff8000000000000u",
-        TABLES=f'#include "{plan.scene.runtime.prefix}_tables.h"\n' if probe else "",
         PROBE=text,
         FIRST="    if (probe_differs()) {\n        return 1;\n    }\n" if probe else "",
     )
 
 
-def example_main(plan: Plan) -> str:
+def _probe(plan: Plan) -> Probe | None:
+    return None if plan.features is None else plan.features.probe()
+
+
+def example_main(plan: Plan, header: str) -> str:
     """A program that renders positions from its standard input."""
-    return filled("main.c", plan)
+    return filled("main.c", plan, HEADER=header)
 
 
 def example_makefile(plan: Plan) -> str:

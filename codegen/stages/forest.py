@@ -11,7 +11,7 @@ from springpot.codegen.forest.quantisation import rounded
 from springpot.codegen.forest.tables import CompactForest, ForestTable
 from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
 from springpot.codegen.forest.wide import forest_table
-from springpot.codegen.literals import array_text, literal, wrapped
+from springpot.codegen.literals import array_text, literal, members_text, wrapped
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
@@ -71,9 +71,17 @@ class CompactForestStage(RegressorStage):
             "/* Below, tree after tree. */",
             *_nodes("forest_nodes", forest.nodes),
             array_text("forest_roots", "uint32_t", forest.roots),
-            "static const sp_forest forest = {",
-            "    .top = forest_top,\n    .nodes = forest_nodes,\n    .roots = forest_roots,",
-            f"    .n_trees = {forest.n_trees},\n    .n_padded = {forest.top.shape[1]},\n}};",
+            members_text(
+                "forest",
+                "sp_forest",
+                {
+                    "top": "forest_top",
+                    "nodes": "forest_nodes",
+                    "roots": "forest_roots",
+                    "n_trees": f"{forest.n_trees}",
+                    "n_padded": f"{forest.top.shape[1]}",
+                },
+            ),
         ]
 
     def _thresholds(self) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.literals import array_text, struct_text
+from springpot.codegen.literals import array_text, members_text, struct_text
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.depth_laws import (
@@ -108,11 +108,16 @@ class HammersteinStage(Stage):
         return [
             *parts,
             struct_text("passive", "sp_hammerstein_config", self.config),
-            "static const sp_hammerstein_tables passive_tables = {",
-            "    .spring = spring,",
-            "    .branches = branches,",
-            *(["    .stops = stops,", "    .radius = stop_radius,"] if stops else []),
-            "};",
+            members_text(
+                "passive_tables",
+                "sp_hammerstein_tables",
+                {
+                    "spring": "spring",
+                    "branches": "branches",
+                    "stops": "stops" if stops else "NULL",
+                    "radius": "stop_radius" if stops else "NULL",
+                },
+            ),
         ]
 
     @property

@@ -15,7 +15,7 @@ from springpot.codegen.stages.stage import padded
 from springpot.host.boards.boards import Board, compiler_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.compiler import CompilerError
-from springpot.host.native.scene_library import scene_prefix
+from springpot.host.native.scene_library import port_headers, scene_files
 from springpot.runtime_c.paths import PORT_MCU, PORT_WIRE, flags
 
 _COMMON = ("sp_firmware.c", "sp_port.c", "sp_transducer.c")
@@ -34,23 +34,24 @@ def build_firmware(
     """
     emitted = read_emission(folder, accept_edited)
     plan = emitted.plan
-    _copy(folder, out)
+    _copy(folder, out, plan)
     for name in (*_COMMON, *_headers(), *board.sources):
         _port_file(name, plan, out)
     for name in _WIRE:
         shutil.copyfile(PORT_WIRE / name, out / name)
     (out / "sp_metadata.h").write_text(_metadata(plan, emitted.hash))
-    sources = (*_COMMON, "sp_wire.c", *board.sources)
+    sources = (*scene_files(folder).sources, *_COMMON, "sp_wire.c", *board.sources)
     return _linked(board, out, sources, state_bytes(plan), strict)
 
 
 def build_batch(folder: Path, board: Board, out: Path) -> Path:
     """Build the program that makes calls out of a file, for the emulator (sp_batch.c)."""
     plan = read_emission(folder).plan
-    _copy(folder, out)
+    _copy(folder, out, plan)
     for name in ("sp_batch.c", "sp_port.c", "sp_transducer.c", *_headers(), *board.sources):
         _port_file(name, plan, out)
-    sources = ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources)
+    ports = ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources)
+    sources = (*scene_files(folder).sources, *ports)
     return _linked(board, out, sources, state_bytes(plan))
 
 
@@ -58,10 +59,12 @@ def _headers() -> list[str]:
     return [file.name for file in PORT_MCU.glob("*.h")]
 
 
-def _copy(folder: Path, out: Path) -> None:
+def _copy(folder: Path, out: Path, plan: Plan) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    for file in [*folder.glob("*.h"), *folder.glob("*_scene.c"), *folder.glob("*_selftest.c")]:
+    for file in [*folder.glob("*.h"), *(folder / name for name in scene_files(folder).sources)]:
         shutil.copyfile(file, out / file.name)
+    for name, text in port_headers(folder, plan.real).items():
+        (out / name).write_text(text)
 
 
 def _port_file(name: str, plan: Plan, out: Path) -> None:
@@ -94,14 +97,12 @@ def _linked(
     board: Board, out: Path, sources: tuple[str, ...], selftest_bytes: int, strict: bool = False
 ) -> Path:
     tools = compiler_of(board)
-    prefix = scene_prefix(out)
-    files = [f"{prefix}_scene.c", f"{prefix}_selftest.c", *sources]
     command = [
         *tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
         f"-Wl,--defsym=sp_stack_bytes={padded(_STACK_BYTES + selftest_bytes, 8)}",
-        *(str(out / file) for file in files), "-lm", "-lc", "-lgcc", "-o", str(out / _NAME),
+        *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _NAME),
     ]  # fmt: skip
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode == 0:

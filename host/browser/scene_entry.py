@@ -23,7 +23,7 @@ from springpot.host.devices.serial_device import BAUD
 from springpot.host.devices.wire import constant
 from springpot.host.emission.emission import Emitted, read_emission
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary, port_headers
 from springpot.host.native.wasm_module import scene_module
 from springpot.host.page import plain
 from springpot.host.session.note_words import NOTE_WORDS
@@ -75,11 +75,13 @@ def page_module(folder: Path, plan: Plan) -> bytes:
         text = (PORT_BROWSER / "sp_page.c").read_text()
         page_c = Path(scratch) / "sp_page.c"
         page_c.write_text(prefixed(text.replace('"sp_scene.h"', f'"{prefix}_scene.h"'), prefix))
+        for name, header in port_headers(folder, plan.real).items():
+            (page_c.parent / name).write_text(header)
         declared = (PORT_BROWSER / "sp_page.h").read_text()
         return scene_module(
             folder,
             sources=[page_c, PORT_WIRE / "sp_wire.c"],
-            include=[PORT_BROWSER, PORT_WIRE, SIM],
+            include=[page_c.parent, PORT_BROWSER, PORT_WIRE, SIM],
             exports=re.findall(r"\b(sp_page_\w+)\(", declared),
         )
 

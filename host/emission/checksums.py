@@ -12,7 +12,7 @@ CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.
 _OWN_LATER = {"validation", "report.html", "example"}
 # For a build by hand, and its user's to change: springpot compiles neither these nor with these.
-_FOR_BY_HAND = {"main.c", "Makefile", "flags.mk"}
+_FOR_BY_HAND = {"main.c", "Makefile", "flags.mk", "library.properties", "library.json", "examples"}
 # What a build reads. A header more would be taken in the place of a system's.
 _READ = ("*.h", "*.gch", "*_scene.c", "*_selftest.c", "manifest.json", "from/*")
 _MAX_BYTES = 1 << 30
@@ -78,15 +78,11 @@ def _edited(folder: Path) -> tuple[str, ...]:
     known = _known(folder)
     if not known:
         return (CHECKSUMS,)
-    changed = {
-        name
-        for name, digest in known.items()
-        if name not in _FOR_BY_HAND and _digest(folder / name) != digest
-    }
+    changed = {name for name, digest in known.items() if _digest(folder / name) != digest}
     read = {file for pattern in _READ for file in folder.rglob(pattern)}
     read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
     more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
-    return tuple(sorted(changed | more))
+    return tuple(sorted(name for name in changed | more if name.split("/")[0] not in _FOR_BY_HAND))
 
 
 def _known(folder: Path) -> dict[str, str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
+from springpot.codegen.emit.single import emit_single
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
@@ -27,7 +28,7 @@ from springpot.host.emission.result import Emission, budget_excess, budgeted_siz
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import Footprint, measure_footprint
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
 from springpot.host.native.wasm_module import scene_module
 from springpot.host.native.wasm_node import missing_node, run_in_node
@@ -44,9 +45,11 @@ def emit(
     folder: Path,
     accept_unsafe: bool = False,
     accept_unmeasured: bool = False,
+    single: bool = False,
 ) -> Emission:
     """Emit `scene` into `folder`, replacing an earlier emission there.
 
+    single: as one source and one header, with what makes them a library.
     accept_unmeasured: a size of the budget that cannot be measured here is a notice, no refusal.
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
@@ -59,7 +62,7 @@ def emit(
         require_stable(plan)
     with folder_written_aside(folder) as aside:
         begin = time.perf_counter()
-        write_emission(plan, scene, model_file, aside)
+        write_emission(plan, scene, model_file, aside, single)
         write_s = time.perf_counter() - begin
         return _built(plan, aside, folder, write_s, accept_unmeasured)
 
@@ -101,10 +104,14 @@ def read_emission(folder: Path, accept_edited: bool = False) -> Emitted:
     return Emitted(plan, model, edited, edited_hash(emitted_hash, folder, edited))
 
 
-def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
+def write_emission(
+    plan: Plan, scene: Scene, model_file: Path, folder: Path, single: bool = False
+) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
-    for name, text in emit_files(plan, force_facts(plan)).items():
+    texts = (emit_single if single else emit_files)(plan, force_facts(plan))
+    for name, text in texts.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
     shutil.copyfile(model_file, folder / MODEL_COPY)
@@ -207,7 +214,7 @@ def _activity(checked: Check) -> list[str]:
 def _footprint(plan: Plan, folder: Path) -> Footprint:
     tools = toolchain(plan.scene.runtime.target)
     assert tools is not None, "the caller has looked"
-    return measure_footprint(folder, f"{plan.scene.runtime.prefix}_scene.c", tools)
+    return measure_footprint(folder, scene_files(folder).sources[0], tools)
 
 
 def _unchecked(scene: Scene) -> list[str]:

@@ -17,12 +17,13 @@ _ADAPTER = TypeAdapter(Scene)
 _EXAMPLE = Scene(schema=1, name="example", model="model.spm")
 _MAX_BYTES = 1 << 14  # a page or five; the TOML reader takes the square of a dotted key
 _FIRST = ("schema", "name", "model")  # keys without a section, and without a default
-# Words of C and of the headers that the emitted sources include: a file or name of ours would hide
-# them.
+# Words and headers of C: a file or name of ours would hide them.
 _TAKEN = frozenset(
     """auto break case char const continue default do double else enum extern float for goto if
     inline int long main register restrict return short signed sizeof static struct switch typedef
-    union unsigned void volatile while math stddef stdint stdio string""".split()  # noqa: SIM905
+    union unsigned void volatile while assert complex ctype errno fenv inttypes iso646 limits locale
+    math setjmp signal stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn
+    string tgmath threads time uchar wchar wctype""".split()  # noqa: SIM905
 )
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
@@ -76,7 +77,7 @@ def _checked(text: str, where: str) -> Scene:
     if not _IDENTIFIER.fullmatch(prefix) or prefix in _TAKEN or prefix.startswith("sp_"):
         raise UsageError(
             f"{where}: runtime.prefix: {prefix!r} cannot begin C names: use lower-case letters, "
-            "digits and underscores, no word of C, and not sp_..."
+            "digits and underscores, no word or header of C, and not sp_..."
         )
     unfit = [mark for mark in ("/*", "*/", "??", "\\", "\0") if mark in scene.name]
     if not scene.name.isprintable() or not scene.name or unfit:

@@ -56,7 +56,8 @@ def declarations(headers: Sequence[Path], real: str = "") -> str:
     parts = [f"typedef {real} sp_real;"] if real else []
     for header in headers:
         text = header.read_text(encoding="utf-8")
-        parts.append(text[text.index(_BEGIN) : text.index(_END)])
+        for declared in text.split(_BEGIN)[1:]:
+            parts.append(declared[: declared.index(_END)])
     return "\n".join(parts)
 
 

@@ -13,6 +13,7 @@ from springpot.runtime_c.paths import flags
 
 _FLASH_SECTIONS = re.compile(r"^\.(text|rodata|data)")
 _NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "[^"]*?(?:\\n(\d+) bytes \((\w+)[^"]*)?"')
+_NO_SELFTEST = "-DSP_NO_SELFTEST"  # where it is in the same file
 _EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 
 
@@ -35,7 +36,8 @@ def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
         command = [
-            *tools.compiler, *flags("SP_CFLAGS"), *tools.flags, "-fcallgraph-info=su", "-c",
+            *tools.compiler, *flags("SP_CFLAGS"), *tools.flags, _NO_SELFTEST,
+            "-fcallgraph-info=su", "-c",
             str(folder / source), "-o", str(built),
         ]  # fmt: skip
         graph = True

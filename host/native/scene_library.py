@@ -1,6 +1,7 @@
 """An emitted scene as a loaded library: the C API from Python, number for number."""
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,24 +12,64 @@ from springpot.codegen.emit.glue import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.native.c_library import CLibrary, declarations
 from springpot.host.native.compiler import shared_library
+from springpot.runtime_c.paths import INCLUDE
+
+MANIFEST = "manifest.json"
 
 
-def scene_prefix(folder: Path) -> str:
-    """Prefix of the C names in an emitted folder. Raises DataError where it is none."""
+@dataclass(frozen=True)
+class SceneFiles:
+    """Names of what is compiled in an emitted folder, and of the headers that declare it.
+
+    single: whether one source and one header are the whole scene.
+    """
+
+    prefix: str
+    sources: tuple[str, ...]
+    headers: tuple[str, ...]
+    single: bool
+
+
+def scene_files(folder: Path) -> SceneFiles:
+    """What an emitted folder holds. Raises DataError where it is none."""
+    if (single := _single_source(folder)) is not None:
+        return SceneFiles(single.stem, (single.name,), (f"{single.stem}.h",), single=True)
     sources = sorted(folder.glob("*_scene.c"))
     if not sources:
         raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
     if len(sources) > 1:
         names = " and ".join(source.name for source in sources[:2])
         raise DataError(f"{folder}: holds {names}: remove the one that springpot did not emit")
-    return sources[0].name.removesuffix("_scene.c")
+    prefix = sources[0].name.removesuffix("_scene.c")
+    both = (sources[0].name, f"{prefix}_selftest.c")
+    return SceneFiles(prefix, both, ("sp_notes.h", f"{prefix}.h"), single=False)
+
+
+def _single_source(folder: Path) -> Path | None:
+    """The one source that the manifest lists; None where it lists several, or none."""
+    try:
+        sources = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sources"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    if isinstance(sources, list) and len(sources) == 1 and isinstance(sources[0], str):
+        return folder / Path(sources[0]).name
+    return None
+
+
+def port_headers(folder: Path, real: str) -> dict[str, str]:
+    """Name -> text of the headers that a port includes and a scene in one file does not bring."""
+    files = scene_files(folder)
+    if not files.single:
+        return {}
+    return {
+        f"{files.prefix}_scene.h": f'#include "{files.prefix}.h"\n#include "sp_real.h"\n',
+        "sp_real.h": (INCLUDE / real / "sp_real.h").read_text(),
+    }
 
 
 def build_scene(folder: Path) -> Path:
     """Build an emitted folder's shared library, or return the one built before."""
-    prefix = scene_prefix(folder)
-    sources = [folder / f"{prefix}_scene.c", folder / f"{prefix}_selftest.c"]
-    return shared_library(sources, [folder])
+    return shared_library([folder / name for name in scene_files(folder).sources], [folder])
 
 
 class SceneLibrary:
@@ -36,8 +77,9 @@ class SceneLibrary:
 
     def __init__(self, folder: Path) -> None:
         self.path = build_scene(folder)
-        self._prefix = scene_prefix(folder)
-        headers = [folder / "sp_notes.h", folder / f"{self._prefix}.h"]
+        files = scene_files(folder)
+        self._prefix = files.prefix
+        headers = [folder / name for name in files.headers]
         self.loaded = CLibrary(self.path, declarations(headers))
         found = self.function("abi_version")()
         if found != ABI_VERSION:

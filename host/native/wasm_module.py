@@ -8,7 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.errors import UsageError
 from springpot.host.native.compiler import CompilerError, first_error
-from springpot.host.native.scene_library import scene_prefix
+from springpot.host.native.scene_library import scene_files
 from springpot.host.native.toolchain import missing_tools, toolchain
 from springpot.runtime_c.paths import flags
 
@@ -29,15 +29,14 @@ def scene_module(
 
     It exports every function of the scene's header and `exports`: see `wasm_module`.
     """
-    prefix = scene_prefix(folder)
-    scene = [folder / f"{prefix}_scene.c", folder / f"{prefix}_selftest.c"]
+    scene = [folder / name for name in scene_files(folder).sources]
     functions = scene_functions(folder)
     return wasm_module([*scene, *sources], [folder, *include], [*functions, *exports])
 
 
 def scene_functions(folder: Path) -> list[str]:
     """Names of the C functions that an emitted folder's header declares."""
-    prefix = scene_prefix(folder)
+    prefix = scene_files(folder).prefix
     header = (folder / f"{prefix}.h").read_text(encoding="utf-8")
     return re.findall(rf"^\w[\w *]*?\b({prefix}_\w+)\(", header, re.MULTILINE)
 

@@ -9,12 +9,13 @@ import numpy as np
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.single import SINGLE_EXAMPLE
 from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
 from springpot.host.metrics import start_up_ramp
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary, scene_prefix
+from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.page import page_text
 from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section
@@ -108,6 +109,16 @@ def _angle(swing: complex) -> str:
     return f"{np.degrees(np.angle(swing)):.1f}"
 
 
+def by_hand(folder: Path) -> str:
+    """The build of an emission without Python."""
+    files = scene_files(folder)
+    if not files.single:
+        return f"make -C {folder.name} test    # {files.prefix}_selftest.c, without Python"
+    names = (files.sources[0], SINGLE_EXAMPLE.format(files.prefix))
+    sources = " ".join(f"{folder.name}/{name}" for name in names)
+    return f"cc -O2 -I{folder.name} {sources} -lm"
+
+
 def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[str]:
     seed = manifest["provenance"]["seed"]
     return [
@@ -115,7 +126,7 @@ def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[st
         f"springpot emit --scene SCENE.toml --out {folder.name}",
         f"springpot validate {folder.name} --recording VALIDATION",
         f"springpot report {folder.name}",
-        f"make -C {folder.name} test    # {scene_prefix(folder)}_selftest.c, without Python",
+        by_hand(folder),
         f"# model and scene: {folder.name}/{MODEL_COPY}, {folder.name}/{SCENE_COPY}; "
         f"{len(stored.series)} validation recordings",
     ]

@@ -20,7 +20,8 @@ enum { SP_DEPTH_PIECES = 9 };
 
 static inline sp_curve_place sp_depth_place(sp_real u)
 {
-    return sp_curve_at(u * (sp_real)((SP_DEPTH_PIECES - 1.0) / SP_DEPTH_PIECES), SP_DEPTH_PIECES);
+    const double pieces = (double)SP_DEPTH_PIECES;
+    return sp_curve_at(u * (sp_real)((pieces - 1.0) / pieces), SP_DEPTH_PIECES);
 }
 
 /* stretch: one cubic curve. */

@@ -25,7 +25,7 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
 void sp_init(sp_state *state)
 {
     if (state != NULL) {
-        *state = (sp_state){0};
+        (void)memset(state, 0, sizeof *state);
 @INIT@    }
 }
 

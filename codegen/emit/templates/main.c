@@ -2,7 +2,7 @@
  * output, a tick of @DT@ s each. Checks the compiler first. */
 #include <stdio.h>
 
-#include "@PREFIX@_scene.h"
+#include "@HEADER@"
 
 int main(void)
 {
@@ -15,7 +15,7 @@ int main(void)
     if (differs != 0) {
         fprintf(stderr,
                 "self-test: tick %d differs: this compiler changes floating-point results; build "
-                "with the flags of flags.mk (-ffp-contract=off, no -ffast-math)\n",
+                "with -ffp-contract=off and without -ffast-math\n",
                 differs - 1);
         return 1;
     }

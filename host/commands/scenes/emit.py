@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 )
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
 @click.option(
+    "--single",
+    is_flag=True,
+    help="One source and one header, for any project in C or C++; Arduino and PlatformIO library.",
+)
+@click.option(
     "--accept-unsafe",
     is_flag=True,
     help="Emit although a hand would find it unstable, for replay; the manifest says so.",
@@ -56,6 +61,7 @@ def emit_(
     scene_file: Path | None,
     model_file: Path | None,
     out: Path,
+    single: bool,
     accept_unsafe: bool,
     recordings: tuple[str, ...],
     fit: bool,
@@ -94,7 +100,9 @@ def emit_(
     measured = _recordings(recordings, model_file) if recordings else []
     unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
     with progress_bar("emit"):
-        emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
+        emission = emit_fitting(
+            scene, model_file, out, accept_unsafe, measured, fit, unmeasured, single
+        )
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))

@@ -174,6 +174,7 @@ static int write_device(sp_link *link, uint64_t now_ns, double force_n)
 static void reset_device(sp_link *link, uint64_t now_ns)
 {
     device *self = (device *)link;
+    (void)now_ns;
     self->tripped = 0;
     self->untaken = 0;
     self->held_ns = 0;

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>
@@ -16,7 +16,7 @@ int main(void)
     if (differs != 0) {
         fprintf(stderr,
                 "self-test: tick %d differs: this compiler changes floating-point results; build "
-                "with the flags of flags.mk (-ffp-contract=off, no -ffast-math)\n",
+                "with -ffp-contract=off and without -ffast-math\n",
                 differs - 1);
         return 1;
     }

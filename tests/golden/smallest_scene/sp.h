@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 #ifndef SP_REGRESSOR_H
 #define SP_REGRESSOR_H
 
@@ -50,11 +50,11 @@ static const uint32_t forest_roots[16] = {
     0u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u, 16u
 };
 static const sp_forest forest = {
-    .top = forest_top,
-    .nodes = forest_nodes,
-    .roots = forest_roots,
-    .n_trees = 1,
-    .n_padded = 16,
+    forest_top,   /* top */
+    forest_nodes, /* nodes */
+    forest_roots, /* roots */
+    1,            /* n_trees */
+    16,           /* n_padded */
 };
 
 #endif

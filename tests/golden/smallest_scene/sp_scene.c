@@ -1,32 +1,33 @@
-/* springpot 0.1.0 7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a */
+/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
 #include <stddef.h>
+#include <string.h>
 
 #include "sp_scene.h"
 #include "sp_tables.h"
 #include "sp_regressor.h"
 
 static const sp_silence_config silence = {
-    .dt_s = 0.001f,
-    .per_dt = 1000.0f,
-    .watchdog_s = 0.0205f,
+    0.001f,  /* dt_s */
+    1000.0f, /* per_dt */
+    0.0205f, /* watchdog_s */
 };
 static const sp_guard_config guard = {
-    .jump_m = 0.001f,
-    .min_m = -10.0f,
-    .max_m = 0.1f,
-    .resync_ticks = 5,
+    0.001f, /* jump_m */
+    -10.0f, /* min_m */
+    0.1f,   /* max_m */
+    5,      /* resync_ticks */
 };
 static const sp_range_config range = {
-    .min_m = 0.0f,
-    .max_m = 0.01f,
+    0.0f,  /* min_m */
+    0.01f, /* max_m */
 };
 static const sp_output_config output = {
-    .min_n = 0.0f,
-    .max_n = 12.0f,
-    .slew_n = 3.0f,
-    .rise = 0.02f,
-    .fall_n = 1.5f,
-    .return_n = 0.08f,
+    0.0f,  /* min_n */
+    12.0f, /* max_n */
+    3.0f,  /* slew_n */
+    0.02f, /* rise */
+    1.5f,  /* fall_n */
+    0.08f, /* return_n */
 };
 static const sp_real per_onset = 10000.0f;
 
@@ -156,7 +157,7 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
 void sp_init(sp_state *state)
 {
     if (state != NULL) {
-        *state = (sp_state){0};
+        (void)memset(state, 0, sizeof *state);
         state->simd = sp_forest_simd();
     }
 }
@@ -178,5 +179,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"7dcb95f9e6e640e1ab4fa645309e741332ee6866affa0d4b32855d49587e1a9a\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

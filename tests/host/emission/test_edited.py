@@ -1,6 +1,7 @@
 """C that is not what was emitted is refused wherever it would run, or accepted and named."""
 
 import json
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -33,8 +34,11 @@ def raise_the_clamp(folder: Path) -> None:
     """A thousand times the force that the recordings say."""
     source = folder / "sp_scene.c"
     text = source.read_text()
-    limit = text.split(".max_n = ")[1].split("f,")[0]
-    source.write_text(text.replace(f".max_n = {limit}f", f".max_n = {1e3 * float(limit)}f"))
+    raised, places = re.subn(
+        r"([\d.]+)f(?=, +/\* max_n \*/)", lambda found: f"{1e3 * float(found[1])}f", text
+    )
+    assert places == 1
+    source.write_text(raised)
 
 
 def commands(folder: Path, press_file: Path) -> dict[str, list[str]]:

@@ -79,6 +79,7 @@ tick_us = 50.0
         ("schema = 1\nname = 'a??/'\nmodel = 'x'", "name: "),
         (HEAD + "[runtime]\nprefix = 'sp_guard'", "runtime.prefix"),
         (HEAD + "[runtime]\nprefix = 'float'", "runtime.prefix"),
+        (HEAD + "[runtime]\nprefix = 'limits'", "runtime.prefix"),
         (HEAD + "[guard]\nwatchdog_ms = true", "guard.watchdog_ms"),
         (HEAD + "[guard]\nmax_force_n = '12'", "guard.max_force_n"),
         (HEAD + "[guard]\nonset_mm = 1e-50", "guard.onset_mm"),

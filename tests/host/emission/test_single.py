@@ -1,0 +1,275 @@
+"""A scene in one file: it compiles anywhere without a warning, and gives the same bits."""
+
+import json
+import re
+import shutil
+import subprocess
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import cycle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import golden_forces
+from support.in_process import spring
+from support.single import every_plan, plan_of, write_single
+from support.small import model_file, press, recording, scene
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import planned_headers, state_bytes
+from springpot.host.boards.boards import default_board
+from springpot.host.boards.firmware import build_firmware
+from springpot.host.browser.scene_entry import page_module
+from springpot.host.emission.emission import emit
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.toolchain import missing_tools
+from springpot.host.validation.report import by_hand
+from springpot.runtime_c.paths import SOURCE
+from springpot.trainer.recordings.recording_file import write_recording
+
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+LANGUAGES = (
+    ("gcc", "-std=c11", ".c"),
+    ("clang", "-std=c11", ".c"),
+    ("g++", "-std=c++17", ".cpp"),
+    ("clang++", "-std=c++17", ".cpp"),
+)
+_PLAIN = ("float32", "off")
+LEVELS = ("-Os", "-O0", "-O2", "-O1", "-O3")
+FOUND = [language for language in LANGUAGES if shutil.which(language[0])]
+CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+FMA = pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
+MAIN = '#include "@.h"\nint main(void) { return @_selftest() ? 3 : 0; }\n'
+
+
+def hammerstein() -> Plan:
+    return plan_of("soft", golden_forces.model("hammerstein"), "float32", "tool")
+
+
+def radial() -> Plan:
+    return plan_of("hard", golden_forces.model("rbf-pv"), "float64", "proxy")
+
+
+def compiled(out: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [*map(str, arguments), "-o", str(out), *(() if "-c" in arguments else ("-lm",))]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def passes(folder: Path, source: Path, *command: str) -> bool:
+    """Whether the self-test of a source passes, built by a command."""
+    main = folder / f"main{source.suffix}"
+    main.write_text(MAIN.replace("@", source.stem))
+    done = compiled(folder / "main", *command, main, source)
+    assert done.returncode == 0, done.stderr
+    ended = subprocess.run([folder / "main"], check=False).returncode
+    assert ended in (0, 3)
+    return ended == 0
+
+
+def require_clean(
+    plan: Plan, folder: Path, level: str, languages: Sequence[tuple[str, str, str]]
+) -> None:
+    """No warning in those languages, and a self-test that passes."""
+    source = write_single(plan, folder)
+    for compiler, standard, suffix in languages:
+        options = (compiler, standard, level, *WARNINGS)
+        assert passes(folder, source.with_suffix(suffix), *options), (plan.scene.name, compiler)
+
+
+def test_no_warning_in_c_and_cpp(tmp_path: Path) -> None:
+    require_clean(hammerstein(), tmp_path, "-O0", FOUND)
+
+
+@pytest.mark.slow
+def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
+    """Levels and pairs of compilers take turns; for boards: test_single_boards.py."""
+    units: set[str] = set()
+    turns = zip(cycle(LEVELS), cycle((FOUND[::3], FOUND[1:3])), strict=False)
+    for plan, (level, languages) in zip(every_plan("host"), turns, strict=False):
+        units.update(planned_headers(plan))
+        require_clean(plan, tmp_path / plan.scene.name, level, languages)
+    assert units == {file.name for file in SOURCE.glob("*.h")}
+
+
+def test_the_same_forces_as_in_many_files(tmp_path: Path) -> None:
+    chosen, model = scene(mode="tool", smoothing_s=8e-4, prefix="eco"), model_file(tmp_path)
+    emit(chosen, model, tmp_path / "many")
+    emission = emit(chosen, model, tmp_path / "one", single=True)
+    motion = golden_forces.motion_m()
+    many, one = (SceneLibrary(tmp_path / name) for name in ("many", "one"))
+    forces = [library.new_state().run(motion)[0] for library in (many, one)]
+    assert np.ptp(forces[0]) > 1.0
+    assert forces[0].tobytes() == forces[1].tobytes()
+    assert one.state_bytes == many.state_bytes == emission.ram_bytes
+    assert one.manifest["hash"] == emission.hash
+    assert emission.manifest["sources"] == ["eco.c"]
+
+
+def test_sizes_are_those_of_many_files(tmp_path: Path) -> None:
+    """The self-test, which an image may leave out, counts in neither."""
+    chosen = replace(scene(), runtime=replace(scene().runtime, target="cortex-m4f"))
+    model = model_file(tmp_path)
+    many = emit(chosen, model, tmp_path / "many").footprint
+    one = emit(chosen, model, tmp_path / "one", single=True).footprint
+    if many is None or one is None:
+        pytest.skip("no compiler for the target")
+    assert one.flash_bytes == pytest.approx(many.flash_bytes, rel=0.03)
+    assert one.stack_bytes == pytest.approx(many.stack_bytes, abs=64)
+
+
+def test_only_the_api_is_public_and_nothing_changes(tmp_path: Path) -> None:
+    source = write_single(radial(), tmp_path)
+    for compiler, _, suffix in FOUND:
+        built = tmp_path / "x.o"
+        assert compiled(built, compiler, "-O2", "-c", source.with_suffix(suffix)).returncode == 0
+        said = subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
+        rows = [line.split()[-2:] for line in said.splitlines()]
+        declared = set(re.findall(r"\b(hard_\w+)\(", source.with_suffix(".h").read_text()))
+        assert {name for kind, name in rows if kind == "T"} == declared
+        assert not [name for kind, name in rows if kind in "BbDdC"]
+
+
+def test_two_scenes_in_one_translation_unit_and_program(tmp_path: Path) -> None:
+    sources = [write_single(plan(), tmp_path) for plan in (hammerstein, radial)]
+    text = (
+        '#include "soft.h"\n#include "hard.h"\n'
+        "static soft_state first;\nstatic hard_state second;\n"
+        "int main(void)\n{\n    float force_n = 0;\n    double other_n = 0;\n"
+        "    soft_init(&first);\n    hard_init(&second);\n"
+        "    int notes = soft_step(&first, 0.001f, 0, &force_n);\n"
+        "    notes |= hard_step(&second, 0.001, 0, &other_n);\n"
+        "    return notes < 0 || (notes & SP_NOTE_RESYNC) == 0 || soft_selftest() != 0 ||\n"
+        "           hard_selftest() != 0 || sizeof first != soft_state_size() ||\n"
+        "           sizeof second != hard_state_size();\n}\n"
+    )
+    for compiler, standard, suffix in FOUND:
+        main = tmp_path / f"main{suffix}"
+        main.write_text(text)
+        files = [source.with_suffix(suffix) for source in sources]
+        done = compiled(tmp_path / "main", compiler, standard, *WARNINGS, main, *files)
+        assert done.returncode == 0, done.stderr
+        assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
+    mixed = [sources[0], sources[1].with_suffix(".cpp")]  # C and C++ of one program
+    assert compiled(tmp_path / "mixed", "g++", tmp_path / "main.cpp", "-x", "c", mixed[0],
+                    "-x", "c++", mixed[1]).returncode == 0  # fmt: skip
+    assert subprocess.run([tmp_path / "mixed"], check=False).returncode == 0
+
+
+@FMA
+@pytest.mark.parametrize("language", FOUND, ids=lambda language: language[0])
+def test_no_flag_of_ours_is_needed(tmp_path: Path, language: tuple[str, str, str]) -> None:
+    """Compilers contract by default: without its pragmas the self-test would fail."""
+    compiler, _, suffix = language
+    source = write_single(hammerstein(), tmp_path).with_suffix(suffix)
+    options = (compiler, "-O2", "-march=haswell")
+    assert passes(tmp_path, source, *options)
+    assert passes(tmp_path, source, compiler, "-Os", "-march=haswell", "-flto")
+    text, removed = re.subn(r"#pragma (STDC|GCC (optimize|push|pop)).*\n", "", source.read_text())
+    assert removed == 5
+    source.write_text(text)
+    contracts = () if "clang" in compiler else ("-ffp-contract=fast",)
+    assert not passes(tmp_path, source, *options, *contracts)
+
+
+@FMA
+@pytest.mark.skipif(shutil.which("clang") is None, reason="no clang")
+def test_the_selftest_sees_what_pragmas_cannot_stop(tmp_path: Path) -> None:
+    source = write_single(hammerstein(), tmp_path)
+    assert not passes(tmp_path, source, "clang", "-O2", "-mfma", "-ffp-contract=fast")
+    sums = ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math")
+    assert not passes(tmp_path, source, "gcc", "-O2", *sums)
+
+
+@pytest.mark.parametrize("language", FOUND, ids=lambda language: language[0])
+def test_fast_math_does_not_compile(tmp_path: Path, language: tuple[str, str, str]) -> None:
+    compiler, _, suffix = language
+    source = write_single(hammerstein(), tmp_path).with_suffix(suffix)
+    done = compiled(tmp_path / "x.o", compiler, "-Ofast", "-c", source)
+    assert done.returncode != 0
+    assert "without -ffast-math" in done.stderr
+
+
+def test_the_header_says_all_and_names_nothing_but_the_prefix(tmp_path: Path) -> None:
+    source = write_single(plan_of("eco", golden_forces.model("rbf-pv"), "float32", "off"), tmp_path)
+    header = source.with_suffix(".h").read_text()
+    assert "Link with -lm" in header
+    assert not re.search(r"\bsp_", header)
+    typed = set(re.findall(r"\} (\w+);|struct (\w+) \{", header))
+    assert typed and all(name.startswith("eco_") for names in typed for name in names if name)
+    assert re.findall(r"#include .*", header) == ["#include <stdint.h>"]
+    text = source.read_text()
+    assert re.findall(r'#include "(.*)"', text) == ["eco.h"]
+    assert "flags.mk" not in text and "-lm" not in text
+
+
+@pytest.mark.slow
+def test_a_single_folder_is_an_emitted_folder(tmp_path: Path) -> None:
+    emission = emit(scene(prefix="my_scene"), model_file(tmp_path), tmp_path / "c", single=True)
+    write_recording(tmp_path / "press.h5", recording("press", press(1.0)))
+    built = spring("build", str(emission.folder))
+    assert built.returncode == 0 and built.stdout.strip().endswith(".so")
+    done = spring("validate", str(emission.folder), "--recording", str(tmp_path / "press.h5"))
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_report_says_how_to_build_it(tmp_path: Path) -> None:
+    folder = tmp_path / "c"
+    source = write_single(plan_of("my_scene", golden_forces.model("rbf-pv"), *_PLAIN), folder)
+    command = by_hand(folder)
+    assert command == "cc -O2 -Ic c/my_scene.c c/examples/my_scene_lines/main.c -lm"
+    assert source.exists()
+    done = subprocess.run([*command.split(), "-o", "x"], cwd=tmp_path, check=False)
+    assert done.returncode == 0
+
+
+@pytest.mark.slow
+def test_a_page_and_a_board_take_it(tmp_path: Path) -> None:
+    """Their C includes headers that a single file does not bring."""
+    emission = emit(scene(prefix="eco"), model_file(tmp_path), tmp_path / "c", single=True)
+    if not (why := missing_tools("wasm32")):
+        assert page_module(emission.folder, emission.plan).startswith(b"\0asm")
+    board = default_board("cortex-m4f")
+    assert board is not None
+    if not missing_tools("cortex-m4f"):
+        built = build_firmware(emission.folder, board, tmp_path / "firmware", strict=True)
+        assert built.exists()
+    elif why:
+        pytest.skip(why)
+
+
+def test_an_edited_source_is_refused_and_an_edited_example_is_the_users(tmp_path: Path) -> None:
+    folder = emit(scene(prefix="eco"), model_file(tmp_path), tmp_path / "c", single=True).folder
+    for name in ("examples/eco_loop/eco_loop.ino", "library.properties"):
+        (folder / name).write_text("mine")
+    (folder / "examples" / "eco_loop" / "my_pins.h").write_text("mine")
+    assert spring("build", str(folder)).returncode == 0
+    with pytest.raises(UsageError, match="not as springpot emitted it"):
+        emit(scene(), model_file(tmp_path), folder)
+    (folder / "eco.c").write_text((folder / "eco.c").read_text() + "\n")
+    done = spring("build", str(folder))
+    assert done.returncode == 3
+    assert "eco.c: not as springpot emitted it" in done.stderr
+
+
+def test_one_form_replaces_the_other(tmp_path: Path) -> None:
+    model, scene_file = model_file(tmp_path), tmp_path / "scene.toml"
+    scene_file.write_text(f'schema = 1\nname = "x"\nmodel = "{model.name}"\n')
+    out = tmp_path / "c"
+    assert spring("emit", "--scene", str(scene_file), "--out", str(out)).returncode == 0
+    done = spring("emit", "--scene", str(scene_file), "--single", "--out", str(out), "--json")
+    assert done.returncode == 0, done.stderr
+    assert {path.name for path in out.iterdir()} == {
+        "sp.c", "sp.h", "examples", "from", "library.json", "library.properties", "manifest.json",
+    }  # fmt: skip
+    manifest = json.loads((out / "manifest.json").read_text())
+    assert json.loads(done.stdout)["hash"] == manifest["hash"]
+
+
+def test_the_state_is_as_large_as_planned(tmp_path: Path) -> None:
+    source = write_single(hammerstein(), tmp_path)
+    assert f"== {state_bytes(hammerstein())} ?" in source.with_suffix(".h").read_text()
+    header = source.with_suffix(".h")
+    header.write_text(header.read_text().replace("float smoothed_n;", "double smoothed_n;"))
+    assert "soft_state_is_as_planned" in compiled(tmp_path / "x.o", "gcc", "-c", source).stderr

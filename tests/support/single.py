@@ -1,0 +1,85 @@
+"""Scenes of every stored model, and of what few of them have, to be emitted as one file each."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+
+from springpot.codegen import stages
+from springpot.codegen.emit.single import emit_single
+from springpot.codegen.model.model import Model
+from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
+from support import golden_forces
+from support.small import small_model
+
+# Made of units that others have too.
+_ALIKE = {"boosted-recursive", "rf-fd-fast", "rf-fd-quantised"}
+_SETTINGS = (("float32", "off"), ("float64", "tool"), ("float32", "proxy"), ("float64", "off"))
+
+
+def plan_of(
+    name: str,
+    model: Model,
+    number: str,
+    mode: str,
+    target: str = "host",
+    velocity: str = "estimate",
+    **runtime: Any,
+) -> Plan:
+    """The plan of a scene whose prefix is its name."""
+    scene = Scene(
+        schema=1,
+        name=name,
+        model="x.spm",
+        runtime=Runtime(
+            number=number,  # type: ignore[arg-type]
+            target=target,  # type: ignore[arg-type]
+            prefix=name.replace("-", "_"),
+            **runtime,
+        ),
+        coupling=Coupling(mode=mode),  # type: ignore[arg-type]
+        smoothing=Smoothing(time_constant_s=8e-4 if mode == "tool" else 0.0),
+        guard=Guard(outside="zero" if mode == "proxy" else "fallback"),
+        device=Device(velocity=velocity),  # type: ignore[arg-type]
+    )
+    return make_plan(model, scene, accept_unsafe=True)
+
+
+def every_plan(target: str) -> Iterator[Plan]:
+    """Number types and couplings take turns; each unit of the runtime is in one of them."""
+    names = [name for name in golden_forces.models() if name not in _ALIKE]
+    for name, settings in zip(names, cycle(_SETTINGS), strict=False):
+        yield plan_of(name, golden_forces.model(name), *settings, target)
+    hammerstein = golden_forces.model("hammerstein")
+    passive = hammerstein.hammerstein
+    assert passive is not None
+    laws = replace(
+        passive,
+        tau_s=np.array([0.01, 4e3, 0.2, 4e3]),  # two move in double only
+        branch_n=np.ones((4, 1)) * passive.elastic_n,
+        n_by_depth=2,
+        rate_ratio=16.0,
+        stretch=12.0,
+    )
+    law = replace(hammerstein, hammerstein=laws)
+    yield plan_of("laws", law, "float32", "off", target, measured_step=True)
+    always = replace(hammerstein, contact="always")
+    yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
+    yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
+    with mock.patch.object(stages.forest, "compact_forest", return_value=None):  # as if too big
+        yield plan_of("wide", golden_forces.model("rf-fd"), "float32", "off", target)
+
+
+def write_single(plan: Plan, folder: Path) -> Path:
+    """Write its files into a folder; returns the source, beside which it is as C++ too."""
+    for name, text in emit_single(plan).items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    source = folder / f"{plan.scene.runtime.prefix}.c"
+    source.with_suffix(".cpp").write_text(source.read_text())
+    return source
