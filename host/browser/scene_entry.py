@@ -98,6 +98,11 @@ def packed(content: bytes) -> str:
     return base64.b64encode(zlib.compress(content, 9)).decode()
 
 
+def unpacked(text: str) -> bytes:
+    """What `packed` made a text of."""
+    return zlib.decompress(base64.b64decode(text))
+
+
 def _what(emitted: Emitted) -> str:
     plan = emitted.plan
     max_mm, max_n = 1e3 * float(plan.range.max_m), float(plan.model.trained.max_n)

@@ -48,7 +48,10 @@ def progress_bar(text: str) -> Iterator[Progress]:
     """A bar on standard error that says how far the work is; it swings until that is known."""
     logger = logging.getLogger("springpot")
     columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(bar_width=20))
-    with Progress(*columns, console=progress_console, transient=True) as progress:
+    terminal = progress_console.is_terminal  # elsewhere a bar would leave an empty line
+    with Progress(
+        *columns, console=progress_console, transient=True, disable=not terminal
+    ) as progress:
         handler, level = _ProgressLine(progress, text), logger.level
         logger.addHandler(handler)
         logger.setLevel(logging.INFO)

@@ -232,6 +232,7 @@ PREPARED = {
     "how-to/own-ensemble.md": nothing,
     "how-to/record.md": nothing,
     "how-to/run-a-device.md": emitted_job,
+    "how-to/single-file.md": small_job,
     "how-to/small-and-fast.md": small_job,
     "how-to/stability.md": small_job,
 }

@@ -16,18 +16,26 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 def page(folders: tuple[Path, ...], out: Path, accept_edited: bool, as_json: bool) -> None:
     """Write one HTML file in which people press the emitted FOLDERS, in a browser.
 
-    The page runs the emitted C itself, as WebAssembly: needs clang and lld.
+    The page runs the emitted C itself, as WebAssembly: needs clang and lld, or springpot[cc].
+    Where node is installed, its forces are compared with those of this machine.
     """
+    from springpot.host.browser.page_check import check_module
     from springpot.host.browser.press_page import write_press_page
+    from springpot.host.native.wasm_node import missing_node
 
     with progress_bar("page"):
         entries = write_press_page(folders, out, accept_edited)
+        checks = [
+            check_module(folder, entry, accept_edited)
+            for folder, entry in zip(folders, entries, strict=True)
+        ]
     unmeasured = [entry["name"] for entry in entries if entry["recording"] is None]
     result = {
-        "page": str(out),
+        "out": str(out),
         "bytes": out.stat().st_size,
         "scenes": [
-            {key: entry[key] for key in ("name", "hash", "wasm_bytes")} for entry in entries
+            {**{key: entry[key] for key in ("name", "hash", "wasm_bytes")}, **check}
+            for entry, check in zip(entries, checks, strict=True)
         ],
         "without_recording": unmeasured,
     }
@@ -36,6 +44,8 @@ def page(folders: tuple[Path, ...], out: Path, accept_edited: bool, as_json: boo
         "size": f"{out.stat().st_size / 1e3:.0f} kB, nothing else is needed: open it in a browser",
         "scenes": ", ".join(f"{entry['name']} ({entry['hash'][:12]})" for entry in entries),
     }
+    if checks[0]["selftest"] is None:
+        rows["not checked"] = f"whether its forces are those of this machine: {missing_node()}"
     if unmeasured:
         rows["no recording"] = (
             f"{', '.join(unmeasured)}: nothing measured to compare with: `springpot validate` first"
