@@ -13,16 +13,19 @@ from support.cross_tools import path_without
 from support.small import press, recording
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.errors import BudgetError, MismatchError
 from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Budget, Scene, Target
 from springpot.host.benchmark.choice import choose_pick, scene_of
 from springpot.host.benchmark.node_ticks import time_in_node
 from springpot.host.benchmark.report import bench_page
 from springpot.host.benchmark.run import run_bench
+from springpot.host.browser.page_check import check_module
+from springpot.host.browser.press_page import write_press_page
 from springpot.host.emission import emission as emission_module
-from springpot.host.emission.emission import emit
+from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.wasm_module import scene_module
@@ -135,3 +138,19 @@ def test_a_benchmark_picks_for_a_page_and_times_it(tmp_path: Path) -> None:
     scene, _ = scene_of(tmp_path / "bench", *chosen, None)
     assert scene.runtime.target == "wasm32"
     assert scene.budget == Budget(flash_bytes=120 * 1024)
+
+
+def test_a_page_has_the_forces_of_this_machine(tmp_path: Path) -> None:
+    need()
+    folder = tmp_path / "c"
+    emit(*stored_scene(), folder)
+    (entry,) = write_press_page([folder], tmp_path / "press.html")
+    found = check_module(folder, entry, accept_edited=False)
+    plan = read_emission(folder).plan
+    force_n = run_reference(plan, golden_positions(plan)).force_n
+    assert found == {"selftest": 0, "force_hash": hashlib.sha256(force_n.tobytes()).hexdigest()}
+    other = replace(golden_forces.scene("rf-fd", "float32", "off"), name="other")
+    emit(other, golden_forces.FOLDER / "rf-fd.spm", tmp_path / "other", accept_unsafe=True)
+    (wrong,) = write_press_page([tmp_path / "other"], tmp_path / "other.html")
+    with pytest.raises(MismatchError, match="gives other forces in node"):
+        check_module(folder, wrong, accept_edited=False)
