@@ -1,6 +1,7 @@
 """Every command with its arguments and options, as click itself knows them."""
 
 from collections.abc import Iterator
+from inspect import cleandoc
 
 import click
 
@@ -31,7 +32,7 @@ def _section(name: str, command: click.Command) -> Iterator[str]:
     context = click.Context(command, info_name=name)
     yield from ("", f"## {name}", "", f"```{{program}} {name}", "```", "", "```text")
     yield command.get_usage(context).removeprefix("Usage: ")
-    yield from ("```", "", *_paragraphs(command.help or ""))
+    yield from ("```", "", *_paragraphs(cleandoc(command.help or "")))
     for parameter in command.params:
         if isinstance(parameter, click.Option):
             yield from ("", f":::{{option}} {_names(parameter, context)}")
