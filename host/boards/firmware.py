@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.project import prefixed
 from springpot.codegen.errors import BudgetError
 from springpot.codegen.literals import literal
@@ -13,12 +14,14 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.stages.stage import padded
 from springpot.host.boards.boards import Board, compiler_of
+from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.scene_library import port_headers, scene_files
 from springpot.runtime_c.paths import PORT_MCU, PORT_WIRE, flags
 
-_COMMON = ("sp_firmware.c", "sp_port.c", "sp_transducer.c")
+TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
+_COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
 _WIRE = ("sp_wire.c", "sp_wire.h", "sp_wire_messages.h")
 _NAME = "firmware.elf"
 _STACK_BYTES = 4096  # of everything else
@@ -29,19 +32,27 @@ def build_firmware(
 ) -> Path:
     """Build the firmware of an emitted folder into `out`, with all its sources beside it.
 
-    Raises UsageError without a compiler, BudgetError where it does not fit the board, DataError
-    where the C is not as emitted, unless that is accepted: the board then reports another hash.
+    An earlier firmware there is replaced; TRANSDUCER, where its user changed it, is built as it is.
+    Raises UsageError without a compiler, or where `out` holds anything else or other changes,
+    BudgetError where it does not fit the board, DataError where the C is not as emitted, unless
+    that is accepted: the board then reports another hash.
     """
+    require_replaceable(out, yours=[TRANSDUCER])
     emitted = read_emission(folder, accept_edited)
     plan = emitted.plan
-    _copy(folder, out, plan)
-    for name in (*_COMMON, *_headers(), *board.sources):
-        _port_file(name, plan, out)
-    for name in _WIRE:
-        shutil.copyfile(PORT_WIRE / name, out / name)
-    (out / "sp_metadata.h").write_text(_metadata(plan, emitted.hash))
-    sources = (*scene_files(folder).sources, *_COMMON, "sp_wire.c", *board.sources)
-    return _linked(board, out, sources, state_bytes(plan), strict)
+    with folder_written_aside(out) as aside:
+        _copy(folder, aside, plan)
+        for name in (*_COMMON, *_headers(), *board.sources):
+            _port_file(name, plan, aside)
+        for name in _WIRE:
+            shutil.copyfile(PORT_WIRE / name, aside / name)
+        (aside / "sp_metadata.h").write_text(_metadata(plan, emitted.hash))
+        write_checksums(aside)
+        if is_edited(out, TRANSDUCER):
+            shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
+        sources = (*scene_files(folder).sources, *_COMMON, "sp_wire.c", *board.sources)
+        _linked(board, aside, sources, state_bytes(plan), strict)
+    return out / _NAME
 
 
 def build_batch(folder: Path, board: Board, out: Path) -> Path:

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from springpot.codegen.errors import DataError, UsageError
@@ -10,7 +10,7 @@ from springpot.codegen.regular_file import read_bounded
 
 CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.
-_OWN_LATER = {"validation", "report.html", "example"}
+_OWN_LATER = {"validation", "report.html", "example", "firmware.elf"}
 # For a build by hand, and its user's to change: springpot compiles neither these nor with these.
 _FOR_BY_HAND = {"main.c", "Makefile", "flags.mk", "library.properties", "library.json", "examples"}
 # What a build reads. A header more would be taken in the place of a system's.
@@ -18,8 +18,11 @@ _READ = ("*.h", "*.gch", "*_scene.c", "*_selftest.c", "manifest.json", "from/*")
 _MAX_BYTES = 1 << 30
 
 
-def require_replaceable(folder: Path) -> None:
-    """Refuse to replace a folder in which anything is not as springpot wrote it."""
+def require_replaceable(folder: Path, yours: Collection[str] = ()) -> None:
+    """Refuse to replace a folder in which anything is not as springpot wrote it.
+
+    yours: names of files that their user may have changed.
+    """
     if folder.is_file():
         raise UsageError(f"{folder}: is a file: give a folder to --out")
     if folder.exists() and any(folder.iterdir()):
@@ -33,7 +36,7 @@ def require_replaceable(folder: Path) -> None:
             name = str(file.relative_to(folder))
             if file.is_dir() or name == CHECKSUMS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
                 continue
-            if known.get(name) != _digest(file):
+            if name not in yours and known.get(name) != _digest(file):
                 raise UsageError(
                     f"{file}: not as springpot emitted it: move your changes out of {folder}, or "
                     "give --out another folder"
@@ -57,6 +60,11 @@ def require_as_emitted(folder: Path, accept_edited: bool = False) -> tuple[str, 
     return edited
 
 
+def is_edited(folder: Path, name: str) -> bool:
+    """Whether a file is there, and not as springpot wrote it."""
+    return (folder / name).exists() and _known(folder).get(name) != _digest(folder / name)
+
+
 def edited_hash(emitted: str, folder: Path, edited: Sequence[str]) -> str:
     """The hash of an emission, of its edits too: boards and logs tell one from the other."""
     if not edited:
@@ -68,7 +76,8 @@ def edited_hash(emitted: str, folder: Path, edited: Sequence[str]) -> str:
 
 
 def write_checksums(folder: Path) -> None:
-    """SHA-256 of every file of a new emission, in the folder itself."""
+    """SHA-256 of every file of a new emission or firmware, in the folder itself."""
+    (folder / CHECKSUMS).parent.mkdir(exist_ok=True)
     files = [file for file in folder.rglob("*") if file.is_file() and file != folder / CHECKSUMS]
     checksums = {str(file.relative_to(folder)): _digest(file) for file in files}
     (folder / CHECKSUMS).write_text(json.dumps(checksums, indent=2, sort_keys=True) + "\n")

@@ -65,7 +65,7 @@ class JournalWriter:
         require_recording_name(name)
         self.file, self.journal = file, journal_of(file)
         if file.exists():
-            raise UsageError(f"{file}: exists and is not overwritten: give another --out")
+            raise UsageError(f"{file}: exists and is not overwritten: give another name")
         self._descriptor = self._create()
         self._number = secrets.randbits(64)
         self._blocks = 0

@@ -6,7 +6,7 @@ import click
 
 from springpot.host.boards.boards import BOARDS, board_of
 from springpot.host.console.options import accept_edited_option
-from springpot.host.console.output import json_option, print_result, progress_bar
+from springpot.host.console.output import json_option, print_result, progress_bar, say
 
 
 @click.command()
@@ -22,10 +22,13 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 @json_option
 def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""
-    from springpot.host.boards.firmware import build_firmware
+    from springpot.host.boards.firmware import TRANSDUCER, build_firmware
+    from springpot.host.emission.checksums import is_edited
     from springpot.host.emission.folder import emitted_folder
 
     board = board_of(name)
+    if is_edited(out, TRANSDUCER):
+        say(f"{out / TRANSDUCER}: built as you changed it")
     with progress_bar("firmware"), emitted_folder(scene) as folder:
         program = build_firmware(folder, board, out, accept_edited=accept_edited)
     run = (

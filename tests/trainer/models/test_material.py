@@ -202,6 +202,9 @@ def test_geometry() -> None:
     assert {ratio: layer_factor(ratio) for ratio in known} == pytest.approx(known, rel=5e-3)
     with pytest.raises(UsageError, match="--tip-mm -6: give a size above 0"):
         shear_pa_per_npm(-0.006, None)
+    assert layer_factor(10.0) > layer_factor(9.9) > layer_factor(5.0)
+    with pytest.raises(UsageError, match=r"more than 20 times as wide.*both are in mm"):
+        shear_pa_per_npm(0.006, 0.000035)
 
 
 def test_the_command_writes_tables(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.signs import find_signs
+from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
 
 CASES = list(mislabelled())
@@ -165,3 +166,22 @@ def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, shared_d
         import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None).recordings,
     )
     np.testing.assert_allclose(first.force_n, right.force_n, atol=1e-9)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_ramp_that_relaxes_is_no_evidence_of_a_direction(sign: int) -> None:
+    """A linear object under a load that stays: its slope falls with time, not with depth."""
+    time_s = np.arange(4000) * 1e-3
+    ramp_m = np.minimum(time_s, 1.0) * 5e-3
+    force_n = 0.3 + 800.0 * ramp_m
+    for tau_s in (0.03, 0.1, 0.3):
+        held = np.zeros_like(force_n)
+        for k in range(1, len(held)):
+            held[k] = held[k - 1] * np.exp(-1e-3 / tau_s) + 600.0 * (ramp_m[k] - ramp_m[k - 1])
+        force_n += held
+    found = find_signs(Recording("hold", sign * ramp_m, sign * force_n, 1e-3, source="test"))
+    assert found.loops == 0
+    assert not found.softens
+    if not found.by_force:
+        assert found.evidence == 0
+        assert "these data do not say which way is in" in found.words

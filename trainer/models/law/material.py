@@ -13,6 +13,7 @@ from springpot.codegen.model.model import Model
 from springpot.trainer.models.law.fractional_solid import branches_for
 
 _FINE = 0.01  # of the shortest time: time step of the branches of a relaxation
+_MAX_TIP = 20  # diameter over height: beyond, 40 nodes are too few
 _NODES = 40  # of the layer's integral equation
 _POISSON = 0.5  # rubbers keep their volume
 _KAPPA = 3.0 - 4.0 * _POISSON
@@ -140,6 +141,11 @@ def shear_pa_per_npm(tip_m: float, height_m: float | None) -> float:
     for name, value in (("--tip-mm", tip_m), ("--height-mm", height_m)):
         if value is not None and not (isfinite(value) and value > 0.0):
             raise UsageError(f"{name} {1e3 * value:g}: give a size above 0")
+    if height_m is not None and tip_m > _MAX_TIP * height_m:
+        raise UsageError(
+            f"--height-mm {1e3 * height_m:g}: a tip of {1e3 * tip_m:g} mm is more than {_MAX_TIP} "
+            "times as wide, beyond what the layer's equation is solved for: both are in mm"
+        )
     radius_m = tip_m / 2.0
     factor = 1.0 if height_m is None else layer_factor(radius_m / height_m)
     return 1.0 / (8.0 * radius_m * factor)

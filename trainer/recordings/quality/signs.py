@@ -93,6 +93,8 @@ def find_signs(recording: Recording) -> Signs:
     # A lead of more than a quarter turn is no material's: one of the signs is wrong.
     relative = -1 if together < 0.0 else 1
     force_vote, shape_vote = deeper_by_force(x, raw_n), deeper_by_slope(x, raw_n)
+    if not loops and shape_vote * (x[-1] - x[0]) < 0.0:
+        shape_vote = 0  # without a way back the object relaxes along the stroke: its slope falls
     evidence = force_vote + shape_vote
     inwards = -1 if evidence < 0 else 1  # the end of deeper positions
     return Signs(
