@@ -6,7 +6,7 @@ from typing import Any
 
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.errors import MismatchError
-from springpot.host.browser.scene_entry import unpacked
+from springpot.host.browser.scene_entry import module_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
@@ -23,7 +23,7 @@ def check_module(folder: Path, entry: dict[str, Any], accept_edited: bool) -> di
     plan = read_emission(folder, accept_edited).plan
     position = golden_positions(plan)
     velocity = backward_velocity(position, plan.dt_s)
-    ticks = run_in_node(unpacked(entry["wasm"]), entry["prefix"], position, velocity)
+    ticks = run_in_node(module_of(entry["wasm"]), entry["prefix"], position, velocity)
     here, _ = Replay(SceneLibrary(folder)).run(position, velocity)
     if ticks.selftest or ticks.force_n.tobytes() != here.tobytes():
         raise MismatchError(

@@ -98,8 +98,8 @@ def packed(content: bytes) -> str:
     return base64.b64encode(zlib.compress(content, 9)).decode()
 
 
-def unpacked(text: str) -> bytes:
-    """What `packed` made a text of."""
+def module_of(text: str) -> bytes:
+    """The module that `packed` made a text of."""
     return zlib.decompress(base64.b64decode(text))
 
 

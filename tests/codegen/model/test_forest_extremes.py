@@ -1,12 +1,13 @@
 """Extremes and steps of forests: against every vector of a grid that meets every leaf."""
 
+import json
 from itertools import product
 
 import numpy as np
 import pytest
 from support.small import scene, small_model
 
-from springpot.codegen.emit.files import manifest
+from springpot.codegen.emit.files import manifest_text
 from springpot.codegen.model.forest_extremes import forest_extremes, forest_step
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.plan.force_facts import force_facts
@@ -95,7 +96,7 @@ def test_a_search_that_is_cut_short_still_bounds() -> None:
 
 def test_the_manifest_has_them_with_the_devices_step() -> None:
     plan = make_plan(small_model(), scene())
-    facts = manifest(plan, force_facts(plan))["forest"]
+    facts = json.loads(manifest_text(plan, force_facts(plan), []))["forest"]
     assert facts["exact"]
     assert facts["min_n"] <= 0.01 < facts["max_n"]
     assert facts["resolution_m"] == pytest.approx(1e-5)

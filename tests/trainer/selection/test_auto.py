@@ -31,7 +31,7 @@ def rmse_n(model: Model, test: Recording) -> float:
 
 
 def test_a_plain_spring_needs_no_forest(caplog):
-    caplog.set_level(logging.INFO, "springpot.trainer")
+    caplog.set_level(logging.INFO, "springpot.progress")
     presses = [spring(f"{k}", press(k, 0.01)) for k in (2.0, 3.0, 4.0)]
     fit = fit_model("auto", "x", presses, OPTIONS)
     tried = [score["name"] for score in fit.metadata["scores"]]
