@@ -47,7 +47,8 @@ def _print(report: QualityReport) -> None:
     if skew_s is None:
         click.echo(
             "delay of force behind position: not measured, for these cycles do not separate it "
-            "from loss: record one amplitude at frequencies a factor of four apart; loss not quoted"
+            "from loss: record one amplitude at five frequencies or more, the highest four times "
+            "the lowest; loss not quoted"
         )
     else:
         click.echo(

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
+from math import gamma
 from pathlib import Path
 
 import numpy as np
@@ -292,3 +293,21 @@ def test_stiffness_of_the_real_sinusoids(shared_data: Path) -> None:
     assert stiffness[-1] == pytest.approx(1035, abs=1)
     assert {f.kind for f in report.findings} == {"filter"}
     assert cycles[-1]["loss"]["angle_uncertainty_rad"] > 0.2  # the filter alone is 0.2 rad
+
+
+@pytest.mark.parametrize("frequency_hz", [0.1, 0.3, 1.0, 3.0])
+def test_the_press_before_cycles_and_creep_under_them_are_no_loss(frequency_hz: float) -> None:
+    """A fractional solid, pressed for two seconds, then cycled: the loss angle of its law."""
+    dt_s, stiffness_npm, coefficient, order = 0.005, 2000.0, 800.0, 0.2
+    time_s = np.arange(0.0, 50.0, dt_s)
+    tone_m = 4e-4 * np.sin(2.0 * np.pi * frequency_hz * time_s)
+    x = np.concatenate([np.zeros(200), np.linspace(0.0, 1e-3, 400), 1e-3 + tone_m])
+    past = np.arange(len(x) + 1.0) ** (1.0 - order)  # exact for a path of straight pieces
+    weights = dt_s**-order / gamma(2.0 - order) * np.concatenate([[1.0], np.diff(past, 2)])
+    force_n = stiffness_npm * x + coefficient * np.convolve(weights, x)[: len(x)]
+    found = find_cycles(Recording("cycles", x, force_n, dt_s, source="test"))
+    assert found is not None
+    assert found.frequency_hz == pytest.approx(frequency_hz, rel=2e-3)
+    law = stiffness_npm + coefficient * (2j * np.pi * frequency_hz) ** order
+    assert found.lead_rad == pytest.approx(np.angle(law), rel=0.02)
+    assert found.stiffness_npm == pytest.approx(abs(law), rel=0.01)

@@ -11,6 +11,8 @@ from springpot.trainer.recordings.recording import Recording
 _MIN_SHARE = 0.5  # of the position's variance that one tone must explain
 _HARMONICS = 5
 _CUT_TOLERANCE = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
+_OFF_CENTRE = 0.1  # of the amplitude: a cycle about another mean is on the way in
+_MIN_CYCLES = 3  # that are left without it
 _CLOSED = 0.05  # of the travel
 SAME_PRESS = 0.02  # of the range of position or of force: rms difference of repeats
 _CURVE = 7  # degree: tissue stiffens tenfold within a tenth of its depth
@@ -53,6 +55,9 @@ def find_cycles(recording: Recording) -> Cycles | None:
             return None
         position_m, force_n = recording.position_m, recording.force_n
         frequency = 1.0 / len(position_m)
+    elif (way_in := _way_in(position_m, 1.0 / frequency)) > 0:
+        position_m, force_n = position_m[way_in:], force_n[way_in:]
+        frequency = _frequency(position_m) or frequency
     period = 1.0 / frequency  # samples
     count = int(len(position_m) / period + _CUT_TOLERANCE)
     if count < 1 or period < 8:
@@ -65,7 +70,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
     if abs(x1) ** 2 / 2 < _MIN_SHARE * np.var(x) or not abs(f1):
         return None  # a ramp, or several tones
     cycles = max(1, round(len(x) / period))
-    energy_j = _loop(f, x) / cycles
+    energy_j = _loop(f - _drift(f, phase), x) / cycles
     # Linear force F cos(wt + lead) on X cos(wt) loses pi F X sin(lead) a cycle.
     reference_j = np.pi * abs(x1) * abs(f1)
     # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
@@ -94,6 +99,20 @@ def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
     if len(moved):
         begin, end = min(begin, int(moved[0])), max(end, int(moved[-1]) + 2)
     return position_m[begin:end], force_n[begin:end]
+
+
+def _way_in(position_m: Samples, period: float) -> int:
+    """Samples of whole cycles before the mean position is that of the rest: a press in between."""
+    count = int(len(position_m) / period)
+    ends = np.round(period * np.arange(count + 1)).astype(int)
+    pieces = np.split(position_m[: ends[-1]], ends[1:-1]) if count > _MIN_CYCLES else []
+    means = np.array([piece.mean() for piece in pieces])
+    if not len(means):
+        return 0
+    reach_m = float(np.ptp(pieces[-1])) / 2
+    there = np.flatnonzero(np.abs(means - np.median(means)) < _OFF_CENTRE * reach_m)
+    first = int(there[0]) if len(there) else 0
+    return int(ends[first]) if count - first >= _MIN_CYCLES else 0
 
 
 def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
@@ -150,6 +169,14 @@ def _tone(samples: Samples, phase: Samples) -> complex:
     """Complex amplitude A of the fundamental, Re(A e^(j phase)), harmonics and drift beside it."""
     found = np.linalg.lstsq(_basis(phase, _HARMONICS), samples, rcond=None)[0]
     return complex(found[2], -found[3])
+
+
+def _drift(samples: Samples, phase: Samples) -> Samples:
+    """What changes evenly, beside the tones: an object that relaxes loses no more for it."""
+    basis = _basis(phase, _HARMONICS)
+    found = np.linalg.lstsq(basis, samples, rcond=None)[0]
+    drift: Samples = found[1] * basis[:, 1]
+    return drift
 
 
 def _loop(f: Samples, x: Samples) -> float:
