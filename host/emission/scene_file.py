@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from springpot.codegen.atomic_write import write_file
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Scene
 from springpot.host.console.toml_file import checked_keys, toml_as_json
 
@@ -67,8 +67,14 @@ def write_scene(path: Path, scene: Scene) -> None:
 
 
 def model_path(scene: Scene, scene_file: Path) -> Path:
-    """The scene's model file; a relative path starts at the scene file."""
-    return scene_file.parent / scene.model
+    """The scene's model file; a relative path starts at the scene file.
+
+    Raises DataError where it is not there.
+    """
+    file = scene_file.parent / scene.model
+    if not file.exists():
+        raise DataError(f"{file}: cannot be read (no such file): `model` of {scene_file} names it")
+    return file
 
 
 def _checked(text: str, where: str) -> Scene:

@@ -5,7 +5,7 @@ import inspect
 from springpot.codegen import errors
 from springpot.host.cli import exit_status
 
-_OTHERS = {0: ("", "Done."), 1: ("", "A check failed: a limit was not met."),
+_OTHERS = {0: ("", "Done."), 1: ("", "A check failed, or there is no C compiler."),
            130: ("", "Interrupted.")}  # fmt: skip
 
 

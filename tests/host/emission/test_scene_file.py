@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.host.emission.scene_file import (
     model_path,
     read_scene,
@@ -24,6 +24,9 @@ def test_every_key_but_three_has_a_default(tmp_path: Path) -> None:
     assert scene.runtime.number == "float32"
     assert scene.coupling.mode == "auto"
     assert scene.guard.outside == "fallback"
+    with pytest.raises(DataError, match=r"`model` of .*scene.toml names it"):
+        model_path(scene, tmp_path / "scene.toml")
+    (tmp_path / "x.spm").touch()
     assert model_path(scene, tmp_path / "scene.toml") == tmp_path / "x.spm"
 
 
