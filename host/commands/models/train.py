@@ -200,15 +200,18 @@ def _errors(
 ) -> "tuple[Accuracy, dict[str, Any]]":
     """The error on `testing`, smoothed over compared_s, and the keys of `--json` about it."""
     from springpot.host.validation.error_ratios import error_ratios
-    from springpot.host.validation.seen import seen_by
+    from springpot.host.validation.seen import seen_by, seen_line
     from springpot.host.validation.training import validated
     from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
     from springpot.trainer.recordings.smoothing import smoothed
 
     found = validated(fit.model, testing, compared_s)
     floor = find_noise_floor([smoothed(rec, compared_s) for rec in (*training, *testing)])
+    seen = seen_by(fit.model, testing)
+    if seen and (line := seen_line(seen, len(testing))):
+        say(line)
     return found, {
-        "seen": seen_by(fit.model, testing),
+        "seen": seen,
         "rmse_n": found.rmse_n,
         "rmse_percent_of_peak": found.rmse_percent_of_peak,
         "mean_recording_rmse_n": found.mean_recording_rmse_n,

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -158,7 +159,7 @@ def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, shared_d
     file.write_text("\n".join(rows))
     with pytest.raises(DataError, match="--map") as refused:
         run_import(file, "--zero", "min", "--out", tmp_path / "r")
-    remedy = str(refused.value).partition("--map ")[2].rpartition(" (")[0]
+    (remedy,) = shlex.split(str(refused.value).partition("--map ")[2].rpartition(" (")[0])
     assert remedy == "position=Position (z):-1mm,force=Fz:-1gf"
     run_import(file, "--zero", "min", "--map", remedy, "--out", tmp_path / "r")
     ((first, *_), (right, *_)) = (

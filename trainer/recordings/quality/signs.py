@@ -6,6 +6,7 @@ of an object is pressed. One sign turned round makes an object that gives energy
 """
 
 import re
+import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -171,10 +172,10 @@ def _remedy(recording: Recording, signs: Signs) -> str:
     """Which `--map` turns the signs round."""
     by_channel = {"position": signs.position_sign, "force": signs.force_sign}
     if not signs.evidence and signs.position_sign != signs.force_sign:
-        either = (_turned(recording, channel) for channel in by_channel)
+        either = (shlex.quote(_turned(recording, channel)) for channel in by_channel)
         return f"turn one sign round on import: --map {' or --map '.join(either)}"
     turned = ",".join(_turned(recording, c) for c, sign in by_channel.items() if sign < 0)
-    return f"turn the sign round on import: --map {turned}"
+    return f"turn the sign round on import: --map {shlex.quote(turned)}"
 
 
 def _turned(recording: Recording, channel: str) -> str:
