@@ -14,9 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from support.small import model_file, press, recording, training
-
-from springpot.trainer.recordings.recording_file import write_recording
+from support.job import small_job
 
 ROUNDS = 5
 HEAVY = (
@@ -35,20 +33,10 @@ MAIN = "import sys; sys.argv = ['springpot', *{}]; from springpot.host.cli impor
 COMMANDS = (
     "--help", "train --help", "doctor --json", "check training", "plot training --out plots",
     "train training --model rf-fd --out other.spm", "train training --model rbf-fd --out other.spm",
-    "emit --scene scene.toml --out c", "validate c --recording held",
+    "emit --scene scene.toml --out c", "validate c --recording validation",
     "stability --scene scene.toml", "report c",
     "run --scene scene.toml --device sim://ecoflex-00-30 --seconds 1",
 )  # fmt: skip
-
-
-def small_job(folder: Path) -> None:
-    """Recordings, a model and a scene."""
-    for name, items in (("training", training()), ("held", [recording("v", press(0.9))])):
-        (folder / name).mkdir()
-        for item in items:
-            write_recording(folder / name / f"{item.name}.h5", item)
-    model_file(folder)
-    (folder / "scene.toml").write_text('schema = 1\nname = "x"\nmodel = "model.spm"\n')
 
 
 def weigh(code: str, folder: Path) -> tuple[float, float, str]:

@@ -26,9 +26,10 @@ from support.documents import (
     run_python,
     unseen,
 )
+from support.job import SCENE, small_job
 from support.paths import ROOT
 from support.peer import peer
-from support.small import DT_S, press, recording, soft_force, training
+from support.small import DT_S, press, soft_force
 
 from springpot.host.cli import springpot
 from springpot.host.devices.url import parse_device
@@ -36,7 +37,6 @@ from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.study.study_file import read_study
-from springpot.trainer.recordings.recording_file import write_recording
 
 TESTED = {
     "python": "test_python_examples.py",
@@ -45,7 +45,6 @@ TESTED = {
     "text": "",
     "sh": "",
 }  # sh: commands that need a device, people or root: their options are compared
-KEYS = 'schema = 1\nname = "x"\nmodel = "model.spm"\n'
 EVERY = [block for page in PAGES for block in blocks(page)]
 COMMANDS = [block for block in EVERY if not block.language]
 TARGETS = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
@@ -120,7 +119,7 @@ def test_every_scene_is_one(block: Block, tmp_path: Path) -> None:
     if block.note == "file presses.toml":
         load_protocol(str(file), 0)
         return
-    file.write_text(block.text if "schema" in block.text else KEYS + block.text)
+    file.write_text(block.text if "schema" in block.text else SCENE + block.text)
     read_scene(file)
 
 
@@ -149,19 +148,6 @@ def run_page(name: str, folder: Path, *needs: str) -> str:
     if code and name != "README.md":  # its Python is another test's
         printed.append(run_python(code, folder, name))
     return "\n".join(printed)
-
-
-def small_job(folder: Path) -> None:
-    """Recordings in two folders, a model and a scene, as the pages take them for given."""
-    from support.small import model_file
-
-    for name, items in (("training", training()), ("validation", [recording("v", press(0.9))])):
-        (folder / name).mkdir()
-        for item in items:
-            write_recording(folder / name / f"{item.name}.h5", item)
-    write_recording(folder / "press.h5", recording("press", press(2.0, cycles=2)))
-    model_file(folder)
-    (folder / "scene.toml").write_text(KEYS)
 
 
 def rig_files(folder: Path) -> None:

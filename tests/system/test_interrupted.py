@@ -9,9 +9,7 @@ from pathlib import Path
 
 import pytest
 from support.documents import MAIN
-from support.small import model_file, press, recording, training
-
-from springpot.trainer.recordings.recording_file import write_recording
+from support.job import small_job
 
 pytestmark = pytest.mark.slow
 
@@ -23,7 +21,7 @@ COMMANDS = {
     "export training --to csv --out new": "new",
     "stability --scene scene.toml --report new.html": "new.html",
     "emit --scene scene.toml --out new": "new",
-    "validate c --recording held": "c/validation",
+    "validate c --recording validation": "c/validation",
     "report c": "c/report.html",
     "bench --recording training --model rbf-fd --out new": "new",
 }
@@ -34,13 +32,8 @@ AFTER_S = (0.5, 0.9, 1.6)
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Recordings, a model, a scene; the scene emitted and validated."""
     place = tmp_path_factory.mktemp("interrupted")
-    for name, items in (("training", training()), ("held", [recording("v", press(0.9))])):
-        (place / name).mkdir()
-        for item in items:
-            write_recording(place / name / f"{item.name}.h5", item)
-    model_file(place)
-    (place / "scene.toml").write_text('schema = 1\nname = "x"\nmodel = "model.spm"\n')
-    for line in ("emit --scene scene.toml --out c", "validate c --recording held"):
+    small_job(place)
+    for line in ("emit --scene scene.toml --out c", "validate c --recording validation"):
         subprocess.run([*MAIN, *line.split()], cwd=place, check=True, capture_output=True)
     return place
 

@@ -5,9 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.small import model_file, press, recording, training
-
-from springpot.trainer.recordings.recording_file import write_recording
+from support.job import small_job
 
 EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "jinja2", "can", "cantools", "m2cgen")
 CODE = (
@@ -17,7 +15,7 @@ CODE = (
 COMMANDS = (
     "check training",
     "emit --scene scene.toml --out c",
-    "validate c --recording held",
+    "validate c --recording validation",
     "stability --scene scene.toml",
     "run --scene scene.toml --device sim://ecoflex-00-30 --seconds 0.5 --log felt.h5",
     "validate c --recording felt.h5",
@@ -26,12 +24,7 @@ COMMANDS = (
 
 @pytest.mark.slow
 def test_what_is_required_renders(tmp_path: Path) -> None:
-    for name, items in (("training", training()), ("held", [recording("v", press(0.9))])):
-        (tmp_path / name).mkdir()
-        for item in items:
-            write_recording(tmp_path / name / f"{item.name}.h5", item)
-    model_file(tmp_path)
-    (tmp_path / "scene.toml").write_text('schema = 1\nname = "x"\nmodel = "model.spm"\n')
+    small_job(tmp_path)
     for line in COMMANDS:
         absent = EXTRAS if "--device" in line else (*EXTRAS, "serial")
         done = subprocess.run(
@@ -42,9 +35,7 @@ def test_what_is_required_renders(tmp_path: Path) -> None:
 
 
 def test_what_trains_says_which_extra_it_needs(tmp_path: Path) -> None:
-    (tmp_path / "training").mkdir()
-    for item in training():
-        write_recording(tmp_path / "training" / f"{item.name}.h5", item)
+    small_job(tmp_path)
     done = subprocess.run(
         [sys.executable, "-c", CODE.format(EXTRAS, ["train", "training", "--model", "rf-fd",
                                                     "--out", "m.spm"])],
