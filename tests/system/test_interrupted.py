@@ -25,7 +25,7 @@ COMMANDS = {
     "report c": "c/report.html",
     "bench --recording training --model rbf-fd --out new": "new",
 }
-AFTER_S = (0.5, 0.9, 1.6)
+AFTER_S = (0.6, 1.4)
 
 
 @pytest.fixture(scope="module")
