@@ -27,11 +27,12 @@ def git(*arguments: str | Path) -> str:
 def build(hook: str, source: Path, out: Path) -> None:
     """Call a hook of setuptools in an unpacked source; times in its files are the commit's."""
     environment = {**os.environ, "SOURCE_DATE_EPOCH": git("log", "-1", "--format=%ct")}
-    subprocess.run(
+    done = subprocess.run(
         [sys.executable, "-c", _BUILD.format(hook), out],
-        cwd=source, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        env=environment,
+        cwd=source, capture_output=True, text=True, check=False, env=environment,
     )  # fmt: skip
+    if done.returncode:
+        raise SystemExit(f"dist: {hook} failed\n{done.stdout}{done.stderr}")
 
 
 def unpacked(archive: Path, into: Path) -> Path:
@@ -73,9 +74,7 @@ def main() -> int:
             work.mkdir()
             out.mkdir()
             built = distributions(work, out)
-            sums.append(
-                {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in built}
-            )
+            sums.append({file.name: checksum(file) for file in built})
         if sums[0] != sums[1]:
             print(f"dist: two builds differ: {sums}", file=sys.stderr)
             return 1

@@ -74,7 +74,7 @@ def single_header(plan: Plan) -> str:
         (r'\n#include "sp_notes\.h"\n', f"\n{_notes()}"),
         (r"(?<=/\* springpot declarations end \*/\n)(?=\n#ifdef)", _state(plan)),
     ):
-        text, changed = re.subn(place, lambda _, text=replacement: text, text)  # type: ignore[misc]
+        text, changed = re.subn(place, replacement.replace("\\", r"\\"), text)
         assert changed == 1, f"sp.h has no {place} any more"
     return _renamed(text, prefix, plan.real)
 
