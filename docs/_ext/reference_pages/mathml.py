@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from docutils import nodes  # type: ignore[import-untyped]
-from docutils.utils.math import latex2mathml  # type: ignore[import-untyped]
+from docutils import nodes
+from docutils.utils.math import latex2mathml
 
 
 def visit_inline(translator: Any, node: nodes.math) -> None:

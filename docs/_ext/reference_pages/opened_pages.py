@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from docutils import nodes  # type: ignore[import-untyped]
+from docutils import nodes
 from sphinx import addnodes
 from sphinx.util.osutil import relative_uri
 
