@@ -87,7 +87,6 @@ class SessionRunner:
         if self._drain_thread is not None:
             raise UsageError("this session was started already: make a new one")
         self._loop.start(self._supervisor.device)
-        self._supervisor.saw_sample()
         self._drain_thread = threading.Thread(target=self._drain, daemon=True)
         self._drain_thread.start()
 
@@ -196,24 +195,24 @@ class SessionRunner:
     def _drain(self) -> None:
         reported = False
         while True:
-            over = bool(self._loop.get_status().over)
+            before = self._loop.get_status()
             try:
-                self._take(self._loop.drain())
+                self._take(self._loop.drain(), before.elapsed_s)
             except SpringpotError as error:
                 self._fail(error)
             except OSError as error:
                 self._fail(DeviceError(f"the log cannot go on ({error}): stopped, force zero"))
-            if over:
+            if before.over:
                 return
             state = self._loop.get_status()
             if state.ticks and not reported:
                 reported = True
                 if refused := self._loop.refused():
                     self._report(refused)
-            self._supervisor.poll(state)
+            self._supervisor.poll(state, before.elapsed_s)
             time.sleep(_DRAIN_S)
 
-    def _take(self, rows: LoopRows) -> None:
+    def _take(self, rows: LoopRows, heard_s: float) -> None:
         if not len(rows):
             return
         self._latest = rows[-1:]
@@ -221,7 +220,7 @@ class SessionRunner:
         called = (rows[:, COLUMN["call"]].astype(int) & (IDLE | NONE)) == 0
         self._ticks_s.append(rows[called, COLUMN["tick_s"]].astype(np.float32))
         if np.isfinite(rows[:, COLUMN["age_s"]]).any():
-            self._supervisor.saw_sample()
+            self._supervisor.saw_sample(heard_s)
         if self._log is not None and self.error is None:
             self._log.append(rows)
         for taker in self._takers:

@@ -33,15 +33,20 @@ class DeviceSupervisor:
         self.url, self._requirements, self._reconnect_s = url, requirements, reconnect_s
         self._loop, self._report, self._fail = loop, report, fail
         self._reported_trips = 0
-        self._fresh_s = time.monotonic()
+        self._fresh_s = 0.0
         self._returning: threading.Thread | None = None
 
-    def saw_sample(self) -> None:
-        """The device is not silent."""
-        self._fresh_s = time.monotonic()
+    def saw_sample(self, heard_s: float) -> None:
+        """A sample was among the rows up to that time of the loop."""
+        self._fresh_s = heard_s
 
-    def poll(self, state: LoopState) -> None:
-        """Look after the device: gone, silent, tripped."""
+    def poll(self, state: LoopState, heard_s: float) -> None:
+        """Look after the device: gone, silent, tripped.
+
+        heard_s: time of the loop up to which its rows were read. Silence is counted by that: while
+        the loop's thread locks its memory, or the whole machine stands still, nobody listens, and
+        that is not the device's doing.
+        """
         if not state.connected:
             if self._returning is None:
                 self._returning = threading.Thread(target=self._bring_back, daemon=True)
@@ -60,7 +65,7 @@ class DeviceSupervisor:
                 self._report(
                     "no sample for the watchdog's time: force zero until reset (r), or stop"
                 )
-        silent_s = time.monotonic() - self._fresh_s
+        silent_s = heard_s - self._fresh_s
         if silent_s > (self._reconnect_s or 1.0) and not state.paused and not state.tripped:
             self._fail(
                 DeviceError(
@@ -120,7 +125,7 @@ class DeviceSupervisor:
         """The loop goes on with it: until its first sample, or until it is gone again."""
         state, samples = self._loop.get_status(), self._loop.counts().samples
         disconnects, self._reported_trips = state.disconnects, state.watchdog_trips
-        self._fresh_s = time.monotonic()
+        self._fresh_s = state.elapsed_s
         self._loop.attach(device)
         while True:
             state = self._loop.get_status()
@@ -128,5 +133,5 @@ class DeviceSupervisor:
             if came or state.over or state.disconnects > disconnects:
                 break
             time.sleep(0.001)
-        self._fresh_s = time.monotonic()
+        self._fresh_s = state.elapsed_s
         return state

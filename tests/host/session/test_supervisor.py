@@ -1,6 +1,7 @@
 """Looking after a device that does not stay: everything but the devices and the loop is real."""
 
 import threading
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -44,7 +45,7 @@ def lose(monkeypatch):
         monkeypatch.setattr(supervisor, "open_device", lambda *_: later())
         looking = DeviceSupervisor(loop, fake_device(failure=failure), "serial://x", None, 0.2,
                                    told.append, lambda e: (told.append(e), over.set()))  # fmt: skip
-        looking.poll(LoopState(connected=0, disconnects=1))
+        looking.poll(LoopState(connected=0, disconnects=1), 0.0)
         wait_until(lambda: over.is_set() or looking._returning is None, 10, "waits for ever")
         return told
 
@@ -75,3 +76,30 @@ def test_a_device_of_another_kind_is_not_taken_for_it(lose):
 def test_the_reason_is_told(lose):
     told = lose(FakeLoop(stays=True), fake_device, failure="cable cut")
     assert told[0] == "serial://x: gone (cable cut), force zero; waiting 0.2 s for it"
+
+
+@pytest.fixture
+def looking():
+    """A supervisor of a device that is there, and what it failed with."""
+    failed = []
+    return DeviceSupervisor(FakeLoop(stays=True), fake_device(), "serial://x", None, 0.2,
+                            failed.append, failed.append), failed  # fmt: skip
+
+
+def test_silence_is_counted_by_the_loop(looking):
+    supervised, failed = looking
+    here = LoopState(connected=1)
+    supervised.poll(here, 0.19)
+    supervised.saw_sample(0.19)
+    supervised.poll(here, 0.38)
+    assert not failed
+    supervised.poll(here, 0.4)
+    assert "connected but silent for 0.2 s, force zero" in str(failed[0])
+
+
+def test_a_loop_that_stands_still_makes_no_device_silent(looking):
+    supervised, failed = looking
+    supervised.poll(LoopState(connected=1), 0.0)
+    time.sleep(0.25)
+    supervised.poll(LoopState(connected=1), 0.0)
+    assert not failed
