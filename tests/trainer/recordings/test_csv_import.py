@@ -1,5 +1,6 @@
 """CSV files -> recordings: what is understood, and what is refused with file and row."""
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +57,8 @@ def test_plain_headers_need_no_map(tmp_path: Path) -> None:
         ('"Time, ms","Extension (mm)","Load, mN"', ",", ""),
         ("Time\tPosition\tForce\n(ms)\t(mm)\t(mN)", "\t", ""),
         ("t,x,f", ",", "time=t:ms,position=x:mm,force=f:mN"),
-        ("t (s),x (m),f (N)", ",", "time=1:ms,position=2:mm,force=3:mN"),
+        ("t (s),x (m),f (N)", ",", "time=1:0.001s,position=2:0.001m,force=3:0.001N"),
+        ("t,x,f", ",", "time=1:ms,position=2:mm,force=3:mN"),
         ("", ",", "time=1:ms,position=2:mm,force=3:mN"),
         ("Operator: me\n\nTime (ms),Position (mm),Load (mN)", ",", ""),
         ("Time (ms),Compression (mm),Compression stress (kPa),Load (mN)", ",", ""),
@@ -76,6 +78,53 @@ def test_headers(tmp_path: Path, header: str, delimiter: str, mapping: str) -> N
     np.testing.assert_allclose(recording.position_m, [0.0, 0.001, 0.002, 0.003])
     np.testing.assert_allclose(recording.force_n, [0.0, 0.01, 0.02, 0.03])
     assert recording.dt_s == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("header", "units"),
+    [
+        ("TIME_MS,POSITION_MM,FORCE_N", ("ms", "mm", "N")),
+        ("time ms,Position mm,force_n", ("ms", "mm", "N")),
+        ("Time (Msec),Depth (Millimetres),Load (Newton)", ("ms", "mm", "N")),
+    ],
+)
+def test_units_in_other_letters_and_words(
+    tmp_path: Path, header: str, units: tuple[str, str, str]
+) -> None:
+    recording = load(tmp_path, header + GOOD[GOOD.index("\n") :])
+    assert recording.position_m.tolist() == [x * 1e-3 for x in (0.0, 0.1, 0.2, 0.3, 0.4)]
+    assert recording.force_n.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert recording.dt_s == pytest.approx(1e-6)
+    found = recording.details["units"]
+    assert [found[q]["unit"] for q in ("time", "position", "force")] == [*units]
+
+
+@pytest.mark.parametrize("unit", ["N", "-1N", "2kN"])
+def test_a_map_that_contradicts_the_header_is_refused(tmp_path: Path, unit: str) -> None:
+    text = GOOD.replace("force_N", "Force [mN]")
+    message = refusal(tmp_path, text, f"force=Force [mN]:{unit}")
+    assert f"column 3 'Force [mN]': its header says mN, --map says {unit}: leave the" in message
+    remedy = shlex.split(message.rpartition("--map ")[2])
+    factor = {"N": 1.0, "-1N": -1.0, "2kN": 2000.0}[unit]
+    assert load(tmp_path, text, *remedy).force_n.tolist() == [k * factor for k in range(5)]
+
+
+def test_a_map_that_contradicts_the_row_of_units_is_refused(tmp_path: Path) -> None:
+    text = GOOD.replace("time_s,position_m,force_N", "time,position,force\ns,mm,kN")
+    assert "its row of units says kN, --map says N" in refusal(tmp_path, text, "force=force:N")
+    same = load(tmp_path, text, "force=force:-1000N,position=position:0.1cm")
+    assert same.force_n.tolist() == [0.0, -1000.0, -2000.0, -3000.0, -4000.0]
+
+
+def test_windows_text_is_read(tmp_path: Path) -> None:
+    header = "time (s);Prüfweg (µm);force (N)"
+    text = (header + GOOD[GOOD.index("\n") :].replace(",", ";")).encode("cp1252")
+    for numbers in (text, text.replace(b".", b",")):
+        file = tmp_path / "press.csv"
+        file.write_bytes(numbers)
+        result = import_file(file, parse_map("position=Prüfweg (µm)"), "none", None)
+        assert result.recordings[0].position_m[-1] == pytest.approx(0.4e-6)
+        assert "not UTF-8, read as Windows-1252" in result.guess
 
 
 def test_text_in_other_columns_and_blank_lines_are_fine(tmp_path: Path) -> None:
@@ -107,7 +156,14 @@ def test_text_in_other_columns_and_blank_lines_are_fine(tmp_path: Path) -> None:
         (GOOD.split("\n", 1)[1], "found no column of time or of position or of force"),
         (GOOD.replace("time_s", "load_N"), "found no column of time"),
         (GOOD.encode().replace(b"0.2", b"0\0002"), "row 4: a NUL byte"),
-        (GOOD.encode().replace(b"0.2", b"0\xb52"), "row 4: byte 0xb5 is not UTF-8"),
+        (GOOD.encode().replace(b"0.2", b"0\xb52"), "row 4, column 2: '0\u00b52' is not a number"),
+        (GOOD.encode().replace(b"0.2", b"0\x812"), "row 4: byte 0x81 is not UTF-8"),
+        (
+            ("mü," + GOOD.replace("\n", "\n0,")).encode() + b"\xb5",
+            "row 7: byte 0xb5 is not UTF-8 text: save the file in UTF-8",
+        ),
+        (GOOD.replace("force_N", "force_mn"), "--map force=force_mn:UNIT, UNIT one of N, kN, mN"),
+        (GOOD.replace("_N", " (kg)"), "'kg' is not a unit of force (did you mean kgf?)"),
         (
             GOOD.replace(",", ";").replace(".", ",").replace("0,002;0,2", "0,002;1.0,2"),
             "row 4, column 2: '1.0,2' is not a number with a decimal comma",
@@ -123,9 +179,9 @@ def test_refused(tmp_path: Path, text: str | bytes, message: str) -> None:
 
 
 def test_two_columns_that_could_be_the_force_are_refused(tmp_path: Path) -> None:
-    text = "time_s,position_m,load_N,force_N\n0,0,0,0\n1,1,1,1\n2,2,2,2\n"
+    text = "time_s,position_m,load_N,force_N\n0,0,9,0\n1,1,9,1\n2,2,9,2\n"
     assert "force may be column 3 'load_N', 4 'force_N'" in refusal(tmp_path, text)
-    assert load(tmp_path, text, "force=4:kN").force_n.tolist() == [0.0, 1000.0, 2000.0]
+    assert load(tmp_path, text, "force=4").force_n.tolist() == [0.0, 1.0, 2.0]
 
 
 def test_a_mapped_column_that_is_missing_is_named(tmp_path: Path) -> None:

@@ -30,6 +30,10 @@ from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
         ("gf", "force", 9.80665e-3),
         ("kgf", "force", 9.80665),
         ("lbf", "force", 4.4482216152605),
+        ("n", "force", 1.0),
+        ("KN", "force", 1e3),
+        ("Millimetre", "position", 1e-3),
+        ("-1 MM", "position", -1e-3),
     ],
 )
 def test_factor(unit: str, quantity: Quantity, factor: float) -> None:
@@ -49,6 +53,8 @@ def test_a_factor_multiplies_its_unit(factor: float, unit: str) -> None:
         ("18", "force", "no unit of force"),
         ("furlong", "position", "'furlong' is not a unit of position"),
         ("MN", "force", "did you mean mN?"),
+        ("mn", "force", "did you mean mN?"),
+        ("kg", "force", "did you mean kgf?"),
         ("mm", "force", "'mm' is not a unit of force"),
         ("0mm", "position", "a factor of 0"),
     ],

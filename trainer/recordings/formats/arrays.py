@@ -14,7 +14,7 @@ from springpot.trainer.recordings.formats.column_map import EXAMPLE, ColumnMap, 
 from springpot.trainer.recordings.formats.csv_layout import wanted_columns
 from springpot.trainer.recordings.formats.labels import guess_column, split_unit
 from springpot.trainer.recordings.formats.sampling import RawChannels
-from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
+from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 from springpot.trainer.recordings.reader_limits import read_apart
 
 HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
@@ -123,7 +123,4 @@ def _unit(path: Path, quantity: Quantity, array: _Array, columns: ColumnMap) -> 
         "attribute": array.unit,
         "name": split_unit(label, quantity)[1] if not label.endswith("]") else None,
     }
-    origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
-    return Unit(
-        text, factor_to_si(text, quantity, f"{path}, array {array.name!r}"), origin, array.name
-    )
+    return choose_unit(found, quantity, f"{path}, array {array.name!r}", array.name)

@@ -16,7 +16,7 @@ from springpot.trainer.recordings.formats.blf_containers import BLF_MAGIC, requi
 from springpot.trainer.recordings.formats.column_map import Column, ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.labels import guess_column
 from springpot.trainer.recordings.formats.sampling import GAP, RawChannels
-from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
+from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 
 _CANDUMP = re.compile(
     r"\((?P<stamp>\d+\.\d+)\)\s+\S+\s+[0-9A-Fa-f]{3,8}#(R\d*|#[0-9A-Fa-f]([0-9A-Fa-f]{2}){0,64}"
@@ -209,11 +209,8 @@ def _choose(
 
 
 def _unit(path: Path, quantity: Quantity, signal: _Signal, column: Column | None) -> Unit:
-    stated = column.unit if column else None
-    text, origin = (stated, "map") if stated else (signal.unit, "database")
-    return Unit(
-        text, factor_to_si(text, quantity, f"{path}, signal {signal.name}"), origin, signal.name
-    )
+    found = {"map": column.unit if column else None, "database": signal.unit}
+    return choose_unit(found, quantity, f"{path}, signal {signal.name}", signal.name)
 
 
 def _check_gaps(path: Path, signal: _Signal, stamps_s: Samples) -> None:

@@ -23,7 +23,7 @@ from springpot.trainer.recordings.formats.units import (
     QUANTITIES,
     Quantity,
     Unit,
-    factor_to_si,
+    choose_unit,
     is_unit,
 )
 
@@ -192,15 +192,13 @@ def _layout(
 def _unit(
     where: str, quantity: Quantity, column: Column, label: str, unit_row: dict[Quantity, str]
 ) -> Unit:
-    """Prefer the unit of the map to that of the header, and that to the row of units."""
+    """The unit of the map, which must not contradict the file's, or of the header or unit row."""
     found = {
         "map": column.unit,
         "header": split_unit(label, quantity)[1],
         "row of units": unit_row.get(quantity),
     }
-    origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
-    column_name = str(column.header_or_number)
-    return Unit(text, factor_to_si(text, quantity, where), origin, column_name)
+    return choose_unit(found, quantity, where, str(column.header_or_number))
 
 
 def _time_beside(header: _Row) -> tuple[int, str] | None:

@@ -162,8 +162,8 @@ class CsvTable:
         """The file itself, which is fastest, or its text with points in place of commas."""
         if self.layout.decimal == "point":
             yield self.path
-        elif self.encoding == UTF8:
+        elif self.encoding != "utf-16":
             plain = self.path.read_bytes().translate(bytes.maketrans(b",.", b".!"))
-            yield io.TextIOWrapper(io.BytesIO(plain), encoding=UTF8)
+            yield io.TextIOWrapper(io.BytesIO(plain), encoding=self.encoding)
         else:
             yield io.StringIO(self.path.read_text(self.encoding).translate(COMMA_TO_POINT))

@@ -15,6 +15,8 @@ from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import QUANTITIES
 
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+_WINDOWS = "cp1252"
+_NAMED = {"utf-16": "; UTF-16 text", _WINDOWS: "; not UTF-8, read as Windows-1252"}
 _HEAD_LINES, _HEAD_LETTERS = 400, 1 << 18
 _CHUNK_BYTES = 1 << 24
 
@@ -29,7 +31,6 @@ def read_csv(
     of another length and cells without a number.
     """
     encoding = _encoding(path)
-    _check_text(path, encoding)
     with path.open(encoding=encoding) as file:
         head = _head(file)
     if not any(line.strip() for line in head):
@@ -39,7 +40,7 @@ def read_csv(
     options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
     numbers = table.numbers([layout.columns[quantity] for quantity in options])
     scaled = {q: numbers[:, k] * layout.units[q].to_si for k, q in enumerate(options)}
-    guess = layout.guess + ("; UTF-16 text" if encoding == "utf-16" else "")
+    guess = layout.guess + _NAMED.get(encoding, "")
     rate_hz = stated_rate_hz(columns)
     if rate_hz is not None:
         scaled["time"] = np.arange(len(numbers)) / rate_hz
@@ -73,22 +74,40 @@ def _head(file: IO[str]) -> list[str]:
 
 
 def _encoding(path: Path) -> str:
+    """Read the bytes once: NumPy names no row for a NUL byte or another encoding.
+
+    Bytes that are no UTF-8 are Windows-1252 where nothing before them speaks for UTF-8.
+    """
     with path.open("rb") as file:
-        return "utf-16" if file.read(2) in _UTF16_MARKS else UTF8
+        start = file.read(3)
+    if start[:2] in _UTF16_MARKS:
+        _check_utf16(path)
+        return "utf-16"
+    wrong = _not_decoded(path, "utf-8")
+    if wrong is None:
+        return UTF8
+    row, byte, ascii_before = wrong
+    if ascii_before and _not_decoded(path, _WINDOWS) is None:
+        return _WINDOWS
+    raise DataError(
+        f"{path}, row {row}: byte 0x{byte:02x} is not UTF-8 text: save the file in UTF-8"
+    )
 
 
-def _check_text(path: Path, encoding: str) -> None:
-    """Read the bytes once: NumPy names no row for a NUL byte or another encoding."""
-    if encoding == "utf-16":
-        try:
-            text = path.read_text(encoding)
-        except UnicodeError as error:
-            raise DataError(f"{path}: not whole UTF-16 text ({error}): save it in UTF-8") from None
-        if "\0" in text:
-            row = text[: text.index("\0")].count("\n") + 1
-            raise DataError(f"{path}, row {row}: a NUL character: export it as CSV in UTF-8")
-        return
-    row = 1
+def _check_utf16(path: Path) -> None:
+    try:
+        text = path.read_text("utf-16")
+    except UnicodeError as error:
+        raise DataError(f"{path}: not whole UTF-16 text ({error}): save it in UTF-8") from None
+    if "\0" in text:
+        row = text[: text.index("\0")].count("\n") + 1
+        raise DataError(f"{path}, row {row}: a NUL character: export it as CSV in UTF-8")
+
+
+def _not_decoded(path: Path, encoding: str) -> tuple[int, int, bool] | None:
+    """Row and value of the first byte that is none of the encoding's, and whether all are ASCII
+    before it."""
+    row, ascii_before = 1, True
     with path.open("rb") as file:
         # Whole lines, so that no character is cut in two.
         while chunk := file.read(_CHUNK_BYTES) + file.readline():
@@ -99,11 +118,11 @@ def _check_text(path: Path, encoding: str) -> None:
                     "export it as CSV in UTF-8"
                 )
             try:
-                chunk.decode("utf-8")
+                chunk.decode(encoding)
             except UnicodeDecodeError as error:
-                row += chunk[: error.start].count(b"\n")
-                raise DataError(
-                    f"{path}, row {row}: byte 0x{chunk[error.start]:02x} is not UTF-8 text: "
-                    "save the file in UTF-8"
-                ) from None
+                before = chunk[: error.start]
+                ascii_before = ascii_before and before.isascii()
+                return row + before.count(b"\n"), chunk[error.start], ascii_before
+            ascii_before = ascii_before and chunk.isascii()
             row += chunk.count(b"\n")
+    return None

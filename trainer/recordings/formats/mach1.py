@@ -19,7 +19,7 @@ from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.decimals import is_number
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
-from springpot.trainer.recordings.formats.units import Quantity, Unit, factor_to_si
+from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 
 MACH1_MAGIC = b"<Mach-1 File>"
 _SINUSOID = "Sinusoid"
@@ -165,9 +165,7 @@ def _channels(
 def _unit(where: str, quantity: Quantity, header: str, columns: ColumnMap) -> Unit:
     label, _, text = header.rpartition(",")
     stated = columns[quantity].unit if quantity in columns else None
-    text = stated or text.strip()
-    factor = factor_to_si(text, quantity, where)
-    return Unit(text, factor, "map" if stated else "header", label.strip())
+    return choose_unit({"map": stated, "header": text.strip()}, quantity, where, label.strip())
 
 
 def _columns(where: str, header: list[str], axis: str, columns: ColumnMap) -> dict[Quantity, int]:

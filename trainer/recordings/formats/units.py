@@ -1,7 +1,10 @@
 """Units of files from outside: a unit's name, perhaps with a factor before it -> factor to SI."""
 
+import math
 import re
+import shlex
 import unicodedata
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -28,6 +31,21 @@ _FACTORS: dict[Quantity, dict[str, float]] = {
         "ozf": _POUND_KG / 16.0 * _GRAVITY_MPS2,
     },
 }  # fmt: skip
+_WORDS: dict[Quantity, dict[str, str]] = {
+    "time": {"msec": "ms", "millisecond": "ms", "milliseconds": "ms", "minutes": "min"},
+    "position": {
+        **dict.fromkeys(("meter", "meters", "metre", "metres"), "m"),
+        **dict.fromkeys(("millimeter", "millimeters", "millimetre", "millimetres"), "mm"),
+        "microns": "um", "inches": "in",
+    },
+    "force": {"newton": "N", "newtons": "N", "millinewton": "mN", "kilonewton": "kN"},
+}  # fmt: skip
+# Letters of either case are taken, but for mN and MN, which are too far apart to choose between.
+_EITHER_CASE: dict[Quantity, dict[str, str]] = {
+    quantity: {u.casefold(): u for u in units if u != "mN"} | _WORDS[quantity]
+    for quantity, units in _FACTORS.items()
+}
+_MEANT = {"mn": "mN", "g": "gf", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "oz": "ozf"}
 # "1e-3m" and "33 mm": what follows the number must not begin like one.
 _WITH_FACTOR = re.compile(
     r"(?P<factor>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)?\s*(?P<unit>[^\d\s.+-].*)?"
@@ -54,7 +72,7 @@ class Unit:
 
 def is_unit(text: str, quantity: Quantity) -> bool:
     """Return whether `text` is a unit of `quantity`, with no factor before it."""
-    return _plain(text) in _FACTORS[quantity]
+    return _known(_plain(text), quantity) is not None
 
 
 def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
@@ -64,20 +82,82 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     where: begins the message, for instance "press.csv, column 'Load'".
     Raises DataError for an unknown or missing unit, or a factor of zero.
     """
-    match = _WITH_FACTOR.fullmatch(_plain(text))
-    unit = (match["unit"] or "") if match else _plain(text)
+    factor, unit = _parts(text)
     known = _FACTORS[quantity]
     if not unit:
         raise DataError(f"{where}: no unit of {quantity}: give one of {', '.join(known)}")
-    if unit not in known:
+    symbol = _known(unit, quantity)
+    if symbol is None:
         raise DataError(
             f"{where}: {unit!r} is not a unit of {quantity}{_near(unit, quantity)}: "
             f"give one of {', '.join(known)}, with a factor where needed (33mm)"
         )
-    factor = float(match["factor"]) if match and match["factor"] else 1.0
     if factor == 0.0:
         raise DataError(f"{where}: a factor of 0 in {text!r} leaves nothing: give another")
-    return factor * known[unit]
+    return factor * known[symbol]
+
+
+def choose_unit(
+    found: Mapping[str, str | None], quantity: Quantity, where: str, column: str
+) -> Unit:
+    """Return the first unit of `found`: place -> text, the place "map" being what a person stated.
+
+    where: begins a message, column: as in `Unit`.
+    Raises DataError as `factor_to_si` does, and where the map contradicts a unit of the file.
+    """
+    origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
+    if not text:
+        raise DataError(
+            f"{where}: no unit of {quantity}: pass --map {_map(quantity, column, 'UNIT')}, UNIT "
+            f"one of {', '.join(_FACTORS[quantity])}"
+        )
+    to_si = factor_to_si(text, quantity, where)
+    if origin == "map":
+        _check_agreement(found, quantity, where, column)
+    unit = _plain(text)
+    symbol = _known(unit, quantity)
+    return Unit(text if symbol in (None, unit) else str(symbol), to_si, origin, column)
+
+
+def _check_agreement(
+    found: Mapping[str, str | None], quantity: Quantity, where: str, column: str
+) -> None:
+    """Refuse a unit of the map that is not the file's, unless the two are of one size.
+
+    A factor before the file's own unit is no contradiction: it is how to correct a wrong header.
+    """
+    stated = found["map"] or ""
+    place, text = next(
+        ((o, t) for o, t in found.items() if o != "map" and t and is_unit(t, quantity)), ("", "")
+    )
+    if not text or _known(_parts(stated)[1], quantity) == _known(_plain(text), quantity):
+        return
+    ratio = factor_to_si(stated, quantity, where) / factor_to_si(text, quantity, where)
+    if not math.isclose(abs(ratio), 1.0, rel_tol=1e-6):
+        raise DataError(
+            f"{where}: its {place} says {text}, --map says {stated}: leave the unit out of --map "
+            f"to take {text}, or where the file is wrong pass --map "
+            f"{_map(quantity, column, f'{ratio:.6g}{text}')}"
+        )
+
+
+def _map(quantity: Quantity, column: str, unit: str) -> str:
+    return shlex.quote(f"{quantity}={column}:{unit}")
+
+
+def _parts(text: str) -> tuple[float, str]:
+    """The factor before a unit, 1 where there is none, and the unit."""
+    match = _WITH_FACTOR.fullmatch(_plain(text))
+    if match is None:
+        return 1.0, _plain(text)
+    return float(match["factor"] or 1.0), match["unit"] or ""
+
+
+def _known(unit: str, quantity: Quantity) -> str | None:
+    """The symbol of a unit that may be written in letters of the other case, or as a word."""
+    if unit in _FACTORS[quantity]:
+        return unit
+    return _EITHER_CASE[quantity].get(unit.casefold())
 
 
 def _plain(text: str) -> str:
@@ -86,6 +166,6 @@ def _plain(text: str) -> str:
 
 
 def _near(unit: str, quantity: Quantity) -> str:
-    """The unit that differs in case only; mN and MN are too far apart to choose between unasked."""
-    near = [known for known in _FACTORS[quantity] if known.casefold() == unit.casefold()]
-    return f" (did you mean {near[0]}?)" if near else ""
+    """The unit that may be meant, but is not chosen unasked."""
+    meant = _MEANT.get(unit.casefold()) if quantity == "force" else None
+    return f" (did you mean {meant}?)" if meant else ""
