@@ -17,7 +17,7 @@ from springpot.host.recording.sensed_press import SensedPressDevice
 from springpot.host.session.runner import Progress
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
-from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.journal import JournalWriter, refuse_where_journal
 from springpot.trainer.recordings.journal_reader import journal_of
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_name import require_recording_name, safe_recording_name
@@ -120,11 +120,7 @@ def record_session(
     for file in files:
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")
-        if journal_of(file).exists():
-            raise UsageError(
-                f"{journal_of(file)}: left behind by a crash, or still being recorded: give "
-                "another --out; `springpot import` turns a journal into a recording"
-            )
+        refuse_where_journal(journal_of(file))
     try:
         for folder in dict.fromkeys(file.parent for file in files):
             folder.mkdir(parents=True, exist_ok=True)

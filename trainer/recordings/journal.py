@@ -28,7 +28,12 @@ from springpot.trainer.recordings.journal_blocks import (
     encode,
     max_rows,
 )
-from springpot.trainer.recordings.journal_reader import journal_of, read_journal
+from springpot.trainer.recordings.journal_reader import (
+    MIN_ROWS,
+    is_being_recorded,
+    journal_of,
+    read_journal,
+)
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Zero
 from springpot.trainer.recordings.recording_file import store_recording
@@ -38,11 +43,29 @@ _MAX_S = 0.5  # of samples in a block, so that a slow recording loses no more th
 _SYNC_S = 0.5  # of wall clock between two syncs: what a power cut may take
 
 
+def refuse_where_journal(journal: Path) -> None:
+    """Raise UsageError where a journal is there, saying whether somebody still records it."""
+    try:
+        recording_now = is_being_recorded(journal)
+    except (FileNotFoundError, NotADirectoryError):
+        return
+    except OSError as error:
+        raise UsageError(f"{journal}: {error.strerror}: choose another name or folder") from None
+    if recording_now:
+        raise UsageError(
+            f"{journal}: another springpot is recording it now: choose another name or folder"
+        )
+    raise UsageError(
+        f"{journal}: keeps a recording that was interrupted: choose another name or folder, or "
+        "remove it; `springpot import` makes a recording of it"
+    )
+
+
 class JournalWriter:
     """Write one recording as it is made; `finish` turns it into an HDF5 file.
 
     Use it as a context manager: where it is left by an error, what was recorded is kept in the
-    journal, and one line reports it.
+    journal, and one line reports it. Where nothing was recorded, no journal is left.
     """
 
     def __init__(
@@ -60,7 +83,7 @@ class JournalWriter:
 
         channels: names of what each row holds beside position and force.
         Raises DataError for a name that no recording can have, UsageError where it exists, is
-        being recorded, or was left behind by a crash; DeviceError where it cannot be written.
+        being recorded, or was interrupted before; DeviceError where it cannot be written.
         """
         require_recording_name(name)
         self.file, self.journal = file, journal_of(file)
@@ -68,7 +91,7 @@ class JournalWriter:
             raise UsageError(f"{file}: exists and is not overwritten: give another name")
         self._descriptor = self._create()
         self._number = secrets.randbits(64)
-        self._blocks = 0
+        self._blocks = self._kept_rows = 0
         self._width = 2 + len(channels)
         self._rows = max(1, min(max_rows(self._width), int(_MAX_S / dt_s)))
         self._pending = np.empty((0, self._width))
@@ -147,7 +170,7 @@ class JournalWriter:
                 self._flush()
         except DeviceError:
             pass  # the error that is under way is reported instead
-        if not self._blocks:
+        if self._kept_rows < MIN_ROWS:
             self.discard()
         else:
             self._close()
@@ -158,10 +181,8 @@ class JournalWriter:
         try:
             descriptor = os.open(self.journal, flags, 0o644)
         except FileExistsError:
-            raise UsageError(
-                f"{self.journal}: another springpot is recording it, or a crash left it behind: "
-                "give another --out; `springpot import` turns a journal into a recording"
-            ) from None
+            refuse_where_journal(self.journal)
+            raise UsageError(f"{self.journal}: was there a moment ago: start again") from None
         except OSError as error:
             raise UsageError(f"{self.journal}: {error.strerror}: give another --out") from None
         fcntl.flock(descriptor, fcntl.LOCK_EX)  # readers see by it that somebody still records
@@ -175,6 +196,7 @@ class JournalWriter:
 
     def _write_samples(self, count: int) -> None:
         self._write(SAMPLES, self._pending[:count].astype("<f8").tobytes())
+        self._kept_rows += count
         self._pending = self._pending[count:]
 
     def _write(self, kind: int, payload: bytes) -> None:

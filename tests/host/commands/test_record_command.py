@@ -1,3 +1,4 @@
+import fcntl
 import json
 
 import numpy as np
@@ -100,6 +101,27 @@ def test_wrong_use_is_one_line_and_writes_nothing(tmp_path, url, protocol, error
     assert says in str(result.exception)
     assert "\n" not in str(result.exception)
     assert not (tmp_path / "o").exists()
+
+
+def test_a_device_that_is_not_reached_leaves_nothing(tmp_path, short):
+    out = tmp_path / "o"
+    url = f"serial://{tmp_path / 'no-such-port'}"
+    result = run("--device", url, "--protocol", short, "--out", out)
+    assert isinstance(result.exception, DeviceError)
+    assert "kept" not in result.output
+    assert not [*out.rglob("*.*")]
+
+
+def test_an_interrupted_recording_in_the_way(tmp_path, short):
+    journal = tmp_path / "dragon-skin-fx-short-001-6n-4hz.journal"
+    journal.touch()
+    arguments = ["--device", "sim://dragon-skin-fx", "--protocol", short, "--out", tmp_path]
+    result = run(*arguments)
+    assert isinstance(result.exception, UsageError)
+    assert f"{journal}: keeps a recording that was interrupted" in str(result.exception)
+    with journal.open() as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert "another springpot is recording it now" in str(run(*arguments).exception)
 
 
 def test_a_file_in_the_way_of_the_folder(tmp_path, short):

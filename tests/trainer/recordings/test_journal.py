@@ -156,9 +156,20 @@ def test_killed_while_recording(tmp_path: Path) -> None:
     assert len(read_recordings(out.glob("*.h5"))) >= 2
 
 
-def test_interrupted_by_the_keyboard(tmp_path: Path) -> None:
+def test_interrupted_by_the_keyboard(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     journal = write_journal(tmp_path / "a.h5", 1100)
+    assert "a.journal: what was recorded until now is kept there" in capsys.readouterr().err
     assert_prefix(journal, 1100)
+    with pytest.raises(UsageError, match=r"a\.journal: keeps a recording that was interrupted"):
+        JournalWriter(tmp_path / "a.h5", "a", 1e-3, "test", {})
+
+
+def test_where_nothing_was_recorded_nothing_is_left(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_journal(tmp_path / "a.h5", 1)
+    assert not [*tmp_path.iterdir()]
+    assert not capsys.readouterr().err
 
 
 @pytest.mark.parametrize("room", [BLOCK_BYTES * 3, BLOCK_BYTES * 5 + 1000])
@@ -245,7 +256,7 @@ def test_two_writers(tmp_path: Path) -> None:
         first.append(POSITION_M, 2 * POSITION_M)
         second = child(tmp_path / "a.h5", "none", "0")
         assert second.returncode == 2
-        assert "another springpot is recording it" in second.stdout
+        assert "another springpot is recording it now" in second.stdout
         with pytest.raises(DataError, match="still being recorded"):
             read_recording(tmp_path / "a.journal")
         first.finish()
