@@ -16,13 +16,22 @@ from springpot.host.native.loop_library import (
 )
 from springpot.host.session.loop import LoopSettings, LoopState
 
+BY_USER = "stopped by the user"
+_FIRST_SAMPLE_S = 0.2  # no device takes longer for it
+
 
 def why_stopped(
-    state: LoopState, row: Any, settings: LoopSettings, rate_advice: str = ""
+    state: LoopState,
+    row: Any,
+    settings: LoopSettings,
+    samples: int,
+    rate_advice: str = "",
+    asked_by: str = BY_USER,
 ) -> tuple[str, SpringpotError | None]:
     """One line: why the loop ended and what to do; the error, where it was one.
 
-    row: the newest, shape (columns,). rate_advice: of the device.
+    row: the newest, shape (columns,). samples: that came. rate_advice: of the device. asked_by: who
+    ended the loop, where it did not end by itself.
     """
     match state.reason:
         case Stop.FORCE:
@@ -52,10 +61,23 @@ def why_stopped(
         case Stop.ENDED:
             line = "the replay has no more samples"
         case _:
-            line = "stopped by the user"
+            line = asked_by
+    fault = fault_at_end(state, samples)
+    return f"{line}; {fault}" if fault else line, None
+
+
+def fault_at_end(state: LoopState, samples: int) -> str:
+    """Why nothing could be felt at the end of a loop, and what to do; empty where it could."""
+    if not samples and state.elapsed_s > _FIRST_SAMPLE_S:
+        return (
+            "no sample ever came, the force was zero: check cable and power, then "
+            "`springpot doctor --device URL`"
+        )
+    if not state.connected:
+        return "the device was gone: plug it in and start again"
     if state.latched or state.tripped:
-        line += "; the watchdog had tripped and the force was zero: `reset` takes it back"
-    return line, None
+        return "the watchdog had tripped and the force was zero: `reset` takes it back"
+    return ""
 
 
 def _stopped(what: str) -> tuple[str, SpringpotError]:
@@ -76,6 +98,13 @@ def granted(loop_name: str, got: int) -> str:
     ]
     policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
     return ", ".join([loop_name, policy, *named])
+
+
+def expected_ticks(state: LoopState, settings: LoopSettings) -> int:
+    """How many ticks began in the session's time, by the computer's clock: one at its start."""
+    if state.reason == Stop.TIME:
+        return round(settings.seconds / settings.period_s)
+    return int(state.elapsed_s / settings.period_s) + (state.elapsed_s > 0.0)
 
 
 def steal_ms() -> float:

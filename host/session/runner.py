@@ -24,7 +24,7 @@ from springpot.host.session.board_loop import BoardLoop
 from springpot.host.session.c_loop import CLoop
 from springpot.host.session.log import flight_seconds
 from springpot.host.session.loop import LinkCounts, Loop, LoopSettings, LoopState
-from springpot.host.session.outcome import why_stopped
+from springpot.host.session.outcome import BY_USER, why_stopped
 from springpot.host.session.step_functions import StepFunctions
 from springpot.host.session.supervisor import DeviceSupervisor
 
@@ -169,12 +169,21 @@ class SessionRunner:
             )
             before, before_s = state.ticks, state.elapsed_s
 
-    def why(self) -> tuple[str, SpringpotError | None]:
-        """One line: why it stopped and what to do; the error, where it was one."""
+    def why(self, asked_by: str = BY_USER) -> tuple[str, SpringpotError | None]:
+        """One line: why it stopped and what to do; the error, where it was one.
+
+        asked_by: who ended it, where it did not end by itself.
+        """
         if self.error is not None:
             return str(self.error), self.error
-        advice = self._supervisor.device.rate_advice
-        return why_stopped(self.state, self._latest[-1], self._settings, advice)
+        return why_stopped(
+            self.state,
+            self._latest[-1],
+            self._settings,
+            self.counts.samples,
+            self._supervisor.device.rate_advice,
+            asked_by,
+        )
 
     def flight(self) -> LoopRows:
         """The last seconds of rows, after the end."""

@@ -10,19 +10,25 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Self
 
-from springpot.codegen.errors import SpringpotError
+from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.scene import Device
 from springpot.host.console.output import say
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.loop_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
-from springpot.host.session.loop import LoopSettings
-from springpot.host.session.outcome import spread_us, steal_ms
+from springpot.host.session.loop import LoopSettings, LoopState
+from springpot.host.session.outcome import (
+    BY_USER,
+    expected_ticks,
+    fault_at_end,
+    spread_us,
+    steal_ms,
+)
 from springpot.host.session.runner import RowTaker, SessionRunner
 from springpot.host.session.step_functions import scene_step_functions
+from springpot.trainer.recordings.journal_reader import MIN_ROWS
 from springpot.trainer.recordings.recording import Zero
 
 
@@ -67,7 +73,7 @@ class Session:
             max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
             reversed=plan.scene.device.force_sign == -1,
         )
-        self._rate_hz, self._settings, self._report = 1 / plan.dt_s, settings, report
+        self._settings, self._report = settings, report
         requirements = requirements_of(
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
@@ -113,10 +119,10 @@ class Session:
         try:
             run.close()
         finally:
-            self.line, self.error = run.why()
+            self.line, self.error = run.why(_left_by(error[1], run.state))
+            if self.error is None and fault_at_end(run.state, run.counts.samples):
+                self.error = DeviceError(self.line)
             self._warned = self._warnings.finish()
-            if error[0] is not None and run.error is None:
-                self.line = _left_by(error[1])
             self._report(self.line)
             self._close_log(run)
 
@@ -154,11 +160,9 @@ class Session:
         """Keys of `springpot run --json`, after the end."""
         run = self.runner
         state, counts = run.state, run.counts
-        planned = state.reason == Stop.TIME
-        expected_s = self._settings.seconds if planned else state.elapsed_s
         return {
             "ticks": state.ticks,
-            "expected_ticks": round(expected_s * self._rate_hz),
+            "expected_ticks": expected_ticks(state, self._settings),
             "late": state.late,
             "lateness_us": spread_us(run.lateness_s()),
             "tick_us": spread_us(run.ticks_s()),
@@ -188,13 +192,14 @@ class Session:
         if self._log is None or self._file is None:
             return
         with self._log as log:
+            if log.rows < MIN_ROWS:
+                log.discard()
+                self._file = None
+                return
             try:
                 self.flight_file = write_flight(self._file, run.flight(), self.line)
             except OSError as error:
                 self._report(f"{self._file.parent}: no flight recorder written ({error.strerror})")
-            if not log.rows:
-                log.discard()
-                return
             if log.has_space:
                 metadata = {"stopped": self.line, "state": asdict(run.state),
                          "counts": asdict(run.counts), "scheduler": run.scheduler(),
@@ -202,10 +207,13 @@ class Session:
                 log.finish({"end": metadata})
 
 
-def _left_by(error: BaseException) -> str:
+def _left_by(error: BaseException | None, state: LoopState) -> str:
     """Why the session was left, where the loop itself had not ended."""
+    if error is None:
+        return BY_USER
     if isinstance(error, KeyboardInterrupt):
-        return f"interrupted by {str(error) or 'Ctrl-C'}: zero force was sent"
+        sent = ": zero force was sent" if state.connected else ""
+        return f"interrupted by {str(error) or 'Ctrl-C'}{sent}"
     return f"stopped by {type(error).__name__}"
 
 

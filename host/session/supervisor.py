@@ -95,12 +95,19 @@ class DeviceSupervisor:
                 self._report(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
                 self._returning = None
                 return
+            if state.over:
+                device.stop()
             device.close()  # it went again before its first sample
 
     def _reopened(self, until_s: float) -> OpenedDevice | None:
-        """Open the device again until the time for that is over; then the session ends."""
+        """Open the device again until the time for that is over; then the session ends.
+
+        None where it is given up, or nobody waits for it any more.
+        """
         last: SpringpotError = DeviceError("")
-        while time.monotonic() < until_s and not self._loop.get_status().over:
+        while time.monotonic() < until_s:
+            if self._loop.get_status().over:
+                return None
             try:
                 return self._opened()
             except SpringpotError as error:

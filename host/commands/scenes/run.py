@@ -87,11 +87,15 @@ def run(
             viewer=page,
             alarm=_alarm,
         )
-        with contextlib.suppress(KeyboardInterrupt), session:  # the session says that and why
-            if page is not None:
-                page.actions = {"stop": session.runner.ask_stop, "reset": session.reset}
-            session.start()
-            watch(session.runner)
+        try:
+            with session:
+                if page is not None:
+                    page.actions = {"stop": session.runner.ask_stop, "reset": session.reset}
+                session.start()
+                watch(session.runner)
+        except KeyboardInterrupt:
+            if not session.line:  # it had not begun; else its line says that, and by whom
+                raise
         if page is not None:
             page.end(session.line)
         result = session.result()

@@ -1,0 +1,92 @@
+"""How a session ends: by whom, whether anything could be felt then, and after how many ticks."""
+
+from pathlib import Path
+
+import pytest
+from support.peer import peer, wait_until
+from support.small import model_file, scene
+
+from springpot.host.cli import exit_status
+from springpot.host.emission.emission import emit
+from springpot.host.native.loop_library import Stop, empty_rows
+from springpot.host.session.loop import LoopSettings, LoopState
+from springpot.host.session.outcome import expected_ticks, fault_at_end, why_stopped
+from springpot.host.session.session import Session
+
+SETTINGS = LoopSettings(period_s=0.001, seconds=2.0)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    base = tmp_path_factory.mktemp("scene")
+    return emit(scene(), model_file(base), base / "c").folder
+
+
+def test_a_device_that_sends_nothing_is_a_failure(folder: Path) -> None:
+    with peer("serial_board", "--scene", folder, "--fed") as board:
+        session = Session(folder, board.url, seconds=0.5, report=[].append)
+        with session:
+            session.start()
+            session.wait(20)
+    assert session.result()["samples"] == 0
+    assert session.line.startswith("ran for 0.5 s; no sample ever came, the force was zero: check")
+    assert session.error is not None
+    assert str(session.error) == session.line
+    assert exit_status(session.error) == 5
+
+
+def test_a_session_is_ended_while_its_device_is_gone(folder: Path) -> None:
+    told: list[str] = []
+    with peer("serial_device", "--gone-after", 0.2) as device:
+        session = Session(folder, device.url, seconds=60, reconnect_s=60, report=told.append)
+        with session:
+            session.start()
+            wait_until(lambda: any("waiting 60 s" in line for line in told), 20, "never gone")
+            session.stop()
+        returning = session.runner._supervisor._returning
+        assert returning is not None
+        returning.join(10)
+        assert not returning.is_alive()
+    line = "stopped by the user; the device was gone: plug it in and start again"
+    assert session.line == told[-1] == line
+    assert session.error is not None
+    assert exit_status(session.error) == 5
+    assert not any("gone for" in line for line in told)
+
+
+@pytest.mark.parametrize(
+    ("state", "samples", "fault"),
+    [
+        ({"elapsed_s": 1.0}, 900, ""),
+        ({"elapsed_s": 0.01}, 0, ""),  # ended before a sample could come
+        ({"elapsed_s": 1.0, "latched": 1}, 0, "no sample ever came"),
+        ({"elapsed_s": 1.0, "latched": 1, "connected": 0}, 9, "the device was gone: plug it in"),
+        ({"elapsed_s": 1.0, "latched": 1}, 9, "the watchdog had tripped and the force was zero"),
+        ({"elapsed_s": 1.0, "tripped": 1}, 9, "the watchdog had tripped and the force was zero"),
+    ],
+)
+@pytest.mark.parametrize("reason", [Stop.TIME, Stop.ASKED, Stop.BUTTON, Stop.ENDED])
+def test_what_could_not_be_felt_is_said(
+    state: dict[str, float], samples: int, fault: str, reason: Stop
+) -> None:
+    end = LoopState(reason=reason, **state)  # type: ignore[arg-type]
+    assert fault_at_end(end, samples).startswith(fault)
+    line, error = why_stopped(end, empty_rows(1)[0], SETTINGS, samples)
+    assert error is None  # a press or a test may end like that; for a session it is an error
+    assert line.endswith(fault_at_end(end, samples))
+    assert bool(fault) == ("; " in line)
+
+
+@pytest.mark.parametrize(
+    ("reason", "elapsed_s", "count"),
+    [
+        (Stop.ASKED, 0.0, 0),
+        (Stop.ASKED, 0.0004, 1),  # the first tick is at the start
+        (Stop.ASKED, 2.9181, 2919),
+        (Stop.ENDED, 2.9181, 2919),
+        (Stop.TIME, 1.9998, 2000),
+        (Stop.TIME, 2.0003, 2000),
+    ],
+)
+def test_ticks_that_began_are_expected(reason: Stop, elapsed_s: float, count: int) -> None:
+    assert expected_ticks(LoopState(reason=reason, elapsed_s=elapsed_s), SETTINGS) == count
