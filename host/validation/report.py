@@ -17,6 +17,7 @@ from springpot.host.metrics import start_up_ramp
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.page import page_text
+from springpot.host.session.note_words import notes_in_words
 from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section
 from springpot.host.validation import figures
@@ -75,6 +76,7 @@ def write_report(folder: Path) -> Path:
             *code_findings(result, manifest),
         ],
         "mean_error_n": mean_error_n,
+        "notes": notes_in_words(result["notes"]),
         "over_floor": floor_words(result),
         "jnd_words": JND_WORDS,
         "speeds": speeds,

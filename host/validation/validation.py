@@ -14,21 +14,13 @@ from springpot.codegen.errors import MismatchError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
 from springpot.codegen.progress import counted
-from springpot.codegen.reference.notes import (
-    CLAMPED,
-    HELD,
-    LATCHED,
-    LIMITED,
-    OUTSIDE,
-    RAMPED,
-    RESYNC,
-)
 from springpot.codegen.reference.run import run_reference
 from springpot.host.emission.emission import read_emission
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.note_words import NOTE_NAMES
 from springpot.host.validation.error_ratios import error_ratios
 from springpot.host.validation.seen import seen_by
 from springpot.trainer.models.compatibility import require_compatible
@@ -39,8 +31,6 @@ from springpot.trainer.recordings.recording import Recording
 if TYPE_CHECKING:
     from springpot.host.boards.replay import BoardReplay
 
-NOTE_NAMES = {HELD: "held", RESYNC: "resync", OUTSIDE: "outside", CLAMPED: "clamped",
-              RAMPED: "ramped", LATCHED: "latched", LIMITED: "limited"}  # fmt: skip
 PACED_S = 3.0
 
 

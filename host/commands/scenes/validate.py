@@ -82,6 +82,7 @@ def session_rows(validation: Validation, felt: Sequence[str], of: int) -> dict[s
 
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
+    from springpot.host.session.note_words import notes_in_words
     from springpot.host.validation.error_ratios import error_ratios, ratio_rows
     from springpot.host.validation.seen import seen_line
 
@@ -102,8 +103,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
         "below the JND above 2 N": "no such sample" if below is None else f"{100 * below:.1f} %",
         "C against reference": f"{validation.mismatches} ticks differ",
-        "notes": ", ".join(f"{name} {count}" for name, count in validation.notes.items() if count)
-        or "none",
+        "ticks with notes": notes_in_words(validation.notes),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }

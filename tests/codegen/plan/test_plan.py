@@ -16,7 +16,7 @@ from springpot.codegen.reference.notes import (
     RESYNC,
 )
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
-from springpot.host.validation.validation import NOTE_NAMES
+from springpot.host.session.note_words import NOTE_NAMES
 from springpot.runtime_c.paths import INCLUDE
 
 SCENE = Scene(schema=1, name="x", model="x")
