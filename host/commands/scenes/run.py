@@ -148,7 +148,8 @@ def _rows(result: dict[str, Any]) -> dict[str, str]:
     late, tick = result["lateness_us"], result["tick_us"]
     return {
         "stopped": result["stopped"],
-        "ticks": f"{ticks_in_words(result['ticks'], result['expected_ticks'])}, {result['late']} late",
+        "ticks": ticks_in_words(result["ticks"], result["expected_ticks"])
+        + f", {result['late']} late",
         "lateness": f"{late['p50']:.0f} us, 99 % below {late['p99']:.0f}, worst {late['max']:.0f}"
         f" (the hypervisor took {result['steal_ms']:.0f} ms)",
         "tick": f"{tick['p50']:.1f} us, 99 % below {tick['p99']:.1f}",
