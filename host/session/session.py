@@ -28,7 +28,7 @@ from springpot.host.session.outcome import (
 )
 from springpot.host.session.runner import RowTaker, SessionRunner
 from springpot.host.session.step_functions import scene_step_functions
-from springpot.trainer.recordings.journal_reader import MIN_ROWS
+from springpot.trainer.recordings.journal_reader import MIN_SAMPLES
 from springpot.trainer.recordings.recording import Zero
 
 
@@ -192,7 +192,7 @@ class Session:
         if self._log is None or self._file is None:
             return
         with self._log as log:
-            if log.rows < MIN_ROWS:
+            if log.rows < MIN_SAMPLES:
                 log.discard()
                 self._file = None
                 return

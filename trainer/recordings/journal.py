@@ -29,7 +29,7 @@ from springpot.trainer.recordings.journal_blocks import (
     max_rows,
 )
 from springpot.trainer.recordings.journal_reader import (
-    MIN_ROWS,
+    MIN_SAMPLES,
     is_being_recorded,
     journal_of,
     read_journal,
@@ -170,7 +170,7 @@ class JournalWriter:
                 self._flush()
         except DeviceError:
             pass  # the error that is under way is reported instead
-        if self._kept_rows < MIN_ROWS:
+        if self._kept_rows < MIN_SAMPLES:
             self.discard()
         else:
             self._close()

@@ -25,7 +25,7 @@ from springpot.trainer.recordings.metadata import (
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 
 JOURNAL_SUFFIX = ".journal"
-MIN_ROWS = 2  # fewer are no recording
+MIN_SAMPLES = 2  # fewer are no recording
 MAX_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot import` to cut
 
 
@@ -102,7 +102,7 @@ def read_parts(path: Path) -> tuple[list[Recording], str]:
             parts.append([])
         if block is None:
             holes.append(f"{_seconds(journal, k):.3f} s")
-    parts = [part for part in parts if sum(map(len, journal.rows(part))) >= MIN_ROWS]
+    parts = [part for part in parts if sum(map(len, journal.rows(part))) >= MIN_SAMPLES]
     if not parts:
         raise DataError(f"{path}: no whole block of samples: nothing can be recovered")
     recordings = [
@@ -134,7 +134,7 @@ def _read(path: Path) -> _Journal:
     row_bytes = 8 * (2 + len(metadata.channels))
     samples = [b if b and len(b.payload) % row_bytes == 0 else None for b in samples]
     journal = _Journal(metadata, metadata.block_s or metadata.dt_s, samples)
-    if sum(map(len, journal.rows(samples))) < MIN_ROWS:
+    if sum(map(len, journal.rows(samples))) < MIN_SAMPLES:
         raise DataError(f"{path}: a recording that was interrupted before its first samples: "
                         "remove it")  # fmt: skip
     return journal
