@@ -38,6 +38,7 @@ class BoardLoop:
     """Has the methods of a loop; the ticks are the board's."""
 
     name = "board"
+    no_sample_advice = "a board without a sensor is fed: add ?feed=RECORDING.h5 to its URL"
 
     def __init__(self, device: SerialDevice, settings: LoopSettings) -> None:
         self._settings = settings

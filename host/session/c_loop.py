@@ -19,6 +19,7 @@ class CLoop:
     """A thread of C on absolute deadlines; Python only watches."""
 
     name = "C thread"
+    no_sample_advice = "check cable and power, then `springpot doctor --device URL`"
 
     def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
         self._steps, self._settings = steps, settings

@@ -64,6 +64,7 @@ class Loop(Protocol):
     """What keeps the time of a session: the C thread, or a board that renders by itself."""
 
     name: str
+    no_sample_advice: str  # what to do where none ever came
 
     def start(self, device: OpenedDevice) -> None:
         """Begin ticking on an opened device."""

@@ -24,14 +24,14 @@ def why_stopped(
     state: LoopState,
     row: Any,
     settings: LoopSettings,
-    samples: int,
+    fault: str = "",
     rate_advice: str = "",
     asked_by: str = BY_USER,
 ) -> tuple[str, SpringpotError | None]:
     """One line: why the loop ended and what to do; the error, where it was one.
 
-    row: the newest, shape (columns,). samples: that came. rate_advice: of the device. asked_by: who
-    ended the loop, where it did not end by itself.
+    row: the newest, shape (columns,). fault: of `fault_at_end`. rate_advice: of the device.
+    asked_by: who ended the loop, where it did not end by itself.
     """
     match state.reason:
         case Stop.FORCE:
@@ -62,17 +62,16 @@ def why_stopped(
             line = "the replay has no more samples"
         case _:
             line = asked_by
-    fault = fault_at_end(state, samples)
     return f"{line}; {fault}" if fault else line, None
 
 
-def fault_at_end(state: LoopState, samples: int) -> str:
-    """Why nothing could be felt at the end of a loop, and what to do; empty where it could."""
+def fault_at_end(state: LoopState, samples: int, no_sample_advice: str) -> str:
+    """Why nothing could be felt at the end of a loop, and what to do; empty where it could.
+
+    samples: that came. no_sample_advice: of the loop.
+    """
     if not samples and state.elapsed_s > _FIRST_SAMPLE_S:
-        return (
-            "no sample ever came, the force was zero: check cable and power, then "
-            "`springpot doctor --device URL`"
-        )
+        return f"no sample ever came, the force was zero: {no_sample_advice}"
     if not state.connected:
         return "the device was gone: plug it in and start again"
     if state.latched or state.tripped:

@@ -24,7 +24,7 @@ from springpot.host.session.board_loop import BoardLoop
 from springpot.host.session.c_loop import CLoop
 from springpot.host.session.log import flight_seconds
 from springpot.host.session.loop import LinkCounts, Loop, LoopSettings, LoopState
-from springpot.host.session.outcome import BY_USER, why_stopped
+from springpot.host.session.outcome import BY_USER, fault_at_end, why_stopped
 from springpot.host.session.step_functions import StepFunctions
 from springpot.host.session.supervisor import DeviceSupervisor
 
@@ -180,10 +180,14 @@ class SessionRunner:
             self.state,
             self._latest[-1],
             self._settings,
-            self.counts.samples,
+            self.fault(),
             self._supervisor.device.rate_advice,
             asked_by,
         )
+
+    def fault(self) -> str:
+        """Why nothing could be felt at the end, and what to do; empty where it could."""
+        return fault_at_end(self.state, self.counts.samples, self._loop.no_sample_advice)
 
     def flight(self) -> LoopRows:
         """The last seconds of rows, after the end."""

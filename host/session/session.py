@@ -22,7 +22,6 @@ from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import (
     BY_USER,
     expected_ticks,
-    fault_at_end,
     spread_us,
     steal_ms,
 )
@@ -120,7 +119,7 @@ class Session:
             run.close()
         finally:
             self.line, self.error = run.why(_left_by(error[1], run.state))
-            if self.error is None and fault_at_end(run.state, run.counts.samples):
+            if self.error is None and run.fault():
                 self.error = DeviceError(self.line)
             self._warned = self._warnings.finish()
             self._report(self.line)

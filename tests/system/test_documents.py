@@ -24,6 +24,7 @@ from support.documents import (
     print_urls,
     run_commands,
     run_python,
+    stood_still,
     unseen,
 )
 from support.job import SCENE, small_job
@@ -289,7 +290,8 @@ def lab_command(words: list[str], folder: Path) -> str:
             [*MAIN, *words[1:]], cwd=folder, input="\n\n\n", text=True, capture_output=True,
             check=False, timeout=300, env=environment,
         )  # fmt: skip
-    assert done.returncode == 0, f"{words}\n{done.stdout}\n{done.stderr}"
+    ended = done.returncode == 0 or stood_still(done)
+    assert ended, f"{words}\n{done.stdout}\n{done.stderr}"
     return done.stdout + ("" if "--json" in words else done.stderr)
 
 

@@ -148,7 +148,7 @@ def test_a_load_cell_beyond_the_limit_ends_it(run, measured_n, max_force_n):
     assert state.reason == Stop.FORCE
     assert int(value(row, "call")) & SILENT
     assert value(row, "sent_n") == 0
-    line, error = why_stopped(state, row, session.settings, samples=1)
+    line, error = why_stopped(state, row, session.settings)
     assert f"the force reached {abs(measured_n):.3g} N" in line
     assert error is not None
 
