@@ -92,6 +92,10 @@ def main() -> None:
     except errors.SpringpotError as error:
         say(f"springpot: {error}")
         sys.exit(exit_status(error))
+    except click.UsageError as error:
+        command = error.ctx.command_path if error.ctx else "springpot"
+        say(f"springpot: {error.format_message().rstrip('.')}: see `{command} --help`")
+        sys.exit(2)
     except click.ClickException as error:
         say(f"springpot: {error.format_message()}")
         sys.exit(2)

@@ -1,5 +1,6 @@
 """Groups of commands that are loaded one by one: the list of all loads none."""
 
+import difflib
 import importlib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -34,6 +35,15 @@ class LazyGroup(click.Group):
         command = getattr(importlib.import_module(f"springpot.host.commands.{module}"), name)
         assert isinstance(command, click.Command)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """As click does, with the name that may be meant where there is none like it."""
+        near = difflib.get_close_matches(args[0], self._lazy, 1)
+        if near and args[0] not in self._lazy and not ctx.resilient_parsing:
+            ctx.fail(f"No such command {args[0]!r} (did you mean {near[0]}?)")
+        return super().resolve_command(ctx, args)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
         """Names of commands, without loading one."""

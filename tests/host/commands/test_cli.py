@@ -86,7 +86,8 @@ def test_train_emit_build_validate_report(job: Path) -> None:
 
 
 def test_a_process_ends_with_the_status() -> None:
-    assert "No such command 'trian'" in refusal(2, "trian", env={})
+    message = refusal(2, "trian", env={})
+    assert "No such command 'trian' (did you mean train?): see `springpot --help`" in message
     assert "version" in run("--version", env={}).stdout
 
 
