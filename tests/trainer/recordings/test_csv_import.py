@@ -109,6 +109,18 @@ def test_a_map_that_contradicts_the_header_is_refused(tmp_path: Path, unit: str)
     assert load(tmp_path, text, *remedy).force_n.tolist() == [k * factor for k in range(5)]
 
 
+def test_all_that_a_map_has_to_say_is_said_at_once(tmp_path: Path) -> None:
+    text = GOOD.replace("time_s,position_m,force_N", "Time,Depth, mm,Load").replace(", mm", "")
+    message = refusal(tmp_path, text, "position=Depth:mm")
+    assert "column 1 'Time', column 3 'Load': no unit of time, of force: pass --map " in message
+    option = message.partition("--map ")[2].partition(", with")[0]
+    stated = option.replace("UNIT", "s", 1).replace("UNIT", "N", 1)
+    assert load(tmp_path, text, *shlex.split(stated)).position_m[-1] == pytest.approx(0.4e-3)
+    assert stated == "time=Time:s,position=Depth:mm,force=Load:N"
+    counted = refusal(tmp_path, text, "time=10Hz")
+    assert "--map time=10Hz,position=Depth:UNIT,force=Load:UNIT, with a unit such as" in counted
+
+
 def test_a_map_that_contradicts_the_row_of_units_is_refused(tmp_path: Path) -> None:
     text = GOOD.replace("time_s,position_m,force_N", "time,position,force\ns,mm,kN")
     assert "its row of units says kN, --map says N" in refusal(tmp_path, text, "force=force:N")
@@ -162,7 +174,10 @@ def test_text_in_other_columns_and_blank_lines_are_fine(tmp_path: Path) -> None:
             ("mü," + GOOD.replace("\n", "\n0,")).encode() + b"\xb5",
             "row 7: byte 0xb5 is not UTF-8 text: save the file in UTF-8",
         ),
-        (GOOD.replace("force_N", "force_mn"), "--map force=force_mn:UNIT, UNIT one of N, kN, mN"),
+        (
+            GOOD.replace("force_N", "force_mn"),
+            "--map force=force_mn:UNIT, with",
+        ),
         (GOOD.replace("_N", " (kg)"), "'kg' is not a unit of force (did you mean kgf?)"),
         (
             GOOD.replace(",", ";").replace(".", ",").replace("0,002;0,2", "0,002;1.0,2"),

@@ -1,6 +1,7 @@
 """Which column is which: `time=COL:s,position=COL:mm,force=COL:N`."""
 
 import re
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -33,6 +34,18 @@ ColumnMap = Mapping[Quantity, Column]
 def stated_rate_hz(columns: ColumnMap) -> float | None:
     """Rate that the map states in place of a column of time, Hz."""
     return columns["time"].rate_hz if "time" in columns else None
+
+
+def map_option(columns: ColumnMap) -> str:
+    """Write columns as `--map` takes them, quoted for a shell."""
+    parts = [
+        f"{q}={columns[q].header_or_number}" + (f":{columns[q].unit}" if columns[q].unit else "")
+        if columns[q].rate_hz is None
+        else f"{q}={columns[q].rate_hz:g}Hz"
+        for q in QUANTITIES
+        if q in columns
+    ]
+    return shlex.quote(",".join(parts))
 
 
 def parse_map(text: str) -> dict[Quantity, Column]:

@@ -12,18 +12,18 @@ from springpot.trainer.recordings.formats.column_map import (
     ColumnMap,
     stated_rate_hz,
 )
+from springpot.trainer.recordings.formats.csv_units import column_units
 from springpot.trainer.recordings.formats.decimals import (
     DecimalMark,
     decimal_mark,
     is_comma_number,
     is_number,
 )
-from springpot.trainer.recordings.formats.labels import guess_column, split_unit
+from springpot.trainer.recordings.formats.labels import guess_column
 from springpot.trainer.recordings.formats.units import (
     QUANTITIES,
     Quantity,
     Unit,
-    choose_unit,
     is_unit,
 )
 
@@ -163,14 +163,10 @@ def _layout(
     unit_row = _unit_row(below, chosen)
     if unit_row:
         first += 1
-    units: dict[Quantity, Unit] = {}
+    units = column_units(path, header, chosen, columns, unit_row)
     found = []
     for quantity, index in chosen.items():
-        label = header[index] if index < len(header) else ""
-        where = f"{path}, column {index + 1}{f' {label!r}' if label else ''}"
-        column = columns.get(quantity) or Column(label or index + 1)
-        units[quantity] = _unit(where, quantity, column, label, unit_row)
-        name = f"{label!r} " if label else ""
+        name = f"{header[index]!r} " if header[index:] and header[index] else ""
         found.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
     mark: DecimalMark = "point"
     if delimiter != ",":
@@ -187,18 +183,6 @@ def _layout(
         decimal=mark,
         unread_time=None if "time" in chosen else _time_beside(header),
     )
-
-
-def _unit(
-    where: str, quantity: Quantity, column: Column, label: str, unit_row: dict[Quantity, str]
-) -> Unit:
-    """The unit of the map, which must not contradict the file's, or of the header or unit row."""
-    found = {
-        "map": column.unit,
-        "header": split_unit(label, quantity)[1],
-        "row of units": unit_row.get(quantity),
-    }
-    return choose_unit(found, quantity, where, str(column.header_or_number))
 
 
 def _time_beside(header: _Row) -> tuple[int, str] | None:

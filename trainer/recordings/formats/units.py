@@ -12,6 +12,7 @@ from springpot.codegen.errors import DataError
 
 Quantity = Literal["time", "position", "force"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
+COMMON_UNITS: dict[Quantity, str] = {"time": "s or ms", "position": "mm or m", "force": "N or mN"}
 
 _GRAVITY_MPS2 = 9.80665  # standard gravity, exact by definition
 _POUND_KG = 0.45359237  # international pound, exact by definition
