@@ -117,7 +117,12 @@ def _serial_ports() -> list[Diagnosis]:
     if not ports:
         do = "plug the device in; in a container, pass the device through"
         return [Diagnosis("serial ports", False, "none", do)]
-    return [_serial_port(port.device, port.description) for port in ports]
+    return [_serial_port(port.device, _words(port.description)) for port in ports]
+
+
+def _words(description: str) -> str:
+    """What the system says of a port: pyserial has n/a where it says nothing, as of most ttyS."""
+    return "there, the system does not say what it is" if description == "n/a" else description
 
 
 def _serial_port(device: str, description: str) -> Diagnosis:

@@ -12,7 +12,7 @@ import pytest
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices import serial_port
+from springpot.host.devices import doctor, serial_port
 from springpot.host.devices.serial_port import (
     latency_timer,
     open_port,
@@ -130,3 +130,14 @@ def test_a_byte_is_ten_bits_on_the_line() -> None:
         DeviceError, match="x: 199999 baud carry 1000 frames a second, 1000 Hz need"
     ):
         require_fast_line("x", 199_999, 1000, 20)
+
+
+@pytest.mark.parametrize(("found", "said"), [("n/a", "does not say what"), ("a board", "a board")])
+def test_the_doctor_describes_a_port(
+    monkeypatch: pytest.MonkeyPatch, found: str, said: str
+) -> None:
+    port = types.SimpleNamespace(device="/dev/null", description=found)
+    monkeypatch.setattr(doctor.list_ports, "comports", lambda: [port])
+    (diagnosis,) = doctor._serial_ports()
+    assert diagnosis.found
+    assert said in diagnosis.seen
