@@ -99,7 +99,8 @@ class Device:
     coulomb_n: Annotated[float, Interval(ge=0, le=1e3)] | None = None
     """Friction that does not: for the closed loop of the checks."""
     velocity_noise_mps: Annotated[float, Interval(ge=0, le=10)] | None = None
-    """Standard deviation of the device's velocity about the true one."""
+    """Standard deviation of the device's velocity about the true one: `stability` states what it
+    adds to the force."""
     velocity: Literal["estimate", "device"] = "estimate"
     """Where a coupling takes the tool's velocity from."""
     surface_mm: float = 0.0
@@ -119,7 +120,7 @@ class Device:
     force_sign: Literal[1, -1] = 1
     """-1: a positive command pulls the tool the wrong way."""
     max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
-    """Largest force of the device."""
+    """Largest force of the device: `stability` says where the scene may ask for more."""
     effector_mass_kg: Annotated[float, Interval(ge=0, le=100)] | None = None
     """Mass of the handle, for a device that carries its weight by itself."""
     weight_n: Annotated[float, Interval(ge=-20, le=20)] = 0.0

@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from support.witness import RealtimeTries
 
 # The workers of pytest keep every core busy: threads of numerical libraries would wait for each
 # other. Before numpy is loaded, and for the processes that tests start.
@@ -17,6 +18,10 @@ if threading.current_thread() is threading.main_thread():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SHARED_DATA = Path(__file__).parents[1].parent / "shared" / "data"
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(RealtimeTries())
 
 
 @pytest.fixture(scope="session")

@@ -25,6 +25,7 @@ from springpot.host.stability.closed_loop import (
     run_closed_loop,
     stiff_plan,
 )
+from springpot.host.stability.device_advice import device_advice
 from springpot.host.stability.judgement import Grade, judge
 from springpot.host.stability.small_signal import Map, small_signal_map
 
@@ -234,6 +235,7 @@ def _verdict(result: Stability) -> Iterator[str]:
             f"The model is not passive in {active} of {cells} small-signal cells: a light hand "
             "may feel it buzz; hammerstein, or boosted with --monotone, has none."
         )
+    yield from device_advice(plan)
     yield f"Coupling {plan.coupling.why}."
 
 

@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from support.documents import MAIN
 from support.job import small_job
+from support.run_pages import MAIN
 
 pytestmark = pytest.mark.slow
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import ShellComplete
-from support.documents import MAIN
+from support.run_pages import MAIN
 
 from springpot.host.cli import springpot
 

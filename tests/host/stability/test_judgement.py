@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE
+from springpot.codegen.scene import Device
 from springpot.host.commands.scenes.stability import stability_rows
 from springpot.host.simulation.hand_loop import Trace
 from springpot.host.stability import figures
@@ -38,8 +39,9 @@ def checked(outcomes: list[Outcome], stable: bool = True) -> Stability:
     """A check with these outcomes: only what words are made of."""
     cells = SimpleNamespace(active=lambda outside: (0, 18 if outside else 30), as_dict=dict)
     choice = SimpleNamespace(why="off: asked for", felt_npm=2500.0)
-    plan = SimpleNamespace(scene=SimpleNamespace(name="pad"), coupling=choice, dt_s=1e-3,
-                           loop_device=ASSUMED_DEVICE)  # fmt: skip
+    plan = SimpleNamespace(scene=SimpleNamespace(name="pad", device=Device()), coupling=choice,
+                           dt_s=1e-3, loop_device=ASSUMED_DEVICE,
+                           output=SimpleNamespace(max_n=12.0, min_n=0.0))  # fmt: skip
     check = SimpleNamespace(stable=stable, spectral_radius=0.99, model_map=cells, scene_map=cells,
                             plan=plan, as_dict=dict)  # fmt: skip
     return Stability(cast(Any, check), cast(Any, plan), tuple(outcomes))

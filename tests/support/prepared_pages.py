@@ -1,0 +1,62 @@
+"""What a reader has before the first command of a page, made in a folder."""
+
+from pathlib import Path
+
+import can
+import cantools
+import numpy as np
+from scipy.io import savemat
+
+from springpot.host.emission.emission import emit
+from springpot.host.emission.scene_file import read_scene
+from support.job import small_job
+from support.small import DT_S, press, soft_force
+
+
+def rig_files(folder: Path) -> None:
+    """What a material scientist has: a table, a Mach-1 text, a MAT file, a log of CAN frames."""
+    position_m = np.concatenate([press(0.5, 0.010, 2), press(2.0, 0.008, 4), press(5.0, 0.006, 5)])
+    force_n, time_s = soft_force(position_m), np.arange(len(position_m)) * DT_S
+    columns = np.column_stack([time_s, 1e3 * position_m, force_n])
+    np.savetxt(folder / "test-rig.csv", columns, fmt="%.6f", delimiter=",", comments="",
+               header="Time,Extension,Load")  # fmt: skip
+    savemat(folder / "rig.mat", {"rig": {"z": 1e3 * position_m, "Fz": force_n}})
+    rows = "".join(f"{t:.2f}\t{x:.6f}\t{f:.6f}\n" for t, x, f in
+                   zip(0.01 * np.arange(400), 1e3 * press(0.25, 0.004)[::10],
+                       soft_force(press(0.25, 0.004))[::10] / 9.80665e-3, strict=True))  # fmt: skip
+    head = ("<Mach-1 File>\n<INFO>\nTime:\t10:08:47.546\n<END INFO>\n<Sinusoid>\n"
+            "Stage Axis:\tPosition (z)\nAmplitude, mm:\t2\nFrequency, Hz:\t0.25000\n"
+            "Number of Cycles:\t1\n<DATA>\nTime, s\tPosition (z), mm\tFz, gf\n")  # fmt: skip
+    (folder / "Dynamic_data.txt").write_text(head + rows + "<END DATA>\n")
+    (folder / "rig.dbc").write_text(
+        'VERSION ""\nNS_ :\nBS_:\nBU_: RIG\nBO_ 291 Tool: 8 RIG\n'
+        ' SG_ Position : 0|32@1- (0.0001,0) [0|0] "mm" RIG\n'
+        ' SG_ Force : 32|16@1- (0.001,0) [0|0] "N" RIG\n'
+    )
+    database = cantools.database.load_file(folder / "rig.dbc")
+    with can.Logger(folder / "drive.blf") as logger:
+        for t, x, f in columns[::2]:
+            data = database.encode_message("Tool", {"Position": x, "Force": f})
+            logger(can.Message(1e9 + t, 291, is_extended_id=False, data=data, channel="vcan0"))
+
+
+def nothing(folder: Path) -> None:
+    """For pages that make what they need."""
+
+
+def emitted_job(folder: Path) -> None:
+    small_job(folder)
+    emit(read_scene(folder / "scene.toml"), folder / "model.spm", folder / "c")
+
+
+PREPARED = {
+    "how-to/fem.md": nothing,
+    "how-to/import.md": rig_files,
+    "how-to/measure-a-device.md": small_job,
+    "how-to/own-ensemble.md": nothing,
+    "how-to/record.md": nothing,
+    "how-to/run-a-device.md": emitted_job,
+    "how-to/single-file.md": small_job,
+    "how-to/small-and-fast.md": small_job,
+    "how-to/stability.md": small_job,
+}

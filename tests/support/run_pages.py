@@ -1,0 +1,128 @@
+"""Running the commands of README.md and docs/, as a reader does."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+
+from support.documents import Block, page_blocks
+from support.paths import ROOT, TESTS
+
+MAIN = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
+_TTY = "/dev/pts/N"
+
+
+def run_page(name: str, folder: Path, *needs: str) -> str:
+    """All blocks of a page in order, in one folder; those that need more only where it is named.
+
+    Python without a note is run where commands follow, or at the end.
+    """
+    printed: list[str] = []
+    last, code = "", ""
+    for block in page_blocks(name):
+        if block.need and block.need not in needs:
+            continue
+        if block.note.startswith("file "):
+            (folder / block.note.removeprefix("file ")).write_text(block.text)
+        elif block.note.startswith("seen"):
+            assert not unseen(block, last), f"{block.where}: {unseen(block, last)} not in\n{last}"
+        elif block.language == "python":
+            code += block.text
+        elif block.note == "prints URL":
+            assert all("://" in url for url in print_urls(block, folder)), block.where
+        elif not block.language:
+            printed += [run_python(code, folder, name)] if code else []
+            last, code = "\n".join(run_commands(block, folder)), ""
+            printed.append(last)
+    if code and name != "README.md":  # its Python is another test's
+        printed.append(run_python(code, folder, name))
+    return "\n".join(printed)
+
+
+def run_commands(block: Block, folder: Path) -> list[str]:
+    """Run a block's commands in `folder`, one after the other; return what each printed."""
+    printed = []
+    with ExitStack() as running:
+        port = ""
+        for command in block.substituted:
+            words = shlex.split(command.replace(_TTY, port) if port else command)
+            if words[0].startswith("qemu"):
+                port = _emulator(words, folder, running)
+            else:
+                printed.append(_run(words, folder, block.where))
+    return printed
+
+
+def unseen(block: Block, printed: str) -> list[str]:
+    """Lines of a block that what was printed does not have, numbers and spaces apart."""
+    text = _masked(printed)
+    return [line for line in block.text.splitlines() if _masked(line) not in text]
+
+
+def _masked(text: str) -> str:
+    return re.sub(r"\d[\d.]*", "#", " ".join(text.split()))
+
+
+def run_python(code: str, folder: Path, where: str) -> str:
+    """Run a page's Python in `folder`, in a process of its own; what it printed."""
+    return _run(["python", "-c", code], folder, where)
+
+
+def print_urls(block: Block, folder: Path) -> list[str]:
+    """Start each line's process from where the paths of the page begin; return their URLs."""
+    found = []
+    for command in block.commands:
+        _, script, *options = shlex.split(command)
+        process = subprocess.Popen(
+            [sys.executable, str(ROOT / script), *options], cwd=folder, stdout=subprocess.PIPE,
+            text=True, env=_environment(),
+        )  # fmt: skip
+        with process:
+            assert process.stdout is not None
+            found.append(process.stdout.readline().strip())
+            process.terminate()
+    return found
+
+
+def _run(words: list[str], folder: Path, where: str) -> str:
+    if words[0] == "springpot":
+        words = [*MAIN, *words[1:]]
+    elif words[0] == "python":
+        words[0] = sys.executable
+    elif words[:2] == ["make", "firmware"]:  # into this checkout's build folder, by its .venv
+        board, scene = (word.partition("=")[2] for word in words[2:])
+        words = [*MAIN, "firmware", "--scene", scene, "--board", board, "--out",
+                 f"build/firmware/{board}"]  # fmt: skip
+    elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do
+        words = ["make", "--dry-run", "--directory", str(ROOT), *words[1:]]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False,
+                          env=_environment(), timeout=900)  # fmt: skip
+    ended = done.returncode == 0 or stood_still(done)
+    assert ended, f"{where}: {shlex.join(words)}\n{done.stdout}\n{done.stderr}"
+    return done.stdout + done.stderr
+
+
+def stood_still(done: subprocess.CompletedProcess[str]) -> bool:
+    """Whether a session ended with the force latched: the machine stood still for too long."""
+    return done.returncode == 5 and "the watchdog had tripped and the force was zero" in done.stderr
+
+
+def _emulator(words: list[str], folder: Path, running: ExitStack) -> str:
+    process = subprocess.Popen(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                               text=True)  # fmt: skip
+    running.enter_context(process)  # closes its output, and waits
+    running.callback(process.terminate)
+    assert process.stdout is not None
+    line = process.stdout.readline()
+    found = re.search(r"/dev/\S+", line)
+    assert found, f"the emulator told no port: {line}"
+    return found[0]
+
+
+def _environment() -> dict[str, str]:
+    """Wide, so that no line of a table is broken."""
+    path = os.pathsep.join([*filter(None, sys.path), str(TESTS)])
+    return os.environ | {"COLUMNS": "400", "PYTHONPATH": path}

@@ -1,0 +1,67 @@
+"""The page of a lab with a Force Dimension device, on a stand-in for it."""
+
+import json
+import os
+import shlex
+import subprocess
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from support.documents import page_blocks
+from support.peer import peer
+from support.run_pages import MAIN, print_urls, stood_still
+
+from springpot.host.devices.url import parse_device
+from springpot.host.emission.scene_file import read_scene
+
+# Of each command, what the stand-in is: held by a hand, on the object, or let go.
+_LAB = {
+    "doctor": ("--presses-hz", 0),
+    "place": ("--presses-hz", 0, "--surface-mm", 12),
+    "identify": ("--free", '{"mass_kg": 0.25, "viscous_nspm": 4.0}'),
+    "record": ("--pressing", "--cell-ms", 3, "--surface-mm", 12),
+    "run": ("--surface-mm", 12),
+}
+
+
+@pytest.mark.realtime
+def test_the_lab_s_first_session(tmp_path: Path) -> None:
+    """Every command of the page on the stand-in: to a log that repeats, bit for bit."""
+    printed = {}
+    (tmp_path / "short.toml").write_text(
+        "[[profile]]\namplitude_n = 4.0\nfrequency_hz = 1.0\ncycles = 4\n"
+        "[[profile]]\namplitude_n = 2.5\nfrequency_hz = 2.0\ncycles = 6\n"
+    )
+    for block in page_blocks("how-to/force-dimension.md"):
+        if block.note.startswith("file "):
+            (tmp_path / block.note.removeprefix("file ")).write_text(block.text)
+        elif block.note == "prints URL":
+            assert all(url.startswith("dhd://") for url in print_urls(block, tmp_path))
+        elif not block.language:
+            for line in block.substituted:
+                words = shlex.split(line)
+                printed[words[1]] = lab_command(words, tmp_path)
+    assert "out of the object, as it must" in " ".join(printed["doctor"].split())
+    assert "ms late, +-" in printed["record"]
+    assert json.loads(printed["validate"])["mismatches"] == 0
+    device = read_scene(tmp_path / "scene.toml").device
+    assert device.mass_kg == pytest.approx(0.25, rel=0.1)
+
+
+def lab_command(words: list[str], folder: Path) -> str:
+    """Run a command with a stand-in for the device that it names; what it printed."""
+    environment = {**os.environ, "COLUMNS": "200"}  # cells of a table stay whole
+    with ExitStack() as stack:
+        if options := _LAB.get(words[1]):
+            device = stack.enter_context(peer("dhd_device", *options))
+            environment["SPRINGPOT_LIBDHD"] = parse_device(device.url).settings["library"]
+            if "--force" in words:
+                words[words.index("--force") + 1] = device.wait_for("cell")["url"]
+        done = subprocess.run(
+            [*MAIN, *words[1:]], cwd=folder, input="\n\n\n", text=True, capture_output=True,
+            check=False, timeout=300, env=environment,
+        )  # fmt: skip
+    ended = done.returncode == 0 or stood_still(done)
+    assert ended, f"{words}\n{done.stdout}\n{done.stderr}"
+    return done.stdout + ("" if "--json" in words else done.stderr)

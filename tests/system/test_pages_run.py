@@ -1,0 +1,86 @@
+"""The documents run: their commands give what the page says, in its order."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from support.documents import page_blocks
+from support.job import small_job
+from support.paths import ROOT
+from support.prepared_pages import PREPARED
+from support.run_pages import run_commands, run_page
+
+
+@pytest.mark.slow
+def test_the_readme_runs(tmp_path: Path) -> None:
+    printed = " ".join(run_page("README.md", tmp_path).split())
+    assert "what was felt is what the model says" in printed
+    assert (tmp_path / "c" / "report.html").exists()
+
+
+@pytest.mark.slow
+def test_the_tutorial_of_a_material_scientist(tmp_path: Path) -> None:
+    run_page("tutorials/material-scientist.md", tmp_path)
+
+
+@pytest.mark.realtime
+def test_the_tutorial_of_a_haptics_researcher(tmp_path: Path) -> None:
+    run_page("tutorials/haptics-researcher.md", tmp_path)
+
+
+@pytest.mark.realtime
+def test_the_tutorial_of_an_embedded_engineer(tmp_path: Path) -> None:
+    arm = shutil.which("arm-none-eabi-gcc") is not None
+    board = arm and shutil.which("qemu-system-arm") is not None
+    needs = [name for name, there in (("arm", arm), ("board", board)) if there]
+    run_page("tutorials/embedded-engineer.md", tmp_path, *needs)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PREPARED)
+def test_a_page_runs(tmp_path: Path, name: str) -> None:
+    PREPARED[name](tmp_path)
+    run_page(name, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_ten_minutes_of_a_study(tmp_path: Path) -> None:
+    printed = " ".join(run_page("how-to/study.md", tmp_path).split())
+    assert "18, 3 sessions of 4 trials" in printed
+    assert "R1: " in printed
+    assert "trials 216" in printed
+    page = (tmp_path / "rehearsal" / "report" / "report.html").read_text()
+    assert "RF-FD" in page
+    assert "Hammerstein" in page
+
+
+def table_row(name: str, begins: str) -> list[str]:
+    """The numbers of a row of a page's table."""
+    (row,) = [line for line in (ROOT / "docs" / name).read_text().splitlines()
+              if line.startswith(f"| {begins}")]  # fmt: skip
+    return [cell.strip() for cell in row.strip("|").split("|")[1:]]
+
+
+@pytest.mark.realtime
+@pytest.mark.skipif(
+    shutil.which("arm-none-eabi-gcc") is None, reason="no arm-none-eabi-gcc: make setup-mcu"
+)
+@pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="no qemu-system-arm")
+def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
+    small_job(tmp_path)
+    for name in ("training", "validation"):
+        shutil.rmtree(tmp_path / name)
+    run_commands(page_blocks("how-to/record.md")[0], tmp_path)
+    printed = " ".join(run_page("how-to/microcontroller.md", tmp_path).split())
+    flash, ram, stack, _, bound = table_row("explanation/boards.md", "rf-fd")
+    found = re.search(r"flash (\d+) bytes RAM (\d+) bytes and (\d+) of stack", printed)
+    assert found, printed
+    # Other versions of the compiler and of scikit-learn may differ by a few bytes and nodes.
+    for said, given_bytes in zip((flash, ram, stack), found.groups(), strict=True):
+        assert int(given_bytes) == pytest.approx(int(said), rel=0.02)
+    told = re.search(r"at most (\d+) a tick", printed)
+    assert told
+    assert int(told[1]) == pytest.approx(int(bound), rel=0.02)
+    printed = " ".join(run_page("how-to/microcontroller.md", tmp_path, "board").split())
+    assert "what was felt is what the model says" in printed
