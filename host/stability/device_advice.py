@@ -19,5 +19,6 @@ def device_advice(plan: Plan) -> Iterator[str]:
         noise_n = plan.coupling.coupling.damping_nspm * device.velocity_noise_mps
         yield (
             f"The device's velocity, noisy by {device.velocity_noise_mps:.2g} m/s, puts "
-            f'{noise_n:.2g} N of noise into the force: device.velocity = "estimate" does without it.'
+            f"{noise_n:.2g} N of noise into the force: "
+            'device.velocity = "estimate" does without it.'
         )
