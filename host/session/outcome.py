@@ -62,11 +62,13 @@ def why_stopped(
             line = "the replay has no more samples"
         case _:
             line = asked_by
+    if not fault and (state.latched or state.tripped):
+        fault = "the watchdog had tripped and the force was zero: `reset` takes it back"
     return f"{line}; {fault}" if fault else line, None
 
 
 def fault_at_end(state: LoopState, samples: int, no_sample_advice: str) -> str:
-    """Why nothing could be felt at the end of a loop, and what to do; empty where it could.
+    """Why a loop ended without its device, and what to do; empty where the device was there.
 
     samples: that came. no_sample_advice: of the loop.
     """
@@ -74,8 +76,6 @@ def fault_at_end(state: LoopState, samples: int, no_sample_advice: str) -> str:
         return f"no sample ever came, the force was zero: {no_sample_advice}"
     if not state.connected:
         return "the device was gone: plug it in and start again"
-    if state.latched or state.tripped:
-        return "the watchdog had tripped and the force was zero: `reset` takes it back"
     return ""
 
 

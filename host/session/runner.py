@@ -186,7 +186,7 @@ class SessionRunner:
         )
 
     def fault(self) -> str:
-        """Why nothing could be felt at the end, and what to do; empty where it could."""
+        """Why it ended without its device, and what to do; empty where the device was there."""
         return fault_at_end(self.state, self.counts.samples, self._loop.no_sample_advice)
 
     def flight(self) -> LoopRows:

@@ -57,8 +57,7 @@ def test_a_session_on_it_repeats_bit_for_bit(tmp_path: Path) -> None:
         done = spring("run", "--scene", tmp_path / "c", "--device", url, "--seconds", 3,
                       "--log", log, "--json")  # fmt: skip
     result = json.loads(done.stdout)
-    # A computer that stands still for 20 ms ends a session like this with the force latched.
-    assert done.returncode == (5 if result["latched"] else 0), done.stderr
+    assert done.returncode == 0, done.stderr
     assert abs(result["ticks"] - 3000) < 30
     assert not result["crc_errors"]
     checked = json.loads(spring("validate", tmp_path / "c", "--recording", log, "--json").stdout)

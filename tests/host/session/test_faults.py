@@ -154,8 +154,8 @@ def test_device_silent_and_back(tmp_path, folder, round_, kind):
         host = Host(folder, device, tmp_path / "a.h5", "--seconds", 2.0)
         result, err = host.end()
     assert result["watchdog_trips"] == 1
-    assert host.process.returncode == 5, err
-    assert "the watchdog had tripped and the force was zero" in err.splitlines()[-1]
+    assert host.process.returncode == 0, err
+    assert "the watchdog had tripped and the force was zero" in err
     assert "force zero until reset" in err
     assert result["latched"] is True
     assert result["resets"] == 0
@@ -208,7 +208,7 @@ def test_a_burst_of_late_samples(tmp_path, folder, held_s, kind):
     with peer(kind, "--burst-after", 0.7, "--burst-for", held_s) as device:
         host = Host(folder, device, log, "--seconds", 1.6)
         result, err = host.end()
-    assert host.process.returncode == (5 if held_s > 0.02 else 0), err
+    assert host.process.returncode == 0, err
     read = faithful(folder, log)
     assert result["ring_dropped"] == result["sequence_gaps"] == 0
     assert result["latched"] is (held_s > 0.02)
