@@ -81,13 +81,6 @@ def find_delay(motion: ForcedMotion, url: str) -> Delay:
     return Delay(found.late_s, found.late_s - half_s, found.late_s + half_s, found.motor_s, mass_kg)
 
 
-def compliance_mpn(motion: ForcedMotion, delay: Delay) -> float:
-    """Of the object under that press: how far it gave way for each newton; 0 or more."""
-    force_n = aligned_force(motion.t_s, delay.value_s, motion.sensor_s, motion.sensor_n)
-    swing_n = force_n - force_n.mean()
-    return max(0.0, float(motion.position_m @ swing_n / (swing_n @ swing_n)))
-
-
 def _evenly(motion: ForcedMotion) -> ForcedMotion:
     """The same press at even times: a loop that was kept away makes up for its ticks at once.
 

@@ -17,13 +17,12 @@ from springpot.host.force_sensor.alignment import (
     ForcedMotion,
     aligned_force,
     alignment_command,
-    compliance_mpn,
     find_delay,
 )
 from springpot.host.force_sensor.sensor import ForceSensor
 from springpot.host.native.loop_library import COLUMN, LoopRows
 from springpot.host.recording.indentation import OPEN_LOOP, Limits, PressedDevice, rest
-from springpot.host.recording.late_control import late_gains, led_command
+from springpot.host.recording.late_control import Compliance, late_gains, led_command
 from springpot.host.recording.press_rows import PressRows
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.runner import Progress, SessionRunner
@@ -52,15 +51,15 @@ class SensedPressDevice(PressedDevice):
         super().__init__(url, object_name, limits, on_progress)
         self._sensor, self._room_n = sensor, limits.max_force_n or math.inf
         self._delay: Delay | None = None
-        self._compliance_mpn = 0.0
+        self._compliance = Compliance()
         self._runner: SessionRunner | None = None
 
     @property
     def gains(self) -> Mapping[str, float]:
-        return late_gains(self._found())
+        return late_gains(self._found(), self._compliance)
 
     def driven(self, command_n: Samples) -> Samples:
-        return led_command(command_n, self._compliance_mpn, self._found())
+        return led_command(command_n, self._found(), self._compliance)
 
     def prepare(self) -> dict[str, Any]:
         """Find how late the sensor is, by a press of five seconds."""
@@ -75,13 +74,25 @@ class SensedPressDevice(PressedDevice):
             *self._sensor.samples(),
         )
         self._delay = delay = find_delay(motion, self._sensor.url)
-        self._compliance_mpn = compliance_mpn(motion, delay)
+        force_n = aligned_force(motion.t_s, delay.value_s, motion.sensor_s, motion.sensor_n)
+        self._compliance.learn(motion.position_m, force_n)
         half_ms = 500 * (delay.high_s - delay.low_s)
         wide = "" if half_ms <= _FINE_MS else ": more than half a sample: end other programs"
         late = f"{1e3 * delay.value_s:.2f} ms late, +- {half_ms:.2f} ms (95 %)"
         say(f"{self._sensor.url}: {late}{wide}")
         rest(_RECOVERY_S)
         return {"force_sensor": {"url": self._sensor.url, **asdict(delay)}}
+
+    def press(
+        self,
+        command_n: Samples,
+        on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+        lead: int = 0,
+    ) -> tuple[Samples, Samples]:
+        """As of every device; the next press knows how this one gave way."""
+        position_m, force_n = super().press(command_n, on_samples, lead)
+        self._compliance.learn(position_m, force_n)
+        return position_m, force_n
 
     def attach(self, runner: SessionRunner) -> None:
         self._runner = runner

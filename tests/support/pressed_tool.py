@@ -11,11 +11,12 @@ from springpot.codegen.arrays import Samples
 from springpot.host.force_sensor.alignment import Delay, alignment_command
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.recording.indentation import OPEN_LOOP
-from springpot.host.recording.late_control import late_gains, led_command
+from springpot.host.recording.late_control import Compliance, late_gains, led_command
 from springpot.host.simulation.objects import ALL_OBJECTS
 from springpot.runtime_c.paths import PORT_POSIX, SIM
 
 _HERE = Path(__file__).parent
+_ENCODER_M, _NOISE_N = 1e-5, 0.01
 _HEADROOM, _SUBSTEPS_HZ = 1.2, 8000
 
 
@@ -27,6 +28,16 @@ class Pressed:
     position_m: Samples
     force_n: Samples
     motor_n: Samples
+
+    @property
+    def seen_m(self) -> Samples:
+        """As an encoder has it."""
+        return np.round(self.position_m / _ENCODER_M) * _ENCODER_M
+
+    @property
+    def seen_n(self) -> Samples:
+        """As a sensor has it."""
+        return self.force_n + _NOISE_N * np.random.default_rng(1).normal(size=len(self.force_n))
 
     @property
     def peak(self) -> float:
@@ -49,7 +60,6 @@ class PressedTool:
     motor_s: float = 0.0005
     viscous_nspm: float = 2.0
     coulomb_n: float = 0.1
-    encoder_m: float = 1e-5
     wrong: float = 1.0
     motor_gain: float = 1.0
     spring_npm: float = 0.0
@@ -57,23 +67,26 @@ class PressedTool:
     gap_m: float = 0.0
     name: str = "ecoflex-00-30"
     stiffer: float = 1.0
-    led: bool = True  # by the compliance that a first press found
     gains: dict[str, float] = field(default_factory=dict)  # of another control
 
-    def press(self, command_n: Samples) -> Pressed:
-        """Follow a command, N, one value each ms."""
-        found = Delay(self.sensor_s, 0.0, 0.0, self.motor_s, self.wrong * self.mass_kg)
+    def press(self, command_n: Samples, known: Compliance | None = None) -> Pressed:
+        """Follow a command, N, one value each ms; known: of presses before, and learns this one."""
         if self.gains:
             return self._run(command_n, command_n, self.gains)
-        compliance_mpn = self._compliance_mpn() if self.led else 0.0
-        driven_n = led_command(command_n, compliance_mpn, found)
-        return self._run(command_n, driven_n, dict(late_gains(found)))
+        found = Delay(self.sensor_s, 0.0, 0.0, self.motor_s, self.wrong * self.mass_kg)
+        known = known or self.first_press()
+        driven_n = led_command(command_n, found, known)
+        pressed = self._run(command_n, driven_n, dict(late_gains(found, known)))
+        known.learn(pressed.seen_m, pressed.seen_n)
+        return pressed
 
-    def _compliance_mpn(self) -> float:
-        chirp = alignment_command(1000.0)
-        pressed = self._run(chirp, chirp, dict(OPEN_LOOP))
-        swing_n = pressed.force_n - pressed.force_n.mean()
-        return max(0.0, float(pressed.position_m @ swing_n / (swing_n @ swing_n)))
+    def first_press(self) -> Compliance:
+        """What the press that finds the delay says."""
+        chirp_n = alignment_command(1000.0)
+        pressed = self._run(chirp_n, chirp_n, dict(OPEN_LOOP))
+        known = Compliance()
+        known.learn(pressed.seen_m, pressed.seen_n)
+        return known
 
     def _run(self, command_n: Samples, driven_n: Samples, gains: dict[str, float]) -> Pressed:
         library = pressed_library()
@@ -87,7 +100,7 @@ class PressedTool:
         tool = library.ffi.new("pressed_tool *", {
             "mass_kg": self.mass_kg, "viscous_nspm": self.viscous_nspm,
             "coulomb_n": self.coulomb_n, "motor_gain": self.motor_gain,
-            "encoder_m": self.encoder_m, "noise_n": 0.01,
+            "encoder_m": _ENCODER_M, "noise_n": _NOISE_N,
             "sensor_late": round(_SUBSTEPS_HZ * self.sensor_s),
             "motor_late": round(_SUBSTEPS_HZ * self.motor_s), "gap_m": self.gap_m,
             "spring_npm": self.spring_npm, "damper_nspm": self.damper_nspm,

@@ -21,7 +21,8 @@ static int push(sp_press *press, double motor_n, double *force_n)
 static void predict(sp_press *press)
 {
     const double motor_n = press->motor_n[(press->tick - 1u - press->motor_late) % SP_PRESS_PAST];
-    const double change_mps = press->dt_s * (motor_n - press->tool_n) / press->mass_kg;
+    const double push_n = press->seen ? motor_n - press->tool_n : 0.0;
+    const double change_mps = press->dt_s * push_n / press->mass_kg;
     press->tool_m += press->dt_s * (press->tool_mps + 0.5 * change_mps);
     press->tool_mps += change_mps;
 }
