@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.host.force_sensor.alignment import Delay
@@ -52,7 +53,7 @@ class Compliance:
         """Where the object is stiffest; 0 where nothing is known."""
         return float(min(self._found()[1], default=0.0))
 
-    def _found(self) -> tuple[Samples, Samples]:
+    def _found(self) -> tuple[NDArray[np.intp], Samples]:
         known = np.flatnonzero(self._sums[1] > _LEAST_N2)
         of_motion, of_force = self._sums[:, known]
         return known, np.maximum(0.0, of_motion / of_force)

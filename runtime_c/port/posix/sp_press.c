@@ -30,7 +30,8 @@ static void predict(sp_press *press)
 /* What the position says: the filter of third order that forgets, with all poles alike. */
 static void correct(sp_press *press, double position_m)
 {
-    const double pole = press->pole, rest = 1.0 - pole;
+    const double pole = press->pole;
+    const double rest = 1.0 - pole;
     const double off_m = press->seen ? position_m - press->tool_m : 0.0;
     const double off_mps = off_m / press->dt_s;
     press->tool_m = press->seen ? press->tool_m + (1.0 - pole * pole * pole) * off_m : position_m;
@@ -45,7 +46,8 @@ static void compare(sp_press *press)
     const double past_n = press->sensor_late == 0u
                               ? press->tool_n
                               : press->past_n[(press->tick - press->sensor_late) % SP_PRESS_PAST];
-    const double new_n = past_n - press->measured_n - press->resistance_n;
+    const double new_n =
+        isfinite(press->measured_n) ? past_n - press->measured_n - press->resistance_n : 0.0;
     const double max_n = 0.5 * press->max_force_n;
     press->resistance_n =
         fmin(fmax(press->resistance_n + press->resistance_share * new_n, -max_n), max_n);
@@ -54,6 +56,20 @@ static void compare(sp_press *press)
 static double observed_n(const sp_press *press)
 {
     return press->resistance_n - press->damping_nspm * press->tool_mps;
+}
+
+/* P and D of the measured error. */
+static double feedback_n(sp_press *press, double command_n)
+{
+    double part_n = 0.0;
+    if (isfinite(press->measured_n)) {
+        const double error_n = command_n - press->measured_n;
+        const double change_n =
+            (error_n - press->error_n) * (press->dt_s / (press->dt_s + press->d_time_s));
+        press->error_n += change_n;
+        part_n = press->p_gain * error_n + press->d_gain_s * change_n / press->dt_s;
+    }
+    return part_n;
 }
 
 int sp_press_step(sp_press *press, double position_m, double velocity_mps, double *force_n)
@@ -65,16 +81,10 @@ int sp_press_step(sp_press *press, double position_m, double velocity_mps, doubl
     if (press->mass_kg > 0.0) {
         predict(press);
         correct(press, position_m);
-        if (isfinite(press->measured_n)) {
-            compare(press);
-        }
+        compare(press);
         motor_n += observed_n(press);
-    } else if (isfinite(press->measured_n)) {
-        const double error_n = command_n - press->measured_n;
-        const double change_n =
-            (error_n - press->error_n) * (press->dt_s / (press->dt_s + press->d_time_s));
-        press->error_n += change_n;
-        motor_n += press->p_gain * error_n + press->d_gain_s * change_n / press->dt_s;
+    } else {
+        motor_n += feedback_n(press, command_n);
     }
     return push(press, motor_n, force_n);
 }

@@ -15,7 +15,7 @@
 #include <stdint.h>
 
 /* springpot declarations begin */
-enum { SP_PRESS_PAST = 64 }; /* ticks: more than any delay */
+#define SP_PRESS_PAST 64u /* ticks: more than any delay */
 
 typedef struct {
     const double *command_n; /* one value a tick, positive into the object */
