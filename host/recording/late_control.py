@@ -14,10 +14,9 @@ from springpot.host.recording.protocols import RATE_HZ
 _POLE_RADPS = 600.0  # of the observer: it hears the encoder's steps as little noise
 _OBSERVER_LATE_S = 2.8 / _POLE_RADPS  # of its force; its velocity is not
 _REACTION_S = 1 / RATE_HZ + 1.5 / _POLE_RADPS  # of the damper, besides the motor's delay
-# Of the mass per reaction time: a quarter of where a damper makes a stiff object ring.
-_DAMPING = 0.25
-_RATIO = 1.0  # of damping, on the object where it is stiffest, at most
-_RESISTANCE = 10.0  # reaction times: what it takes from the damping is half of that at most
+_DAMPING = 0.25  # of the mass per reaction time; a damper so late makes a free tool ring at pi/2
+_RATIO = 1.0  # of damping to critical, where the object is stiffest; at most
+_RESISTANCE = 10.0  # reaction times: its low-pass takes less than half of the damping
 _LIGHTEST_KG = 0.05
 _LEAD = 0.8  # of the command's maximum, at most
 _STEP = round(0.02 * RATE_HZ)  # over which compliance is measured: above noise
@@ -64,7 +63,7 @@ def _place(force_n: Samples) -> Samples:
 
 
 def late_gains(delay: Delay, compliance: Compliance) -> Mapping[str, float]:
-    """Of sp_press, for a sensor and a motor that are late; stable whatever is pressed."""
+    """Of sp_press, for a sensor and a motor that are late: stable on soft and stiff objects."""
     reaction_s = _REACTION_S + delay.motor_s
     behind_s = max(0.0, delay.value_s - _OBSERVER_LATE_S)
     return {

@@ -5,8 +5,8 @@
  * the tool's, and an observer takes the error's place: what the motor's force and the positions
  * leave is the object's force and the device's own resistance, known without the sensor's delay.
  * What it says of a moment less what the sensor says of the same moment is the resistance, which
- * the motor gets too. No delay is in a loop of which the gain is not small: it is stable whatever
- * the object. A damper on the tool's velocity, which is not late, takes its resonance away.
+ * the motor gets too: the sensor's delay is in this slow comparison and nowhere else. A damper on
+ * the observer's velocity, which is not late, takes the resonance of tool and object away.
  *
  * Without samples for the watchdog's time the press is over: no force, latched. */
 #ifndef SP_PRESS_H
