@@ -62,11 +62,11 @@ def test_stable_on_soft_and_stiff(pressed: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("sensor_s", [0.0, 0.02])
 def test_a_late_motor_on_a_stiff_object(sensor_s: float) -> None:
-    for mass_kg, wrong in product((0.1, 0.3), (0.8, 1.2)):
-        tool = PressedTool(mass_kg, sensor_s, 0.006, 0.3, 0.0, wrong, spring_npm=5000.0)
+    for mass_kg, wrong in product((0.1, 0.8), (0.8, 1.2)):
+        tool = PressedTool(mass_kg, sensor_s, 0.004, 0.3, 0.0, wrong, spring_npm=5000.0)
         held = tool.press(10.0 * HELD)
         assert held.peak < 1.1
-        assert np.ptp(held.force_n[-400:]) < 0.2
+        assert np.ptp(held.force_n[-400:]) < 0.3
 
 
 @pytest.mark.parametrize("late_s", [0.001, 0.02])
