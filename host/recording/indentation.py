@@ -69,16 +69,19 @@ class PressedDevice:
         Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
         """
         rows = self.rows(len(command_n), on_samples, lead)
-        # A drive's torque is its own command: fed back, it would only chase itself.
-        gains = OPEN_LOOP if parse_device(self.url).scheme == "odrive" else self.gains
-        self.drive(command_n, gains, rows, self.room)
+        self.drive(command_n, self.driven(command_n), self.gains, rows, self.room)
         rest(_REST_S)
         return rows.position_m[lead:], rows.force_n[lead:]
 
     @property
     def gains(self) -> Mapping[str, float]:
         """Of the force control."""
-        return _GAINS
+        # A drive's torque is its own command: fed back, it would only chase itself.
+        return OPEN_LOOP if parse_device(self.url).scheme == "odrive" else _GAINS
+
+    def driven(self, command_n: Samples) -> Samples:
+        """What the motor gets for a command (n,), N, before the control adds its part."""
+        return command_n
 
     def rows(self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int) -> PressRows:
         """Where the rows of a press of n commands go."""
@@ -88,11 +91,19 @@ class PressedDevice:
         """A press begins with this loop."""
 
     def drive(
-        self, command_n: Samples, gains: Mapping[str, float], rows: PressRows, room: float
+        self,
+        command_n: Samples,
+        driven_n: Samples,
+        gains: Mapping[str, float],
+        rows: PressRows,
+        room: float,
     ) -> None:
-        """Let the loop follow the command; room: of the limit over it. Raises as `press`."""
+        """Let the loop follow the command by driven_n; room: of the limit over it.
+
+        Raises as `press`.
+        """
         max_n = float(np.max(np.abs(command_n)))
-        steps = press_step_functions(command_n, _HEADROOM * max_n, gains)
+        steps = press_step_functions(driven_n, _HEADROOM * max_n, gains)
         settings = LoopSettings(
             period_s=1 / RATE_HZ,
             seconds=(len(command_n) + _MORE_TICKS) / RATE_HZ + 1.0,

@@ -22,14 +22,12 @@ from springpot.host.force_sensor.alignment import (
 from springpot.host.force_sensor.sensor import ForceSensor
 from springpot.host.native.loop_library import COLUMN, LoopRows
 from springpot.host.recording.indentation import OPEN_LOOP, Limits, PressedDevice, rest
+from springpot.host.recording.late_control import Compliance, late_gains, led_command
 from springpot.host.recording.press_rows import PressRows
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.runner import Progress, SessionRunner
 
 _RECOVERY_S = 3.0  # of the object, after the press that finds the delay
-# A sum of errors as slow as this is stable whatever the delay: its gain at the resonance of tool
-# and object stays below 1 up to a quality of ten.
-_GAINS = {**OPEN_LOOP, "i_gain_per_s": 4.0}
 _ROOM = 2.5  # over its command, for the chirp meets the resonance of tool and object
 _FINE_MS = 0.5
 _START = 50  # rows before the sensor must have measured
@@ -40,7 +38,7 @@ class SensedPressDevice(PressedDevice):
     """Presses with commanded forces, which the sensor measures."""
 
     sensed = True
-    room = 1.6  # a slow control leaves a fast press its resonance
+    room = 1.6  # over an object that stiffens under a fast press
 
     def __init__(
         self,
@@ -53,27 +51,31 @@ class SensedPressDevice(PressedDevice):
         super().__init__(url, object_name, limits, on_progress)
         self._sensor, self._room_n = sensor, limits.max_force_n or math.inf
         self._delay: Delay | None = None
+        self._compliance = Compliance()
         self._runner: SessionRunner | None = None
 
     @property
     def gains(self) -> Mapping[str, float]:
-        return _GAINS
+        return late_gains(self._found(), self._compliance)
+
+    def driven(self, command_n: Samples) -> Samples:
+        return led_command(command_n, self._found(), self._compliance)
 
     def prepare(self) -> dict[str, Any]:
         """Find how late the sensor is, by a press of five seconds."""
         share = min(1.0, self._room_n / (_ROOM * (PRELOAD_N + SWING_N)))
         command_n = alignment_command(RATE_HZ, share)
         rows = _AlignmentRows(len(command_n), self._sensor)
-        self.drive(command_n, OPEN_LOOP, rows, _ROOM)
-        self._delay = delay = find_delay(
-            ForcedMotion(
-                self._start_s() + rows.table[:, COLUMN["time_s"]],
-                rows.table[:, COLUMN["position_m"]],
-                -rows.table[:, COLUMN["sent_n"]],
-                *self._sensor.samples(),
-            ),
-            self._sensor.url,
+        self.drive(command_n, command_n, OPEN_LOOP, rows, _ROOM)
+        motion = ForcedMotion(
+            self._start_s() + rows.table[:, COLUMN["time_s"]],
+            rows.table[:, COLUMN["position_m"]],
+            -rows.table[:, COLUMN["sent_n"]],
+            *self._sensor.samples(),
         )
+        self._delay = delay = find_delay(motion, self._sensor.url)
+        force_n = aligned_force(motion.t_s, delay.value_s, motion.sensor_s, motion.sensor_n)
+        self._compliance.learn(motion.position_m, force_n)
         half_ms = 500 * (delay.high_s - delay.low_s)
         wide = "" if half_ms <= _FINE_MS else ": more than half a sample: end other programs"
         late = f"{1e3 * delay.value_s:.2f} ms late, +- {half_ms:.2f} ms (95 %)"
@@ -81,15 +83,23 @@ class SensedPressDevice(PressedDevice):
         rest(_RECOVERY_S)
         return {"force_sensor": {"url": self._sensor.url, **asdict(delay)}}
 
+    def press(
+        self,
+        command_n: Samples,
+        on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+        lead: int = 0,
+    ) -> tuple[Samples, Samples]:
+        """As of every device; the next press knows how this one gave way."""
+        position_m, force_n = super().press(command_n, on_samples, lead)
+        self._compliance.learn(position_m, force_n)
+        return position_m, force_n
+
     def attach(self, runner: SessionRunner) -> None:
         self._runner = runner
         self._sensor.on_force = runner.sense
 
     def rows(self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int) -> PressRows:
-        if self._delay is None:
-            self.prepare()
-        assert self._delay is not None
-        late_s = self._delay.value_s
+        late_s = self._found().value_s
         return _SensedRows(n, on_samples, lead, self._sensor, late_s, self._start_s)
 
     def unmeasured(self) -> SpringpotError:
@@ -97,6 +107,12 @@ class SensedPressDevice(PressedDevice):
             f"{self._sensor.url}: silent for 100 ms while pressing, force zero, stopped: check its "
             "cable and power"
         )
+
+    def _found(self) -> Delay:
+        if self._delay is None:
+            self.prepare()
+        assert self._delay is not None
+        return self._delay
 
     def _start_s(self) -> float:
         assert self._runner is not None

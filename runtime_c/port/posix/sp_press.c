@@ -7,30 +7,84 @@ static double next_command(sp_press *press)
     return press->at < press->n ? press->command_n[press->at++] : 0.0;
 }
 
-static int push(const sp_press *press, double motor_n, double *force_n)
+static int push(sp_press *press, double motor_n, double *force_n)
 {
     const double limited_n = fmin(fmax(motor_n, -press->max_force_n), press->max_force_n);
+    press->motor_n[press->tick % SP_PRESS_PAST] = limited_n;
+    press->past_n[press->tick % SP_PRESS_PAST] = press->tool_n;
+    press->tick++;
     *force_n = press->latched ? 0.0 : -limited_n;
     return press->latched ? press->latched_note : 0;
+}
+
+/* The tool moves on by what it was pushed with. */
+static void predict(sp_press *press)
+{
+    const double motor_n = press->motor_n[(press->tick - 1u - press->motor_late) % SP_PRESS_PAST];
+    const double push_n = press->seen ? motor_n - press->tool_n : 0.0;
+    const double change_mps = press->dt_s * push_n / press->mass_kg;
+    press->tool_m += press->dt_s * (press->tool_mps + 0.5 * change_mps);
+    press->tool_mps += change_mps;
+}
+
+/* What the position says: the filter of third order that forgets, with all poles alike. */
+static void correct(sp_press *press, double position_m)
+{
+    const double pole = press->pole;
+    const double rest = 1.0 - pole;
+    const double off_m = press->seen ? position_m - press->tool_m : 0.0;
+    const double off_mps = off_m / press->dt_s;
+    press->tool_m = press->seen ? press->tool_m + (1.0 - pole * pole * pole) * off_m : position_m;
+    press->tool_mps += 1.5 * rest * rest * (1.0 + pole) * off_mps;
+    press->tool_n -= rest * rest * rest * press->mass_kg * off_mps / press->dt_s;
+    press->seen = 1;
+}
+
+/* What the motor gives that does not reach the object; the sensor's moment is an earlier one. */
+static void compare(sp_press *press)
+{
+    const double past_n = press->sensor_late == 0u
+                              ? press->tool_n
+                              : press->past_n[(press->tick - press->sensor_late) % SP_PRESS_PAST];
+    const double new_n =
+        isfinite(press->measured_n) ? past_n - press->measured_n - press->resistance_n : 0.0;
+    const double max_n = 0.5 * press->max_force_n;
+    press->resistance_n =
+        fmin(fmax(press->resistance_n + press->resistance_share * new_n, -max_n), max_n);
+}
+
+static double observed_n(const sp_press *press)
+{
+    return press->resistance_n - press->damping_nspm * press->tool_mps;
+}
+
+/* P and D of the measured error. */
+static double feedback_n(sp_press *press, double command_n)
+{
+    double part_n = 0.0;
+    if (isfinite(press->measured_n)) {
+        const double error_n = command_n - press->measured_n;
+        const double change_n =
+            (error_n - press->error_n) * (press->dt_s / (press->dt_s + press->d_time_s));
+        press->error_n += change_n;
+        part_n = press->p_gain * error_n + press->d_gain_s * change_n / press->dt_s;
+    }
+    return part_n;
 }
 
 int sp_press_step(sp_press *press, double position_m, double velocity_mps, double *force_n)
 {
     const double command_n = next_command(press);
     double motor_n = command_n;
-    (void)position_m;
-    (void)velocity_mps;
+    (void)velocity_mps; /* of a device's own filter: late */
     press->silent_s = 0.0;
-    if (isfinite(press->measured_n)) {
-        const double error_n = command_n - press->measured_n;
-        const double change_n =
-            (error_n - press->error_n) * (press->dt_s / (press->dt_s + press->d_time_s));
-        press->error_n += change_n;
-        const double max_n = 0.5 * press->max_force_n;
-        press->integral_n = fmin(
-            fmax(press->integral_n + press->i_gain_per_s * press->dt_s * error_n, -max_n), max_n);
-        motor_n += press->p_gain * error_n + press->d_gain_s * change_n / press->dt_s;
-        motor_n += press->integral_n;
+    if (press->mass_kg > 0.0) {
+        predict(press);
+        correct(press, position_m);
+        compare(press);
+        motor_n += observed_n(press);
+    } else {
+        motor_n += feedback_n(press, command_n);
     }
     return push(press, motor_n, force_n);
 }
@@ -38,15 +92,23 @@ int sp_press_step(sp_press *press, double position_m, double velocity_mps, doubl
 /* Time goes on without a sample: the command does too, for a while. */
 int sp_press_idle(sp_press *press, double dt_s, double *force_n)
 {
+    double motor_n = next_command(press);
     press->silent_s += dt_s;
     press->latched = press->latched || press->silent_s > press->watchdog_s;
-    return push(press, next_command(press), force_n);
+    if (press->mass_kg > 0.0) {
+        predict(press);
+        motor_n += observed_n(press);
+    }
+    return push(press, motor_n, force_n);
 }
 
 void sp_press_reset(sp_press *press)
 {
     press->error_n = 0.0;
-    press->integral_n = 0.0;
+    press->tool_mps = 0.0;
+    press->tool_n = 0.0;
+    press->resistance_n = 0.0;
     press->silent_s = 0.0;
+    press->seen = 0;
     press->latched = 0;
 }

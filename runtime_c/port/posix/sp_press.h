@@ -1,30 +1,50 @@
 /* Force control while recording: the tool presses with a commanded force. To the loop it is a
  * scene: the force that it returns drives the motor, so that it is negative while pressing.
  *
- * The motor gets the command, a part of the measured error, and a part of its sum. Without samples
- * for the watchdog's time the press is over: no force, latched. */
+ * The motor gets the command and a part of the measured error. Where the sensor is late, mass_kg is
+ * the tool's, and an observer takes the error's place: what the motor's force and the positions
+ * leave is the object's force and the device's own resistance, known without the sensor's delay.
+ * What it says of a moment less what the sensor says of the same moment is the resistance, which
+ * the motor gets too: the sensor's delay is in this slow comparison and nowhere else. A damper on
+ * the observer's velocity, which is not late, takes the resonance of tool and object away.
+ *
+ * Without samples for the watchdog's time the press is over: no force, latched. */
 #ifndef SP_PRESS_H
 #define SP_PRESS_H
 
 #include <stdint.h>
 
 /* springpot declarations begin */
+#define SP_PRESS_PAST 64u /* ticks: more than any delay */
+
 typedef struct {
     const double *command_n; /* one value a tick, positive into the object */
     uint32_t n;
     uint32_t at;
     double dt_s;
     double max_force_n;
-    double p_gain;       /* N/N */
-    double d_gain_s;     /* N/(N/s) */
-    double d_time_s;     /* of the low-pass on the D part */
-    double i_gain_per_s; /* N/(N s); the sum is half of max_force_n at most */
+    double p_gain;   /* N/N */
+    double d_gain_s; /* N/(N/s) */
+    double d_time_s; /* of the low-pass on the D part */
+    double mass_kg;  /* 0: no observer */
+    double damping_nspm;
+    double pole;             /* of the observer, of which all three are the same */
+    double resistance_share; /* of a tick, of what is new */
+    uint32_t motor_late;     /* ticks */
+    uint32_t sensor_late;    /* ticks behind the observer, below SP_PRESS_PAST */
     double watchdog_s;
     int32_t latched_note;
     double measured_n;
     double error_n; /* filtered */
-    double integral_n;
+    double tool_m;  /* the observer's */
+    double tool_mps;
+    double tool_n;       /* on the tool, of object and resistance */
+    double resistance_n; /* half of max_force_n at most */
+    double motor_n[SP_PRESS_PAST];
+    double past_n[SP_PRESS_PAST]; /* tool_n */
+    uint32_t tick;
     double silent_s;
+    int32_t seen; /* a position */
     int32_t latched;
 } sp_press;
 

@@ -1,19 +1,15 @@
-"""A press with a sensor beside the device: rows of one moment, a control that bears any delay."""
+"""A press with a sensor beside the device: rows of one moment."""
 
-from collections import deque
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.native.loop_library import COLUMN, empty_rows, loop_library
-from springpot.host.recording import sensed_press
-from springpot.host.recording.indentation import OPEN_LOOP, Limits, press_step_functions
+from springpot.host.native.loop_library import COLUMN, empty_rows
+from springpot.host.recording.indentation import Limits
 from springpot.host.recording.sensed_press import SensedPressDevice, _SensedRows
 from springpot.host.recording.session import open_press_device
-from springpot.host.simulation.bench import ObjectMotion
-from springpot.host.simulation.objects import SimulatedObject
 
 LATE_S, START_S = 0.012, 500.0
 
@@ -74,43 +70,3 @@ def test_a_sensor_that_falls_silent_ends_the_press() -> None:
 def test_a_simulated_bench_takes_no_sensor() -> None:
     with pytest.raises(UsageError, match="leave --force out"):
         open_press_device("sim://ecoflex-00-30", sensor=SimpleNamespace())
-
-
-@pytest.mark.parametrize("late_ms", [1, 20])
-@pytest.mark.parametrize("name", ["ecoflex-00-30", "dragon-skin-10"])
-def test_the_control_is_stable_and_better_than_none(name: str, late_ms: int) -> None:
-    """A held force against the friction of the device: the sum of errors takes it away."""
-    left_n = {}
-    for gains in (OPEN_LOOP, sensed_press._GAINS):
-        force_n = held_force(name, late_ms, gains)
-        left_n[bool(gains.get("i_gain_per_s"))] = np.abs(force_n[-500:] - 3.0).mean()
-        assert np.ptp(force_n[-500:]) < 0.05
-    assert left_n[False] > 0.2
-    assert left_n[True] < 0.1
-
-
-def held_force(name: str, late_ms: int, gains: dict[str, float]) -> np.ndarray:
-    """4 s of a command that rises to 3 N, on a tool of 0.3 kg with friction of 0.3 N."""
-    command_n = 3.0 * np.minimum(1.0, np.arange(4000) / 1000)
-    steps = press_step_functions(command_n, 6.0, gains)
-    press, _ = steps.kept
-    c, ffi = loop_library("double").c, loop_library("double").ffi
-    out, substeps = ffi.new("double *"), 8
-    held, h = ObjectMotion(SimulatedObject(name), 1e-3 / substeps), 1e-3 / substeps
-    at_m, speed_mps, late = np.zeros(1), 0.0, deque([0.0] * late_ms)
-    force_n = np.zeros(4000)
-    for tick in range(4000):
-        press.measured_n = late.popleft()
-        c.sp_press_step(press, at_m[0], speed_mps, out)
-        for _ in range(substeps):
-            object_n = float(held.move(at_m)[0])
-            push_n = -out[0] - object_n - 4.0 * speed_mps
-            if abs(speed_mps) < 1e-4 and abs(push_n) <= 0.3:
-                speed_mps = 0.0
-            else:
-                way = np.sign(speed_mps if abs(speed_mps) > 1e-9 else push_n)
-                speed_mps += h * (push_n - 0.3 * way) / 0.3
-            at_m[0] += h * speed_mps
-        force_n[tick] = object_n
-        late.append(object_n)
-    return force_n
