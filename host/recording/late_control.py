@@ -17,12 +17,12 @@ _REACTION_S = 1 / RATE_HZ + 1.5 / _POLE_RADPS  # of the damper, besides the moto
 _DAMPING = 0.25  # of the mass per reaction time; a damper so late makes a free tool ring at pi/2
 _RATIO = 1.0  # of damping to critical, where the object is stiffest; at most
 _RESISTANCE = 10.0  # reaction times: its low-pass takes less than half of the damping
-_LIGHTEST_KG = 0.05
+_MIN_MASS_KG = 0.05
 _LEAD = 0.8  # of the command's maximum, at most
 _STEP = round(0.02 * RATE_HZ)  # over which compliance is measured: above noise
 _BINS, _PER_ROOT_N = 64, 4.0  # of force, by its root
 _KEPT = 0.5  # of what is known, at each press
-_LEAST_N2 = 1e-3
+_MIN_N2 = 1e-3
 
 
 class Compliance:
@@ -48,12 +48,12 @@ class Compliance:
         return np.asarray(np.interp(_place(force_n), known + 0.5, found_mpn))
 
     @property
-    def least_mpn(self) -> float:
+    def min_mpn(self) -> float:
         """Where the object is stiffest; 0 where nothing is known."""
         return float(min(self._found()[1], default=0.0))
 
     def _found(self) -> tuple[NDArray[np.intp], Samples]:
-        known = np.flatnonzero(self._sums[1] > _LEAST_N2)
+        known = np.flatnonzero(self._sums[1] > _MIN_N2)
         of_motion, of_force = self._sums[:, known]
         return known, np.maximum(0.0, of_motion / of_force)
 
@@ -82,15 +82,15 @@ def led_command(command_n: Samples, delay: Delay, compliance: Compliance) -> Sam
     speed_mps = compliance.at(command_n) * np.gradient(command_n) * RATE_HZ
     change_mps2 = np.gradient(speed_mps) * RATE_HZ
     taken_n = _damping_nspm(delay, compliance) * speed_mps + _mass_kg(delay) * change_mps2
-    most_n = _LEAD * float(np.max(np.abs(command_n)))
-    return np.asarray(command_n + np.clip(taken_n, -most_n, most_n))
+    max_n = _LEAD * float(np.max(np.abs(command_n)))
+    return np.asarray(command_n + np.clip(taken_n, -max_n, max_n))
 
 
 def _mass_kg(delay: Delay) -> float:
-    return max(_LIGHTEST_KG, delay.mass_kg)
+    return max(_MIN_MASS_KG, delay.mass_kg)
 
 
 def _damping_nspm(delay: Delay, compliance: Compliance) -> float:
-    most_nspm = _DAMPING * _mass_kg(delay) / (_REACTION_S + delay.motor_s)
-    root_nspm = math.sqrt(_mass_kg(delay) / max(compliance.least_mpn, 1e-9))
-    return min(most_nspm, 2 * _RATIO * root_nspm)
+    max_nspm = _DAMPING * _mass_kg(delay) / (_REACTION_S + delay.motor_s)
+    root_nspm = math.sqrt(_mass_kg(delay) / max(compliance.min_mpn, 1e-9))
+    return min(max_nspm, 2 * _RATIO * root_nspm)

@@ -91,10 +91,10 @@ class PressedTool:
     def _run(self, command_n: Samples, driven_n: Samples, gains: dict[str, float]) -> Pressed:
         library = pressed_library()
         driven_n = np.ascontiguousarray(driven_n)
-        most_n = _HEADROOM * float(np.abs(command_n).max())
+        max_n = _HEADROOM * float(np.abs(command_n).max())
         settings: dict[str, Any] = {
             "command_n": library.array(driven_n), "n": len(driven_n), "dt_s": 1e-3,
-            "max_force_n": most_n, "watchdog_s": 0.02, **gains,
+            "max_force_n": max_n, "watchdog_s": 0.02, **gains,
         }  # fmt: skip
         press = library.ffi.new("sp_press *", settings)
         tool = library.ffi.new("pressed_tool *", {
