@@ -13,6 +13,7 @@ static int push(sp_press *press, double motor_n, double *force_n)
     press->motor_n[press->tick % SP_PRESS_PAST] = limited_n;
     press->past_n[press->tick % SP_PRESS_PAST] = press->tool_n;
     press->tick++;
+    press->latched = press->latched || !isfinite(motor_n);
     *force_n = press->latched ? 0.0 : -limited_n;
     return press->latched ? press->latched_note : 0;
 }
@@ -72,11 +73,10 @@ static double feedback_n(sp_press *press, double command_n)
     return part_n;
 }
 
-int sp_press_step(sp_press *press, double position_m, double velocity_mps, double *force_n)
+static int follow_command(sp_press *press, double position_m, double *force_n)
 {
     const double command_n = next_command(press);
     double motor_n = command_n;
-    (void)velocity_mps; /* of a device's own filter: late */
     press->silent_s = 0.0;
     if (press->mass_kg > 0.0) {
         predict(press);
@@ -90,7 +90,7 @@ int sp_press_step(sp_press *press, double position_m, double velocity_mps, doubl
 }
 
 /* Time goes on without a sample: the command does too, for a while. */
-int sp_press_idle(sp_press *press, double dt_s, double *force_n)
+static int wait_for_sample(sp_press *press, double dt_s, double *force_n)
 {
     double motor_n = next_command(press);
     press->silent_s += dt_s;
@@ -100,6 +100,19 @@ int sp_press_idle(sp_press *press, double dt_s, double *force_n)
         motor_n += observed_n(press);
     }
     return push(press, motor_n, force_n);
+}
+
+/* A position that is no number is no sample. */
+int sp_press_step(sp_press *press, double position_m, double velocity_mps, double *force_n)
+{
+    (void)velocity_mps; /* of a device's own filter: late */
+    return isfinite(position_m) ? follow_command(press, position_m, force_n)
+                                : wait_for_sample(press, press->dt_s, force_n);
+}
+
+int sp_press_idle(sp_press *press, double dt_s, double *force_n)
+{
+    return wait_for_sample(press, dt_s, force_n);
 }
 
 void sp_press_reset(sp_press *press)

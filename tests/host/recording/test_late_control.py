@@ -96,6 +96,25 @@ def test_a_tick_without_a_sample_goes_on() -> None:
     assert out[0] == -3.0
 
 
+@pytest.mark.parametrize("position_m", [np.nan, np.inf, 1e308, -1e308])
+@pytest.mark.parametrize("observed", [True, False])
+def test_a_position_that_cannot_be_ends_in_no_force(position_m: float, observed: bool) -> None:
+    gains = late_gains(Delay(0.01, 0.0, 0.0, 0.001, 0.3), Compliance()) if observed else OPEN_LOOP
+    steps = press_step_functions(np.full(1000, 3.0), 6.0, gains)
+    press, _ = steps.kept
+    c, out = steps.library.c, steps.library.ffi.new("double *")
+    for _ in range(300):
+        c.sp_press_step(press, 0.004, 0.0, out)
+    for k in range(30):
+        c.sp_press_step(press, position_m, 0.0, out)
+        assert abs(out[0]) <= 6.0
+        assert np.isfinite(position_m) or out[0] <= 0.0, k  # never out of the object
+        assert press.at == 301 + k
+    if observed or not np.isfinite(position_m):
+        assert press.latched
+        assert out[0] == 0.0
+
+
 def test_compliance_is_of_each_force() -> None:
     known = Compliance()
     force_n: Samples = 5.0 * FAST
