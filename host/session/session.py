@@ -15,6 +15,7 @@ from springpot.codegen.scene import Device
 from springpot.host.console.output import say
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.emission.emission import read_emission
+from springpot.host.native.loop_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
@@ -119,7 +120,8 @@ class Session:
             run.close()
         finally:
             self.line, self.error = run.why(_left_by(error[1], run.state))
-            if self.error is None and run.fault():
+            unfelt = not run.counts.samples or run.state.reason != Stop.TIME
+            if self.error is None and run.fault() and unfelt:
                 self.error = DeviceError(self.line)
             self._warned = self._warnings.finish()
             self._report(self.line)

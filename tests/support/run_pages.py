@@ -8,13 +8,10 @@ import sys
 from contextlib import ExitStack
 from pathlib import Path
 
-from springpot.codegen.errors import DeviceError
-from springpot.host.cli import exit_status
 from support.documents import Block, page_blocks
 from support.paths import ROOT, TESTS
 
 MAIN = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
-EMULATED_TRIES = 3  # an emulator keeps no time: its board may be gone for a moment
 _TTY = "/dev/pts/N"
 
 
@@ -55,7 +52,7 @@ def run_commands(block: Block, folder: Path) -> list[str]:
             if words[0].startswith("qemu"):
                 port = _emulator(words, folder, running)
             else:
-                printed.append(_run(words, folder, block.where, EMULATED_TRIES if port else 1))
+                printed.append(_run(words, folder, block.where))
     return printed
 
 
@@ -90,7 +87,7 @@ def print_urls(block: Block, folder: Path) -> list[str]:
     return found
 
 
-def _run(words: list[str], folder: Path, where: str, tries: int = 1) -> str:
+def _run(words: list[str], folder: Path, where: str) -> str:
     if words[0] == "springpot":
         words = [*MAIN, *words[1:]]
     elif words[0] == "python":
@@ -101,13 +98,8 @@ def _run(words: list[str], folder: Path, where: str, tries: int = 1) -> str:
                  f"build/firmware/{board}"]  # fmt: skip
     elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do
         words = ["make", "--dry-run", "--directory", str(ROOT), *words[1:]]
-    for _ in range(tries):
-        done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False,
-                              env=_environment(), timeout=900)  # fmt: skip
-        if done.returncode != exit_status(DeviceError("")):
-            break
-        if "--log" in words:
-            (folder / words[words.index("--log") + 1]).unlink(missing_ok=True)
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False,
+                          env=_environment(), timeout=900)  # fmt: skip
     assert done.returncode == 0, f"{where}: {shlex.join(words)}\n{done.stdout}\n{done.stderr}"
     return done.stdout + done.stderr
 
