@@ -72,7 +72,7 @@ def test_a_device_that_was_not_there_is_said(
 ) -> None:
     end = LoopState(reason=reason, **state)  # type: ignore[arg-type]
     found = fault_at_end(end, samples, CLoop.no_sample_advice)
-    assert found.startswith(fault)
+    assert found.startswith(fault) and bool(found) == bool(fault)
     line, error = why_stopped(end, empty_rows(1)[0], SETTINGS, found)
     assert error is None  # a press or a test may end like that; for a session it is an error
     assert line.endswith(found)
