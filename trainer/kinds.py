@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from springpot.codegen.entry_points import registered
 from springpot.codegen.errors import UsageError
 
 if TYPE_CHECKING:
@@ -20,7 +21,8 @@ class Kind:
     """One kind of model.
 
     fit: "module:function", or the function itself, called with (name, TrainingSet, FitOptions,
-    validation recordings) and returning a Fit. mark, colour: of its points in figures.
+    validation recordings) and returning a Fit. mark, colour: of its points in figures. place: in
+    lists.
     """
 
     name: str
@@ -28,42 +30,32 @@ class Kind:
     fit: "str | Callable[[str, TrainingSet, FitOptions, Sequence[Recording]], Fit]"
     mark: str = "h"
     colour: str = "#444444"
+    place: int = 100
 
     def function(self) -> Callable[..., "Fit"]:
         """What `fit` names, loaded."""
         return _loaded(self.fit) if isinstance(self.fit, str) else self.fit
 
 
-# A shape and a lightness for each: they differ in black and white too.
-KINDS: dict[str, Kind] = {
-    kind.name: kind
-    for kind in (
-        Kind("rf-fd", "the paper's: a forest on fractional derivatives",
-             "models.rf_fd:fit_rf_fd", "o", "#1b6ca8"),
-        Kind("rbf-fd", "the paper's: radial basis functions on two fractional derivatives",
-             "models.rbf:fit_rbf_fd", "s", "#c1121f"),
-        Kind("rbf-pv", "the paper's baseline: radial basis functions on position and velocity",
-             "models.rbf:fit_rbf_pv", "^", "#e09f3e"),
-        Kind("rf-history", "the negative control: a forest on past positions",
-             "models.rf_fd:fit_rf_history", "v", "#8d99ae"),
-        Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",
-             "models.hammerstein:fit_hammerstein", "P", "#2d6a4f"),
-        Kind("hybrid", "hammerstein, and a small forest on what it leaves over",
-             "models.hammerstein:fit_hybrid", "X", "#40916c"),
-        Kind("boosted", "boosted trees on fractional derivatives",
-             "models.rf_fd:fit_boosted", "D", "#5a189a"),
-        Kind("springpot", "a fractional solid: three or four numbers",
-             "models.law.springpot:fit_springpot", "*", "#6c584c"),
-    )
-}  # fmt: skip
+_MODELS = "springpot.trainer.models"
+# Registered in pyproject.toml. A mark and a lightness each: they differ in black and white.
+RF_FD = Kind("rf-fd", "the paper's: a forest on fractional derivatives",
+             f"{_MODELS}.rf_fd:fit_rf_fd", "o", "#1b6ca8", 0)  # fmt: skip
+RBF_FD = Kind("rbf-fd", "the paper's: radial basis functions on two fractional derivatives",
+              f"{_MODELS}.rbf:fit_rbf_fd", "s", "#c1121f", 1)  # fmt: skip
+RBF_PV = Kind("rbf-pv", "the paper's baseline: radial basis functions on position and velocity",
+              f"{_MODELS}.rbf:fit_rbf_pv", "^", "#e09f3e", 2)  # fmt: skip
+RF_HISTORY = Kind("rf-history", "the negative control: a forest on past positions",
+                  f"{_MODELS}.rf_fd:fit_rf_history", "v", "#8d99ae", 3)  # fmt: skip
+HAMMERSTEIN = Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",
+                   f"{_MODELS}.hammerstein:fit_hammerstein", "P", "#2d6a4f", 4)  # fmt: skip
+HYBRID = Kind("hybrid", "hammerstein, and a small forest on what it leaves over",
+              f"{_MODELS}.hammerstein:fit_hybrid", "X", "#40916c", 5)  # fmt: skip
+BOOSTED = Kind("boosted", "boosted trees on fractional derivatives",
+               f"{_MODELS}.rf_fd:fit_boosted", "D", "#5a189a", 6)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error
-_AUTO_FIT = "selection.auto:fit_auto"
-_REDUCED_FIT = "selection.reduce:fit_reduced"  # --within
-
-
-def register(kind: Kind) -> None:
-    """Add a kind of one's own to the table; its parts register themselves (codegen/stages)."""
-    KINDS[kind.name] = kind
+_AUTO_FIT = "springpot.trainer.selection.auto:fit_auto"
+_REDUCED_FIT = "springpot.trainer.selection.reduce:fit_reduced"  # --within
 
 
 def kind_names() -> tuple[str, ...]:
@@ -119,9 +111,9 @@ def fit_kind(
 
 
 def _loaded(path: str) -> Callable[..., "Fit"]:
-    """The function "module:name" of this floor."""
+    """Return the function that "module:name" names."""
     module, _, name = path.partition(":")
-    found: Callable[..., Fit] = getattr(import_module(f"springpot.trainer.{module}"), name)
+    found: Callable[..., Fit] = getattr(import_module(module), name)
     return found
 
 
@@ -133,3 +125,7 @@ def _short_recordings(data: "TrainingSet", options: "FitOptions") -> tuple[str, 
         f"--window-s {window_s:g}: the longest recording lasts {data.longest_s:.3g} s, under "
         f"{WINDOWS} windows: memory that long is guessed, not learned; record longer holds",
     )
+
+
+# Entry points of the group springpot.kinds, by name; a package's module may import the above.
+KINDS: dict[str, Kind] = registered("kinds", Kind)

@@ -8,98 +8,132 @@ out. Every refusal is a `SpringpotError` of one line: what, where, what to do.
 docs/reference/python.md lists everything.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from springpot.lazy_names import lazy_names
 
 if __name__ != "springpot":
     raise ImportError(f"{__name__}: this is the package springpot itself: import springpot")
 
 if TYPE_CHECKING:
     from springpot.codegen.errors import (
-        BudgetError,
-        DataError,
-        DeviceError,
-        MismatchError,
-        SpringpotError,
-        UnsafeError,
-        UsageError,
+        BudgetError as BudgetError,
     )
-    from springpot.codegen.model.model import Model
-    from springpot.codegen.scene import Budget, Coupling, Device, Guard, Runtime, Scene, Smoothing
+    from springpot.codegen.errors import (
+        DataError as DataError,
+    )
+    from springpot.codegen.errors import (
+        DeviceError as DeviceError,
+    )
+    from springpot.codegen.errors import (
+        MismatchError as MismatchError,
+    )
+    from springpot.codegen.errors import (
+        SpringpotError as SpringpotError,
+    )
+    from springpot.codegen.errors import (
+        UnsafeError as UnsafeError,
+    )
+    from springpot.codegen.errors import (
+        UsageError as UsageError,
+    )
+    from springpot.codegen.model.model import Model as Model
+    from springpot.codegen.scene import (
+        Budget as Budget,
+    )
+    from springpot.codegen.scene import (
+        Coupling as Coupling,
+    )
+    from springpot.codegen.scene import (
+        Device as Device,
+    )
+    from springpot.codegen.scene import (
+        Guard as Guard,
+    )
+    from springpot.codegen.scene import (
+        Runtime as Runtime,
+    )
+    from springpot.codegen.scene import (
+        Scene as Scene,
+    )
+    from springpot.codegen.scene import (
+        Smoothing as Smoothing,
+    )
     from springpot.files import (
-        import_recordings,
-        read_model,
-        read_recordings,
-        read_scene,
-        write_model,
-        write_recording,
-        write_scene,
+        import_recordings as import_recordings,
     )
-    from springpot.host.emission.result import Emission
-    from springpot.host.session.session import Session
-    from springpot.host.stability.check import Stability
-    from springpot.host.validation.validation import Validation
-    from springpot.loaded import LoadedScene, load
-    from springpot.steps import emit, predict, record, stability, train, validate
-    from springpot.trainer.ensemble import ensemble_data, from_ensemble
-    from springpot.trainer.estimator import PositionRegressor
-    from springpot.trainer.kinds import kind_names
-    from springpot.trainer.models.fit import Fit, FitOptions
-    from springpot.trainer.recordings.conditioning import Conditioning
-    from springpot.trainer.recordings.formats.importing import ImportOptions
-    from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
-    from springpot.trainer.recordings.recording import Recording
+    from springpot.files import (
+        read_model as read_model,
+    )
+    from springpot.files import (
+        read_recordings as read_recordings,
+    )
+    from springpot.files import (
+        read_scene as read_scene,
+    )
+    from springpot.files import (
+        write_model as write_model,
+    )
+    from springpot.files import (
+        write_recording as write_recording,
+    )
+    from springpot.files import (
+        write_scene as write_scene,
+    )
+    from springpot.host.emission.result import Emission as Emission
+    from springpot.host.session.session import Session as Session
+    from springpot.host.stability.check import Stability as Stability
+    from springpot.host.validation.validation import Validation as Validation
+    from springpot.loaded import LoadedScene as LoadedScene
+    from springpot.loaded import load as load
+    from springpot.steps import (
+        emit as emit,
+    )
+    from springpot.steps import (
+        predict as predict,
+    )
+    from springpot.steps import (
+        record as record,
+    )
+    from springpot.steps import (
+        stability as stability,
+    )
+    from springpot.steps import (
+        train as train,
+    )
+    from springpot.steps import (
+        validate as validate,
+    )
+    from springpot.trainer.ensemble import (
+        ensemble_data as ensemble_data,
+    )
+    from springpot.trainer.ensemble import (
+        from_ensemble as from_ensemble,
+    )
+    from springpot.trainer.estimator import PositionRegressor as PositionRegressor
+    from springpot.trainer.kinds import kind_names as kind_names
+    from springpot.trainer.models.fit import Fit as Fit
+    from springpot.trainer.models.fit import FitOptions as FitOptions
+    from springpot.trainer.recordings.conditioning import Conditioning as Conditioning
+    from springpot.trainer.recordings.formats.importing import ImportOptions as ImportOptions
+    from springpot.trainer.recordings.quality.report import (
+        QualityReport as QualityReport,
+    )
+    from springpot.trainer.recordings.quality.report import (
+        check_recordings as check_recordings,
+    )
+    from springpot.trainer.recordings.recording import Recording as Recording
 
-# What checkers read above, for the interpreter: module -> names.
-_MODULES = {
-    "codegen.errors": "BudgetError DataError DeviceError MismatchError SpringpotError UnsafeError "
-    "UsageError",
-    "codegen.model.model": "Model",
-    "codegen.scene": "Budget Coupling Device Guard Runtime Scene Smoothing",
-    "files": "import_recordings read_model read_recordings read_scene write_model write_recording "
-    "write_scene",
-    "host.emission.result": "Emission",
-    "host.session.session": "Session",
-    "host.stability.check": "Stability",
-    "host.validation.validation": "Validation",
-    "loaded": "LoadedScene load",
-    "steps": "emit predict record stability train validate",
-    "trainer.ensemble": "ensemble_data from_ensemble",
-    "trainer.estimator": "PositionRegressor",
-    "trainer.kinds": "kind_names",
-    "trainer.models.fit": "Fit FitOptions",
-    "trainer.recordings.conditioning": "Conditioning",
-    "trainer.recordings.formats.importing": "ImportOptions",
-    "trainer.recordings.quality.report": "QualityReport check_recordings",
-    "trainer.recordings.recording": "Recording",
-}
-_HOMES = {name: module for module, names in _MODULES.items() for name in names.split()}
-
-__version__: str
-__all__ = [
-    "Budget", "BudgetError", "Conditioning", "Coupling", "DataError", "Device", "DeviceError",
-    "Emission", "Fit", "FitOptions", "Guard", "ImportOptions", "LoadedScene", "MismatchError",
-    "Model", "PositionRegressor", "QualityReport", "Recording", "Runtime", "Scene", "Session",
-    "Smoothing", "SpringpotError", "Stability", "UnsafeError", "UsageError", "Validation",
-    "check_recordings", "emit", "ensemble_data", "from_ensemble", "import_recordings",
-    "kind_names", "load", "predict", "read_model", "read_recordings", "read_scene", "record",
-    "stability", "train", "validate", "write_model", "write_recording", "write_scene",
-]  # fmt: skip
-
-
-# Hidden from checkers, for which every name would exist then.
-if not TYPE_CHECKING:
+    __version__: str
+else:
+    _named, __all__ = lazy_names(__name__, __file__)
 
     def __getattr__(name: str) -> Any:
-        if name == "__version__":
-            return import_module("importlib.metadata").version("springpot")
-        if name not in _HOMES:
-            raise AttributeError(
-                f"module 'springpot' has no attribute {name!r}: see dir(springpot)"
-            )
-        found = globals()[name] = getattr(import_module(f"springpot.{_HOMES[name]}"), name)
+        from importlib.metadata import version
+
+        found = version("springpot") if name == "__version__" else _named(name)
+        globals()[name] = found
         return found
 
-
-def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+    def __dir__() -> list[str]:
+        return [*__all__, "__version__"]

@@ -10,8 +10,8 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import LATCHED
+from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.devices.url import parse_device
 from springpot.host.devices.wire import Frame, constant
 from springpot.host.native.loop_library import IDLE, INPUT, RESET
 from springpot.host.native.replay import Replay

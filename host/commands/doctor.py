@@ -14,7 +14,7 @@ from rich.text import Text
 from springpot.host.console.output import json_option
 
 if TYPE_CHECKING:
-    from springpot.host.devices.doctor import Diagnosis
+    from springpot.host.doctor.machine_check import Diagnosis
 
 
 @click.command()
@@ -30,7 +30,7 @@ def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> Non
     With --device: is it reached, armed, sampled, and of the right sign.
     """
     if url is None:
-        from springpot.host.devices.doctor import examine
+        from springpot.host.doctor.machine_check import examine
 
         findings = examine()
         essential, status = "C compiler", 1
@@ -49,8 +49,8 @@ def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> Non
 
 def _device_findings(url: str, scene: Path | None, yes: bool) -> "list[Diagnosis]":
     from springpot.codegen.scene import Device
+    from springpot.host.doctor.device_check import PUSH_N, PUSH_S, check_device
     from springpot.host.emission.scene_file import read_scene
-    from springpot.host.recording.device_check import PUSH_N, PUSH_S, check_device
 
     keys = Device() if scene is None else read_scene(scene).device
     push = yes or (

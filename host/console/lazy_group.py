@@ -2,58 +2,81 @@
 
 import difflib
 import importlib
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
 
-class LazyCommand(NamedTuple):
-    """path: "module:object" under host/commands. short_help: the first line of its own help."""
+@dataclass(frozen=True)
+class LazyCommand:
+    """path: "module:object". short_help: the first line of its own help. place: in lists."""
 
     path: str
     short_help: str
+    place: int = 100
+
+    def load(self) -> click.Command:
+        """Import the command."""
+        module, _, name = self.path.partition(":")
+        command = getattr(importlib.import_module(module), name)
+        assert isinstance(command, click.Command)
+        return command
 
 
 class LazyGroup(click.Group):
-    """A group whose commands are imported when they are used."""
+    """A group whose commands are imported when they are used.
+
+    find_commands: returns them by name, when they are first asked for.
+    """
 
     def __init__(
-        self, *args: Any, commands_by_name: Mapping[str, LazyCommand], **options: Any
+        self,
+        *args: Any,
+        find_commands: Callable[[], Mapping[str, LazyCommand | click.Command]],
+        **options: Any,
     ) -> None:
         super().__init__(*args, **options)
-        self._lazy = commands_by_name
+        self._find = find_commands
+
+    @cached_property
+    def _lazy(self) -> Mapping[str, LazyCommand | click.Command]:
+        return self._find()
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self._lazy)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in self._lazy:
-            return None
-        module, _, name = self._lazy[cmd_name].path.partition(":")
-        command = getattr(importlib.import_module(f"springpot.host.commands.{module}"), name)
-        assert isinstance(command, click.Command)
-        return command
+        found = self._lazy.get(cmd_name)
+        return found.load() if isinstance(found, LazyCommand) else found
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click does, with the name that may be meant where there is none like it."""
+        """Resolve as click does; a name that is unknown is answered with the nearest one."""
         near = difflib.get_close_matches(args[0], self._lazy, 1)
         if near and args[0] not in self._lazy and not ctx.resilient_parsing:
             ctx.fail(f"No such command {args[0]!r} (did you mean {near[0]}?)")
         return super().resolve_command(ctx, args)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        """Names of commands, without loading one."""
+        """Complete names of commands, without loading one."""
         found = [
-            CompletionItem(name, help=item.short_help)
-            for name, item in self._lazy.items()
+            CompletionItem(name, help=text)
+            for name, text in self._short_helps()
             if name.startswith(incomplete)
         ]
         return [*found, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
-            formatter.write_dl([(name, found.short_help) for name, found in self._lazy.items()])
+            formatter.write_dl(self._short_helps())
+
+    def _short_helps(self) -> list[tuple[str, str]]:
+        return [
+            (name, one.short_help if isinstance(one, LazyCommand) else one.get_short_help_str(80))
+            for name, one in self._lazy.items()
+        ]

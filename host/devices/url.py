@@ -1,21 +1,11 @@
-"""Device addresses: sim://, replay://, serial://, odrive://, dhd:// and their settings."""
+"""Addresses of devices and sensors, SCHEME://PLACE?SETTINGS, taken apart."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, unquote, urlsplit
 
 from springpot.codegen.errors import DeviceError, UsageError
-
-SCHEMES = {
-    "sim": "sim://OBJECT, for example sim://ecoflex-00-30?hand=mid",
-    "replay": "replay://FILE, a recording",
-    "serial": "serial:///dev/ttyACM0?baud=921600",
-    "odrive": "odrive://slcan//dev/ttyACM0?node=0, odrive://socketcan/can0?node=0, or "
-    "odrive://INTERFACE/CHANNEL?node=0 for another interface of python-can",
-    "dhd": "dhd://, the first Force Dimension device, or dhd://1, the second",
-}
-_ON_BUS = ("odrive", "can")  # an interface stands before the place
 
 
 @dataclass(frozen=True)
@@ -53,23 +43,29 @@ class Address:
                 raise UsageError(f"{self.url}: no setting {key!r}: use {', '.join(known)}")
 
 
-def parse_device(url: str) -> Address:
-    """Take a device's URL apart. Raises DeviceError for a scheme that no driver serves."""
-    return parse_address(url, SCHEMES, "device")
+def parse_address(
+    url: str,
+    schemes: Mapping[str, str],
+    what: str,
+    on_bus: Collection[str] = (),
+    has_default: Collection[str] = (),
+) -> Address:
+    """Take a URL apart.
 
-
-def parse_address(url: str, schemes: Mapping[str, str], what: str) -> Address:
-    """Take a URL apart; schemes: an example of each. Raises DeviceError for any other scheme."""
+    schemes: an example of each. on_bus: schemes whose first part is a bus's interface.
+    has_default: schemes that need no place.
+    Raises DeviceError for any other scheme, UsageError for a URL that is not complete.
+    """
     parts = urlsplit(url)
     if parts.scheme not in schemes:
         raise DeviceError(
             f"{url}: no driver for {parts.scheme or f'a {what} without a scheme'!r}: use "
             + "; ".join(schemes.values())
         )
-    on_bus = parts.scheme in _ON_BUS
-    interface = parts.netloc if on_bus else ""
+    needs_interface = parts.scheme in on_bus
+    interface = parts.netloc if needs_interface else ""
     place = parts.path.removeprefix("/") if interface else parts.netloc + parts.path
-    if (not place and parts.scheme != "dhd") or (on_bus and not interface):
+    if (not place and parts.scheme not in has_default) or (needs_interface and not interface):
         raise UsageError(f"{url}: not complete: use {schemes[parts.scheme]}")
     settings = dict(parse_qsl(parts.query, keep_blank_values=True))
     return Address(url, parts.scheme, interface, unquote(place), settings)

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.entry_points import registered
 from springpot.host.native.c_library import CLibrary, load
 from springpot.runtime_c.paths import PORT_POSIX, PORT_WIRE, SIM
 
@@ -49,11 +50,18 @@ LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 @cache
 def loop_library(real: str) -> CLibrary:
-    """What the posix port declares, for one number type; real: "float" or "double"."""
+    """Load the posix port for one number type, with the links of every device that is registered.
+
+    real: "float" or "double". A link is one C file that declares what its driver calls between the
+    lines "springpot declarations begin" and "end", as those of sp_link_*.c do.
+    """
     names = ("sp_link.h", "sp_loop.h", "sp_press.h", "sp_excite.h", "sp_switch.h")
-    headers = [PORT_POSIX / name for name in names]
-    sources = [*sorted(PORT_POSIX.glob("*.c")), PORT_WIRE / "sp_wire.c", *sorted(SIM.glob("*.c"))]
-    library = load(headers, sources, real, ["-pthread"])
+    drivers = registered("devices", object).values()
+    links = [*sorted(PORT_POSIX.glob("sp_link_*.c")),
+             *(link for driver in drivers for link in getattr(driver, "links", ()))]  # fmt: skip
+    headers = [*(PORT_POSIX / name for name in names), *links]
+    sources = [*sorted({*PORT_POSIX.glob("*.c"), *links}), PORT_WIRE / "sp_wire.c"]
+    library = load(headers, [*sources, *sorted(SIM.glob("*.c"))], real, ["-pthread"])
     assert library.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
     assert all(getattr(library.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
     return library

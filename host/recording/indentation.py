@@ -13,7 +13,7 @@ from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.console.keys import reading_keys
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.url import parse_device
+from springpot.host.devices.drivers import driver_of
 from springpot.host.native.loop_library import loop_library
 from springpot.host.recording.press_rows import PressRows
 from springpot.host.recording.protocols import RATE_HZ
@@ -77,7 +77,7 @@ class PressedDevice:
     def gains(self) -> Mapping[str, float]:
         """Of the force control."""
         # A drive's torque is its own command: fed back, it would only chase itself.
-        return OPEN_LOOP if parse_device(self.url).scheme == "odrive" else _GAINS
+        return OPEN_LOOP if driver_of(self.url).echoes else _GAINS
 
     def driven(self, command_n: Samples) -> Samples:
         """What the motor gets for a command (n,), N, before the control adds its part."""

@@ -9,11 +9,9 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.host.devices.url import parse_device
-from springpot.host.force_sensor.sensor import ForceSensor
+from springpot.host.devices.drivers import parse_device
 from springpot.host.recording.indentation import Limits, PressedDevice
 from springpot.host.recording.protocols import RATE_HZ, Profile
-from springpot.host.recording.sensed_press import SensedPressDevice
 from springpot.host.session.runner import Progress
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
@@ -74,25 +72,23 @@ def open_press_device(
     object_name: str = "object",
     limits: Limits | None = None,
     on_progress: Callable[[Progress], None] = lambda _progress: None,
-    sensor: ForceSensor | None = None,
+    pressing: Callable[..., ForceControlled] | None = None,
 ) -> ForceControlled:
     """Open the device of a URL; `default_seed` seeds a simulated one whose URL has no seed.
 
     object_name, limits: of what lies under a device that is not simulated. on_progress: called
-    several times a second while such a device presses. sensor: of force, beside the device.
+    several times a second while such a device presses. pressing: makes the device from (url,
+    object_name, limits, on_progress) if its force is measured beside it.
     Raises DeviceError for a scheme that no driver serves, UsageError for a wrong URL.
     """
     scheme = parse_device(url).scheme
     if scheme == "sim":
-        if sensor is not None:
+        if pressing is not None:
             raise UsageError(f"{url}: it measures its force itself: leave --force out")
         return SimulatedBench(parse_url(url, default_seed))
     if scheme == "replay":
         raise UsageError(f"{url}: a recording cannot be pressed: give a device, or sim://OBJECT")
-    limits = limits or Limits()
-    if sensor is None:
-        return PressedDevice(url, object_name, limits, on_progress)
-    return SensedPressDevice(url, object_name, limits, on_progress, sensor)
+    return (pressing or PressedDevice)(url, object_name, limits or Limits(), on_progress)
 
 
 def record_session(

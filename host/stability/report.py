@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from springpot.codegen.atomic_write import write_file
-from springpot.host.page import page_text
+from springpot.host.pages.page import page_text
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability
 from springpot.host.stability.judgement import Grade, judged_cases

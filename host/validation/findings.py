@@ -6,7 +6,7 @@ from typing import Any
 
 from springpot.codegen.plan.plan import Plan
 from springpot.host.metrics import SCORED_ABOVE_N
-from springpot.host.page import plain
+from springpot.host.pages.page import plain
 from springpot.host.stability.check import Stability
 from springpot.host.stability.judgement import Grade, judged_cases
 from springpot.host.validation.error_parts import SpeedError

@@ -16,7 +16,7 @@ from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emissi
 from springpot.host.metrics import start_up_ramp
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, scene_files
-from springpot.host.page import page_text
+from springpot.host.pages.page import page_text
 from springpot.host.session.note_words import notes_in_words
 from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section

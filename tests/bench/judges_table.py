@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.host.benchmark.report import plain
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
+from springpot.host.wings.evidence.benchmark.report import plain
 from springpot.trainer.kinds import AUTO
 
 Metadata = dict[str, Any]

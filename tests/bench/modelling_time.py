@@ -10,7 +10,7 @@ import time
 import numpy as np
 from sklearn.ensemble import RandomForestRegressor
 
-from springpot.host.paper.reproduce import Work, simulated
+from springpot.host.wings.evidence.paper.reproduce import Work, simulated
 from springpot.trainer.ensemble import ensemble_data
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

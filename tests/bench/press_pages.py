@@ -24,12 +24,12 @@ from support.paths import ROOT
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.scene import Coupling, Runtime, Scene
-from springpot.host.browser.press_page import write_press_page
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
+from springpot.host.wings.page.press_page import write_press_page
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.formats.importing import import_file

@@ -12,7 +12,8 @@
 On a machine with nothing else to do: times are upper bounds otherwise, and the page says so. Real
 recordings come first, then foreign objects, the five silicones, hammerstein's kin, last. What is
 not given is taken from docs/results.json, judges.json and wasm.json, which keep what the pages
-need. No figure in either page is typed by hand: tests/host/benchmark/test_results.py compares.
+need. No figure in either page is typed by hand:
+tests/wings/evidence/benchmark/test_results.py compares.
 """
 
 import json
@@ -23,12 +24,12 @@ from typing import Any
 from judges_table import judges_section, judges_summary
 from wasm import wasm_section
 
-from springpot.host.benchmark.figures import front_figure
-from springpot.host.benchmark.labels import kilobytes, label
-from springpot.host.benchmark.point import Point, points_of
-from springpot.host.benchmark.report import paper_rows, plain
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, own_class
 from springpot.host.validation.error_ratios import JND_WORDS, floor_words
+from springpot.host.wings.evidence.benchmark.figures import front_figure
+from springpot.host.wings.evidence.benchmark.labels import kilobytes, label
+from springpot.host.wings.evidence.benchmark.point import Point, points_of
+from springpot.host.wings.evidence.benchmark.report import paper_rows, plain
 
 Metadata = dict[str, Any]
 ROOT = Path(__file__).parents[2]

@@ -20,9 +20,9 @@ from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Scene
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
-from springpot.host.paper.reproduce import Work, simulated
 from springpot.host.simulation.objects import OBJECTS
 from springpot.host.stability.small_signal import small_signal_map
+from springpot.host.wings.evidence.paper.reproduce import Work, simulated
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.forests import (

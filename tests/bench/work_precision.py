@@ -9,9 +9,9 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from springpot.host.benchmark.figures import draw_curves
-from springpot.host.benchmark.work_precision import work_precision
 from springpot.host.validation.figures import STYLE, svg_text
+from springpot.host.wings.evidence.benchmark.figures import draw_curves
+from springpot.host.wings.evidence.benchmark.work_precision import work_precision
 
 
 def main(path: Path) -> None:

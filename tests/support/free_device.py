@@ -4,9 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from springpot.host.identification.excitation import Excitation, MoveLimits, excite_step_functions
 from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows, empty_rows
 from springpot.host.simulation.free_device import FreeDevice, FreeDeviceTruth
+from springpot.host.wings.lab.identification.excitation import (
+    Excitation,
+    MoveLimits,
+    excite_step_functions,
+)
 
 LIMITS = MoveLimits(max_force_n=2.0, max_travel_m=0.02)
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.host.force_sensor.alignment import Delay, alignment_command
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.recording.indentation import OPEN_LOOP
-from springpot.host.recording.late_control import Compliance, late_gains, led_command
 from springpot.host.simulation.objects import ALL_OBJECTS
+from springpot.host.wings.lab.force_sensor.alignment import Delay, alignment_command
+from springpot.host.wings.lab.force_sensor.late_control import Compliance, late_gains, led_command
 from springpot.runtime_c.paths import PORT_POSIX, SIM
 
 _HERE = Path(__file__).parent

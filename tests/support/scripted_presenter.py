@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from springpot.host.study.definition import Question
-from springpot.host.study.folder import StudyFolder
-from springpot.host.study.session.conduct import (
+from springpot.host.wings.study.definition import Question
+from springpot.host.wings.study.folder import StudyFolder
+from springpot.host.wings.study.session.conduct import (
     PresentedTrial,
     Record,
     TrialOutcome,
     conduct,
     next_session,
 )
-from springpot.host.study.session.journal import StudyJournal
+from springpot.host.wings.study.session.journal import StudyJournal
 
 
 class ScriptedPresenter:

@@ -7,7 +7,7 @@ from typing import Any
 
 from springpot.codegen.scene import Scene
 from springpot.host.emission.scene_file import write_scene
-from springpot.host.study.folder import StudyFolder, read_folder, write_study
+from springpot.host.wings.study.folder import StudyFolder, read_folder, write_study
 from support.paths import ROOT
 
 MODELS = ROOT / "tests" / "golden" / "press"

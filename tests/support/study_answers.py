@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from springpot.host.study.definition import (
+from springpot.host.wings.study.definition import (
     ComparedPair,
     EquivalenceRule,
     Exclude,
@@ -13,7 +13,7 @@ from springpot.host.study.definition import (
     Stimulus,
     Study,
 )
-from springpot.host.study.responses import Reply, Response
+from springpot.host.wings.study.responses import Reply, Response
 
 METHODS, MATERIALS = ("RF", "RBF", "REAL"), ("soft", "hard")
 

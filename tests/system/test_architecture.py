@@ -1,4 +1,4 @@
-"""Floors and rooms: imports only downwards, and nothing heavy where it is not used."""
+"""Floors, rooms and wings: imports only downwards, and nothing heavy where it is not used."""
 
 import ast
 import subprocess
@@ -15,16 +15,16 @@ FITS = {"sklearn", "scipy", "joblib"}
 # Folders and files of a floor, lowest first. Lazy imports, and those for checkers, count too.
 ROOMS = {
     "runtime_c": ["paths"],
-    "codegen": ["errors", "arrays", "progress", "regular_file", "atomic_write", "scene", "literals",
-                "model", "forest", "stages", "coupling", "plan", "reference", "emit"],
+    "codegen": ["errors", "entry_points", "arrays", "progress", "regular_file", "atomic_write", "scene",
+                "literals", "model", "forest", "stages", "coupling", "plan", "reference", "emit"],
     "trainer": ["paper", "recordings", "features", "models", "kinds", "selection", "ensemble",
-                "estimator", "parallel"],
-    "host": ["console", "page", "plot_style", "metrics", "native", "simulation", "stability",
-             "emission", "devices", "force_sensor", "session", "recording", "identification",
-             "boards", "validation", "browser", "study", "paper", "benchmark", "material", "demo",
-             "api", "commands", "cli"],
+                "estimator"],
+    "host": ["console", "pages", "plot_style", "metrics", "native", "simulation", "stability",
+             "emission", "devices", "session", "recording", "doctor", "boards", "validation", "demo", "api",
+             "commands", "cli", "wings"],
 }  # fmt: skip
-MAX_FILES = 15  # of a folder, its own name apart
+WINGS = ROOT / "host" / "wings"
+MAX_FILES = 15  # of a folder, __init__.py apart
 
 
 def imports(file: Path) -> list[tuple[str, bool]]:
@@ -49,8 +49,10 @@ def test_a_floor_imports_only_from_floors_below(floor: str) -> None:
     for file in files:
         own = {sibling.stem for sibling in API.glob("*.py")} if file.parent == API else set()
         for module, _ in imports(file):
-            assert module != "springpot", f"{file}: the rooms are below the package springpot"
-            if module.startswith("springpot."):
+            assert module != "springpot" or WINGS in file.parents, (
+                f"{file}: the rooms are below the package springpot"
+            )
+            if WINGS not in file.parents and module.startswith("springpot."):
                 assert module.split(".")[1] in allowed | own, f"{file} imports {module}"
 
 
@@ -94,18 +96,38 @@ def test_every_room_is_there() -> None:
         assert {room for _, its, room in sources(floor) if its == floor} == set(rooms)
 
 
-def test_no_folder_of_the_host_is_crowded() -> None:
-    for folder in {file.parent for file, _, _ in sources("host")}:
+def test_no_folder_is_crowded() -> None:
+    crowded = {}
+    for folder in {file.parent for file in ROOT.glob("[rcth]*/**/*.py")}:
         files = [file for file in folder.glob("*.py") if file.name != "__init__.py"]
-        assert len(files) <= MAX_FILES, f"{folder}: {len(files)} files"
+        if len(files) > MAX_FILES:
+            crowded[str(folder.relative_to(ROOT))] = len(files)
+    assert not crowded
 
 
-def test_only_the_trainer_imports_what_fits() -> None:
-    # Statistics of people's answers need distributions; what runs a scene never loads them.
-    statistics = ROOT / "host" / "study" / "statistics"
+def test_a_wing_reaches_the_core_through_public_names_and_no_other_wing() -> None:
+    public = {"springpot", *(f"springpot.{file.stem}" for file in API.glob("*.py"))}
+    for file in WINGS.rglob("*.py"):
+        wing = file.relative_to(WINGS).parts[0]
+        own = f"springpot.host.wings.{wing}"
+        for module, _ in imports(file):
+            if module.split(".")[0] == "springpot":
+                assert module in public or module == own or module.startswith(f"{own}."), (
+                    f"{file.relative_to(ROOT)} imports {module}"
+                )
+
+
+def test_the_core_imports_no_wing() -> None:
+    for file, _, _ in sources(*FLOORS):
+        if WINGS not in file.parents:
+            for module, _ in imports(file):
+                assert not module.startswith("springpot.host.wings"), f"{file} imports {module}"
+
+
+def test_only_the_trainer_and_wings_import_what_fits() -> None:
     for floor in ("runtime_c", "codegen", "host"):
         for file in (ROOT / floor).rglob("*.py"):
-            if statistics in file.parents:
+            if WINGS in file.parents:
                 continue
             for module, _ in imports(file):
                 assert module.split(".")[0] not in FITS, f"{file} imports {module}"
@@ -114,7 +136,7 @@ def test_only_the_trainer_imports_what_fits() -> None:
 @pytest.mark.parametrize(
     "name",
     ["cli", "commands.scenes.validate", "native.scene_library", "commands.models.train",
-     "commands.recordings.record", "study.session.presenter"],
+     "commands.recordings.record", "wings.study.session.presenter"],
 )  # fmt: skip
 def test_replaying_and_logging_load_no_fit(name: str) -> None:
     module = f"springpot.host.{name}"

@@ -14,7 +14,7 @@ from support.prepared_pages import PREPARED
 from springpot.host.cli import springpot
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
-from springpot.host.study.study_file import read_study
+from springpot.host.wings.study.study_file import read_study
 
 TESTED = {
     "python": "test_python_examples.py",

@@ -12,7 +12,7 @@ from support.documents import page_blocks
 from support.peer import peer
 from support.run_pages import MAIN, print_urls
 
-from springpot.host.devices.url import parse_device
+from springpot.host.devices.drivers import parse_device
 from springpot.host.emission.scene_file import read_scene
 
 # Of each command, what the stand-in is: held by a hand, on the object, or let go.

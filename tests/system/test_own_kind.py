@@ -21,9 +21,9 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     regressor_stage,
 )
-from springpot.host.benchmark.run import Bench, run_bench
 from springpot.host.emission.emission import emit
 from springpot.host.validation.validation import validate
+from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
 from springpot.trainer import kinds
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.kinds import Kind, fit_model

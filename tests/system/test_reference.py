@@ -19,8 +19,8 @@ from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.cli import springpot as command_line
 from springpot.host.emission.scene_file import scene_to_json
-from springpot.host.study import definition
-from springpot.host.study.definition import Study
+from springpot.host.wings.study import definition
+from springpot.host.wings.study.definition import Study
 
 sys.path.append(str(ROOT / "docs" / "_ext"))
 import reference_pages

@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import closing, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from springpot.codegen.entry_points import required_part
 from springpot.host.console.options import POSITIVE
 
 if TYPE_CHECKING:
@@ -62,7 +63,6 @@ def record(
 
     On a real device, the key q and Ctrl-C stop with zero force.
     """
-    from springpot.host.force_sensor.sources import open_sensor
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
@@ -86,13 +86,23 @@ def record(
 
     limits = Limits(max_force_n, max_depth_mm / 1e3)
     profiles = load_protocol(protocol, seed)
-    sensor = nullcontext() if sensor_url is None else closing(open_sensor(sensor_url))
     total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
-    with sensor as opened, progress, stopping_on_sigterm():
-        device = open_press_device(url, seed, object_name or "object", limits, on_progress, opened)
+    with (
+        nullcontext() if sensor_url is None else _sensor(sensor_url) as pressing,
+        progress,
+        stopping_on_sigterm(),
+    ):
+        device = open_press_device(
+            url, seed, object_name or "object", limits, on_progress, pressing
+        )
         progress.update(task, description=device.object_name, total=total_s)
         qualities = record_session(device, url, protocol, profiles, out, on_press)
     click.echo(_as_json(out, qualities) if as_json else _as_text(qualities), nl=False)
+
+
+def _sensor(url: str) -> AbstractContextManager[Any]:
+    opened: AbstractContextManager[Any] = required_part("force-sensor", "--force")(url)
+    return opened
 
 
 def _as_json(out: Path, qualities: Sequence[PressQuality]) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_bar, say
@@ -79,20 +80,11 @@ def emit_(
     scene = None if scene_file is None else read_scene(scene_file)
     stated = any(limit is not None for limit in (budget_us, flash, ram))
     if picked is not None or stated:
-        from springpot.host.benchmark.choice import choose_pick, choose_within, scene_of
-        from springpot.host.benchmark.picks import PlatformBudget
-
         if (picked is not None and stated) or model_file is not None:
             raise UsageError("--pick, a budget, --model: each names a model: give one of them")
-        budget = PlatformBudget(
-            "chosen", "chosen", tick_us=budget_us, flash_bytes=flash, ram_bytes=ram
-        )
-        found = (
-            choose_pick(bench_folder, picked, accept_unsafe)
-            if picked
-            else choose_within(bench_folder, budget)
-        )
-        scene, model_file = scene_of(bench_folder, *found, scene)
+        limits = {"tick_us": budget_us, "flash_bytes": flash, "ram_bytes": ram}
+        choose = required_part("bench-choice", "--pick and budgets")
+        scene, model_file = choose(bench_folder, picked, limits, accept_unsafe, scene)
     elif scene is None or scene_file is None:
         raise UsageError("nothing to emit: give --scene FILE, or --pick NAME --bench DIR")
     else:

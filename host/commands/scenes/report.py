@@ -12,15 +12,10 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 @json_option
 def report(folder: Path, as_json: bool) -> None:
     """Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
-    from springpot.host.benchmark.store import RESULT
+    from springpot.codegen.entry_points import part
+    from springpot.host.validation.report import write_report
 
+    of_bench = part("bench-report")
     with progress_bar("report"):
-        if (folder / RESULT).exists():
-            from springpot.host.benchmark.report import write_bench_report
-
-            path = write_bench_report(folder)
-        else:
-            from springpot.host.validation.report import write_report
-
-            path = write_report(folder)
+        path = (of_bench and of_bench(folder)) or write_report(folder)
     print_result({"report": str(path)}, as_json, {"report": str(path)})

@@ -1,22 +1,16 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
-from __future__ import annotations
-
-import contextlib
-from collections.abc import Iterator
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
-
-if TYPE_CHECKING:
-    from springpot.host.browser.live import LivePage
 
 
 @click.command()
@@ -71,7 +65,7 @@ def run(
 
     with (
         emitted_folder(scene) as folder,
-        _opened_page(folder, accept_edited) if with_page else nullcontext() as page,
+        _page(folder, accept_edited) if with_page else nullcontext() as page,
         stopping_on_sigterm(),
     ):
         session = Session(
@@ -107,14 +101,12 @@ def run(
         raise session.error
 
 
-@contextlib.contextmanager
-def _opened_page(folder: Path, accept_edited: bool) -> Iterator[LivePage]:
-    from springpot.host.browser.live import LivePage
-    from springpot.host.browser.press_page import session_page
-
-    with LivePage(session_page(folder, accept_edited)) as page:
-        _say_above(f"page: {page.address}")
-        yield page
+def _page(folder: Path, accept_edited: bool) -> AbstractContextManager[Any]:
+    """Open the session's page; `append` takes rows, `actions` its buttons, `end` the last line."""
+    opened: AbstractContextManager[Any] = required_part("session-page", "--page")(
+        folder, accept_edited, _say_above
+    )
+    return opened
 
 
 def _alarm(line: str, begins: bool) -> None:

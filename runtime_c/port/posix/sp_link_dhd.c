@@ -5,6 +5,38 @@
 
 #include "sp_link.h"
 
+/* springpot declarations begin */
+/* A Force Dimension device through the functions of its SDK, which one thread calls at a time.
+ * position = sign * p[axis] - surface_m. The other axes are free, or drawn to a line by springs of
+ * wall_npm, each of max_n at most. weight_n acts upwards, along the last axis, beside all else; it
+ * rises within a second. A call that takes longer than max_call_s trips the link: meanwhile the
+ * last force stayed. */
+typedef struct {
+    int (*get_position)(double *, double *, double *, char);
+    int (*get_linear_velocity)(double *, double *, double *, char);
+    int (*set_force)(double, double, double, char);
+    int (*get_status)(int *, char);
+    int (*get_button)(int, char);
+    int (*enable_force)(unsigned char, char);
+    int (*error_get_last)(void);
+    int32_t id;
+    int32_t axis;
+    double sign;
+    double surface_m;
+    double line_m[3];
+    double wall_npm;
+    double max_n;
+    double weight_n;
+    double max_call_s;
+} sp_dhd;
+enum { /* device_error of such a link, beyond the SDK's own numbers */
+       SP_DHD_SLOW_CALL = 0x100,
+       SP_DHD_FORCE_OFF = 0x200 /* and the SDK's number of the cause */
+};
+uint32_t sp_link_dhd_size(void);
+sp_link *sp_link_dhd_init(void *memory, const sp_dhd *dhd);
+/* springpot declarations end */
+
 /* Of the SDK, as CHAI3D's public header has them. */
 enum { MAX_STATUS = 32, STATUS_FORCE = 5, STATUS_FORCE_OFF_CAUSE = 14, ON = 1, OFF = 0 };
 enum { AXES = 3, UP = 2 };

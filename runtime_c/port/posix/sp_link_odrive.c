@@ -3,6 +3,26 @@
 
 #include "sp_link.h"
 
+/* springpot declarations begin */
+/* An ODrive: CAN Simple frames through a Lawicel adapter's text (slcan) or a raw CAN socket.
+ * position = sign * (turns - zero_turns) * m_per_turn - surface_m. with_torque: the firmware sends
+ * 0x1C with torques (0.6); 0.5 has something else there. The two limits are the drive's own. */
+typedef struct {
+    uint32_t node;
+    int32_t slcan; /* 1: text of an adapter, 0: struct can_frame of a socket */
+    int32_t with_torque;
+    double m_per_turn;
+    double sign;
+    double zero_turns;
+    double surface_m;
+    double max_torque_nm;
+    double max_turns_per_s;
+    double max_current_a;
+} sp_odrive;
+uint32_t sp_link_odrive_size(void);
+sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive);
+/* springpot declarations end */
+
 /* CAN Simple: identifier = node << 5 | command; all little-endian. */
 enum {
     HEARTBEAT = 0x01,

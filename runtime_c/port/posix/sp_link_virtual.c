@@ -5,6 +5,23 @@
 #include "sim_free.h"
 #include "sp_link.h"
 
+/* springpot declarations begin */
+/* A simulated hand (runtime_c/sim) that holds the device and presses to and fro: it intends to be
+ * at depth_m / 2 * (1 - cos(2 pi frequency_hz t)). tool: a sim_tool, initialised. */
+uint32_t sp_link_sim_size(void);
+sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
+                          double frequency_hz);
+
+/* A device that nobody holds. device: a sim_free, initialised for the period of the loop. */
+uint32_t sp_link_free_size(void);
+sp_link *sp_link_free_init(void *memory, void *device);
+
+/* n samples that somebody recorded, one a tick. */
+uint32_t sp_link_replay_size(void);
+sp_link *sp_link_replay_init(void *memory, uint64_t n, const double *position_m,
+                             const double *velocity_mps);
+/* springpot declarations end */
+
 typedef struct {
     sp_link link;
     sim_tool *tool;

@@ -31,10 +31,10 @@ SCENE = 'schema = 1\nname = "x"\nmodel = "hammerstein.spm"\n'
 # What is not run here, for it takes people, devices or minutes: where its result is put together.
 BUILT = {
     "springpot demo": "host/commands/scenes/demo.py",
-    "springpot place": "host/commands/devices/place.py",
+    "springpot place": "host/wings/lab/commands/place.py",
     "springpot report": "host/commands/scenes/report.py",
-    "springpot reproduce": "host/paper/evidence.py",
-    "springpot study run": "host/commands/study/run.py",
+    "springpot reproduce": "host/wings/evidence/paper/evidence.py",
+    "springpot study run": "host/wings/study/commands/run.py",
 }
 # Keys that only some devices, boards, kinds of model or failures have.
 _SELDOM = {

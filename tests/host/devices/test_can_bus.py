@@ -11,10 +11,10 @@ import pytest
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.can_bus import SocketBus, open_bus
+from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import (
     identifier,
 )
-from springpot.host.devices.url import parse_device
 
 TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
 

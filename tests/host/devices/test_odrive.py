@@ -20,6 +20,7 @@ from support.small import model_file, scene
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.scene import Guard
 from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import (
     CLOSED_LOOP,
     ENCODER,
@@ -28,7 +29,6 @@ from springpot.host.devices.odrive import (
     parse_heartbeat,
 )
 from springpot.host.devices.odrive_device import OdriveDevice, _transmission, require_fast_bus
-from springpot.host.devices.url import parse_device
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import RESET, UNSENT
 from springpot.host.recording.session import open_press_device

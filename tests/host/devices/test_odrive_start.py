@@ -11,6 +11,7 @@ import pytest
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices import odrive, odrive_device, sample_rate
 from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import Drive, DriveLimits, Heartbeat, identifier, parse_heartbeat
 from springpot.host.devices.odrive_device import (
     OdriveDevice,
@@ -18,7 +19,6 @@ from springpot.host.devices.odrive_device import (
     _transmission,
     require_fast_bus,
 )
-from springpot.host.devices.url import parse_device
 
 NODE = 5
 CLEAR, LIMITS, MODE, STATE, TORQUE = 0x18, 0x0F, 0x0B, 0x07, 0x0E

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from support.small import model_file, scene
 
-from springpot.host.devices.doctor import examine
+from springpot.host.doctor.machine_check import examine
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import (
     NoCompilerError,

@@ -18,18 +18,18 @@ from springpot.codegen.errors import BudgetError, MismatchError
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Budget, Scene, Target
-from springpot.host.benchmark.choice import choose_pick, scene_of
-from springpot.host.benchmark.node_ticks import time_in_node
-from springpot.host.benchmark.report import bench_page
-from springpot.host.benchmark.run import run_bench
-from springpot.host.browser.page_check import check_module
-from springpot.host.browser.press_page import write_press_page
 from springpot.host.emission import emission as emission_module
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.wasm_module import scene_module
 from springpot.host.native.wasm_node import WasmTicks, missing_node, run_in_node
+from springpot.host.wings.evidence.benchmark.choice import choose_pick, scene_of
+from springpot.host.wings.evidence.benchmark.node_ticks import time_in_node
+from springpot.host.wings.evidence.benchmark.report import bench_page
+from springpot.host.wings.evidence.benchmark.run import run_bench
+from springpot.host.wings.page.page_check import check_module
+from springpot.host.wings.page.press_page import write_press_page
 from springpot.runtime_c.paths import SIM
 
 WASM_LD = shutil.which("wasm-ld")

@@ -18,10 +18,10 @@ from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.cli import springpot
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.trial_build import built
-from springpot.host.paper.reproduce import Work, simulated
 from springpot.host.stability.check import Stability, require_stable, spectral_radius, stability
 from springpot.host.stability.closed_loop import Outcome, high_passed_rms
 from springpot.host.stability.small_signal import small_signal_map
+from springpot.host.wings.evidence.paper.reproduce import Work, simulated
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 

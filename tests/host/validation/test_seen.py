@@ -9,10 +9,10 @@ from support.bench_folder import CANDIDATES, asked, small
 from support.in_process import spring
 from support.small import press, recording, small_fit, training
 
-from springpot.host.benchmark.report import bench_page
-from springpot.host.benchmark.run import run_bench
-from springpot.host.commands.models.bench import bench_rows
 from springpot.host.validation.seen import seen_by, seen_line
+from springpot.host.wings.evidence.benchmark.report import bench_page
+from springpot.host.wings.evidence.benchmark.run import run_bench
+from springpot.host.wings.evidence.commands.bench import bench_rows
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.quality.report import check_recordings

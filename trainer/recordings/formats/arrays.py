@@ -12,14 +12,12 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.csv_layout import wanted_columns
+from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.labels import guess_column, split_unit
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 from springpot.trainer.recordings.reader_limits import read_apart
 
-HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
-MAT_MAGIC = b"MATLAB 5.0 MAT-file"
-MAT73_MAGIC = b"MATLAB 7.3 MAT-file"
 _MAX_SHOWN = 12
 
 
@@ -30,13 +28,22 @@ class _Array:
     values: Samples
 
 
-def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[RawChannels, str]:
-    """Read one recording from a MAT file (kind "mat") or an HDF5 file ("hdf5").
+def read_mat(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
+    """Read one recording from a MAT file of version 5, as `read_hdf5`."""
+    return _read_arrays(path, "mat", request.columns)
+
+
+def read_hdf5(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
+    """Read one recording from an HDF5 file of any layout, or a MAT file of version 7.3.
 
     A channel is a vector, or a column of a matrix as `data[2]`; structures and groups are named
     as `rig.force` and `rig/force`. Raises DataError naming file and array where a channel or its
     unit is missing or ambiguous, or lengths differ.
     """
+    return _read_arrays(path, "hdf5", request.columns)
+
+
+def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawChannels], str]:
     arrays = _load(path, kind)
     options = wanted_columns(columns)
     chosen = {quantity: _choose(path, arrays, quantity, columns) for quantity in options}
@@ -58,7 +65,7 @@ def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[R
         found = f"time = samples counted at the stated {rate_hz:g} Hz, {found}"
     guess = f"{'MAT' if kind == 'mat' else 'HDF5'} file: {found}"
     raw = RawChannels(
-        name=name,
+        name=path.stem,
         time_s=scaled["time"],
         position_m=scaled["position"],
         force_n=scaled["force"],
@@ -67,7 +74,7 @@ def read_arrays(path: Path, kind: str, columns: ColumnMap, name: str) -> tuple[R
         line_of=lambda sample: sample + 1,
         details={"columns": guess, "units": metadata},
     )
-    return raw, guess
+    return [raw], guess
 
 
 def _load(path: Path, kind: str) -> list[_Array]:

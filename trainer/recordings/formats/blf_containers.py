@@ -12,7 +12,6 @@ from typing import BinaryIO
 
 from springpot.codegen.errors import DataError
 
-BLF_MAGIC = b"LOGG"
 _FILE_HEADER = struct.Struct("<4sL")  # mark, bytes of the header
 _OBJECT = struct.Struct("<4sHHLL")  # mark, bytes of header, its version, bytes of object, type
 _CONTAINER = struct.Struct("<H6xL4x")  # compression, bytes inside

@@ -12,8 +12,9 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.formats.blf_containers import BLF_MAGIC, require_blf
-from springpot.trainer.recordings.formats.column_map import Column, ColumnMap, stated_rate_hz
+from springpot.trainer.recordings.formats.blf_containers import require_blf
+from springpot.trainer.recordings.formats.column_map import Column, stated_rate_hz
+from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.labels import guess_column
 from springpot.trainer.recordings.formats.sampling import GAP, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
@@ -36,22 +37,15 @@ class _Signal:
     places: list[int] = field(default_factory=list)
 
 
-def is_candump(start: bytes) -> bool:
-    """Return whether a file begins with a line of candump's log format."""
-    line = start.split(b"\n")[0].decode("ascii", "replace").strip()
-    return re.match(r"\(\d+\.\d+\)\s+\S+\s+[0-9A-Fa-f]{3,8}#", line) is not None
-
-
-def read_can_log(
-    path: Path, columns: ColumnMap, name: str, database: Path | None, resampled: bool
-) -> tuple[RawChannels, str]:
+def read_can_log(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
     """Read one recording; time is that of the frames with the position.
 
-    database: DBC, KCD or ARXML file that names the signals and their units.
-    resampled: rates differ between frames, so that a force from other frames than the position is
-    interpolated only where resampling was asked for.
+    The database, a DBC, KCD or ARXML file, names the signals and their units. Rates differ between
+    frames: a force from other frames than the position is interpolated only if resampling was
+    asked for.
     Raises UsageError without a database, DataError naming file and frame or row otherwise.
     """
+    columns, database = request.columns, request.dbc
     if database is None:
         raise UsageError(f"{path}: a CAN log needs its database: pass --dbc FILE")
     if stated_rate_hz(columns) is not None:
@@ -70,7 +64,7 @@ def read_can_log(
         for q, s in (("position", position), ("force", force))
     )
     if force.stamps_s != position.stamps_s:
-        if not resampled:
+        if not request.resampled:
             raise DataError(
                 f"{path}: {position.name} and {force.name} come in frames of different times: "
                 "nothing is interpolated unasked, pass --resample-hz RATE"
@@ -84,7 +78,7 @@ def read_can_log(
     guess = f"CAN log with {database.name}: time = stamps of the frames, {found}"
     metadata = {q: unit.metadata() for q, unit in units.items()}
     raw = RawChannels(
-        name=name,
+        name=path.stem,
         time_s=time_s,
         position_m=position_m,
         force_n=force_n,
@@ -93,7 +87,7 @@ def read_can_log(
         line_of=lambda sample: position.places[sample],
         details={"columns": guess, "units": {"time": {"unit": "s", "from": "log"}, **metadata}},
     )
-    return raw, guess
+    return [raw], guess
 
 
 def _signals(path: Path, database: Path) -> dict[str, _Signal]:
@@ -145,7 +139,7 @@ def can_database(path: Path) -> Any:
 def _frames(path: Path) -> Iterator[tuple[int, Any]]:
     """Yield each frame with its row (candump) or number (BLF), from 1."""
     with path.open("rb") as file:
-        is_blf = file.read(4) == BLF_MAGIC
+        is_blf = file.read(4) == b"LOGG"
     yield from (_blf(path) if is_blf else _candump(path))
 
 

@@ -7,10 +7,10 @@ from typing import IO, Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
+from springpot.trainer.recordings.formats.column_map import stated_rate_hz
 from springpot.trainer.recordings.formats.csv_layout import find_layout
 from springpot.trainer.recordings.formats.csv_table import UTF8, CsvTable
-from springpot.trainer.recordings.formats.decimals import DecimalMark
+from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import QUANTITIES
 
@@ -21,21 +21,18 @@ _HEAD_LINES, _HEAD_LETTERS = 400, 1 << 18
 _CHUNK_BYTES = 1 << 24
 
 
-def read_csv(
-    path: Path, columns: ColumnMap, name: str, decimal: DecimalMark | None = None
-) -> tuple[RawChannels, str]:
+def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
     """Read one recording, and how the file was understood.
 
-    decimal: what marks the decimals; None guesses from the first rows.
     Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
     of another length and cells without a number.
     """
-    encoding = _encoding(path)
+    columns, encoding = request.columns, _encoding(path)
     with path.open(encoding=encoding) as file:
         head = _head(file)
     if not any(line.strip() for line in head):
         raise DataError(f"{path}: the file is empty: give one with a header and rows of numbers")
-    table = CsvTable(path, find_layout(path, head, columns, decimal), encoding)
+    table = CsvTable(path, find_layout(path, head, columns, request.decimal), encoding)
     layout = table.layout
     options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
     numbers = table.numbers([layout.columns[quantity] for quantity in options])
@@ -49,7 +46,7 @@ def read_csv(
     if rate_hz is not None:
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
     raw = RawChannels(
-        name=name,
+        name=path.stem,
         time_s=scaled["time"],
         position_m=scaled["position"],
         force_n=scaled["force"],
@@ -58,7 +55,7 @@ def read_csv(
         line_of=lambda sample: next(islice(table.rows(), sample, None))[0],
         details={"columns": guess, "units": units},
     )
-    return raw, guess
+    return [raw], guess
 
 
 def _head(file: IO[str]) -> list[str]:

@@ -8,27 +8,21 @@ import numpy as np
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.trainer.recordings.conditioning import Conditioning, condition
-from springpot.trainer.recordings.formats.arrays import (
-    HDF5_MAGIC,
-    MAT73_MAGIC,
-    MAT_MAGIC,
-    read_arrays,
-)
-from springpot.trainer.recordings.formats.blf_containers import BLF_MAGIC
-from springpot.trainer.recordings.formats.can_log import is_candump, read_can_log
-from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
-from springpot.trainer.recordings.formats.csv_text import read_csv
+from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.decimals import DecimalMark
-from springpot.trainer.recordings.formats.mach1 import MACH1_MAGIC, read_mach1
-from springpot.trainer.recordings.formats.sampling import RawChannels, to_recording
+from springpot.trainer.recordings.formats.file_format import (
+    START_BYTES,
+    FileRequest,
+    file_formats,
+)
+from springpot.trainer.recordings.formats.own_formats import HDF5_MAGIC
+from springpot.trainer.recordings.formats.sampling import to_recording
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.journal_blocks import is_journal
 from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_file import has_checksum, read_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
-
-_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 @dataclass(frozen=True)
@@ -74,12 +68,16 @@ def import_file(
     try:
         require_regular(path)
         with path.open("rb") as file:
-            start = file.read(512 + len(HDF5_MAGIC))
+            start = file.read(START_BYTES)
         if is_journal(start):
             return _import_journal(path, options)
         if start.startswith(HDF5_MAGIC) and has_checksum(path):
             return _import_again(path, mapping, zero, resample_hz, options)
-        raws, guess = _read(path, start, mapping, options, resample_hz)
+        request = FileRequest(
+            mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None
+        )
+        chosen = next(one for one in file_formats().values() if one.begins(start))
+        raws, guess = chosen.read(path, request)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
     names = _unique([raw.name for raw in raws])
@@ -94,30 +92,6 @@ def import_file(
         recordings.append(recording)
         guess += "".join(f"; {note}" for note in (tail_note(recording), *messages) if note)
     return ImportResult(recordings, f"{path}: {guess}")
-
-
-def _read(
-    path: Path,
-    start: bytes,
-    mapping: ColumnMap | None,
-    options: ImportOptions,
-    resample_hz: float | None,
-) -> tuple[list[RawChannels], str]:
-    columns = mapping or {}
-    text = start.removeprefix(_BYTE_ORDER_MARK)
-    if text.startswith(MACH1_MAGIC):
-        if stated_rate_hz(columns) is not None:
-            raise UsageError(f"{path}: a Mach-1 file has its own time: leave time= out of --map")
-        return read_mach1(path, options.block, columns)
-    if start.startswith(BLF_MAGIC) or is_candump(text):
-        raw, guess = read_can_log(path, columns, path.stem, options.dbc, resample_hz is not None)
-    elif start.startswith((HDF5_MAGIC, MAT73_MAGIC)) or HDF5_MAGIC in start[512:]:
-        raw, guess = read_arrays(path, "hdf5", columns, path.stem)
-    elif start.startswith(MAT_MAGIC):
-        raw, guess = read_arrays(path, "mat", columns, path.stem)
-    else:
-        raw, guess = read_csv(path, columns, path.stem, options.decimal)
-    return [raw], guess
 
 
 def _import_journal(path: Path, options: ImportOptions) -> ImportResult:

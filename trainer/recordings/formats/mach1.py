@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.formats.column_map import ColumnMap
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.decimals import is_number
+from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 
-MACH1_MAGIC = b"<Mach-1 File>"
 _SINUSOID = "Sinusoid"
 _FREQUENCY = "Frequency, Hz"
 _DIVIDER = "<divider>"
@@ -43,15 +43,16 @@ class _Block:
     table_line: int = 0
 
 
-def read_mach1(
-    path: Path, kind: str | None = None, columns: ColumnMap | None = None
-) -> tuple[list[RawChannels], str]:
+def read_mach1(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
     """Read every block with samples, and say which ones came out and which were left out.
 
-    kind: only blocks of that kind, such as "Sinusoid". columns: of channels that are not the
-    stage's own axis, or whose sign is turned round.
-    Raises DataError naming file and row for a file without such a block and for a damaged table.
+    Columns are named for channels that are not the stage's own axis, or whose sign is turned.
+    Raises DataError naming file and row for a file without such a block and for a damaged table,
+    UsageError for a stated time.
     """
+    kind, columns = request.block, request.columns
+    if stated_rate_hz(columns) is not None:
+        raise UsageError(f"{path}: a Mach-1 file has its own time: leave time= out of --map")
     read, left_out = [], []
     for block in _blocks(path):
         if kind is not None and block.kind.casefold() != kind.casefold():
@@ -64,7 +65,7 @@ def read_mach1(
     if not read:
         options = f"<{kind}> block" if kind else "block"
         raise DataError(f"{path}: no {options} with samples{others}: export one with its data")
-    recordings = [step for block in read for step in _steps(path, block, columns or {})]
+    recordings = [step for block in read for step in _steps(path, block, columns)]
     names = ", ".join(f"<{block.kind}> in row {block.line}" for block in read)
     return recordings, f"Mach-1 text, {len(read)} blocks: {names}{others}"
 

@@ -1,0 +1,101 @@
+"""What packages add to springpot, springpot itself among them: entry points by group and name.
+
+A package that declares
+
+    [project.entry-points."springpot.devices"]
+    still = "my_package.still:STILL"
+
+adds the device still://. Groups: springpot.commands, springpot.kinds, springpot.devices,
+springpot.formats, and springpot.parts for what one command of springpot asks another package for.
+Nothing of a package is loaded before its group is used.
+"""
+
+import sys
+from functools import cache
+from importlib.metadata import EntryPoint, EntryPoints, entry_points
+from typing import Any, TypeVar
+
+from springpot.codegen.errors import UsageError
+
+Entry = TypeVar("Entry")
+_WINGS = "springpot.host.wings"  # folders that an installation may leave out
+
+
+@cache
+def _entries(group: str) -> EntryPoints:
+    return entry_points(group=f"springpot.{group}")
+
+
+def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[str, Entry]:
+    """Load all entries of the group springpot.`group`: objects of `kind` by name.
+
+    They are sorted by their attribute `place` where they have one, then by name. An entry that
+    cannot be loaded, is not of `kind`, or takes a name that springpot has, is left out, and a line
+    on standard error says so; a wing of springpot that is not installed is left out silently.
+    """
+    found: dict[str, Any] = {}
+    # springpot's own come first: no package takes a name from it.
+    entries = sorted(_entries(group), key=lambda one: not _is_own(one))
+    for entry in entries:
+        loaded = _loaded(entry)
+        if loaded is None:
+            continue
+        if not isinstance(loaded, kind):
+            _say(entry, f"is no {_words(kind)}")
+        elif entry.name in found:
+            _say(entry, "the name is taken")
+        else:
+            found[entry.name] = loaded
+    places = {name: (getattr(one, "place", 100), name) for name, one in found.items()}
+    return dict(sorted(found.items(), key=lambda item: places[item[0]]))
+
+
+def part(name: str) -> Any | None:
+    """Load one entry of the group springpot.parts; None if no installed package has it."""
+    entry = next(iter(_entries("parts").select(name=name)), None)
+    return None if entry is None else _loaded(entry)
+
+
+def required_part(name: str, option: str) -> Any:
+    """Load one entry of the group springpot.parts, for an option of a command.
+
+    Raises UsageError if no installed package has it.
+    """
+    found = part(name)
+    if found is None:
+        raise UsageError(
+            f"{option}: the part {name!r} of springpot is not installed here: install all of "
+            "springpot, or leave the option out"
+        )
+    return found
+
+
+def _loaded(entry: EntryPoint) -> Any | None:
+    try:
+        return entry.load()
+    except ModuleNotFoundError as error:
+        if _is_own(entry) and (error.name or "").startswith(_WINGS):
+            return None
+        _say(entry, str(error))
+    except Exception as error:  # of the other package
+        _say(entry, f"{type(error).__name__}: {error}")
+    return None
+
+
+def _is_own(entry: EntryPoint) -> bool:
+    return entry.module.partition(".")[0] == "springpot"
+
+
+def _words(kind: type | tuple[type, ...]) -> str:
+    kinds = kind if isinstance(kind, tuple) else (kind,)
+    return " or ".join(one.__name__ for one in kinds)
+
+
+def _say(entry: EntryPoint, why: str) -> None:
+    """Say that an entry is left out; another package's defect ends no command of springpot."""
+    package = f" of {entry.dist.name}" if entry.dist else ""
+    print(
+        f"springpot: {entry.name!r}{package} ({entry.value}) is left out: {why}: correct or "
+        "uninstall that package",
+        file=sys.stderr,
+    )

@@ -1,0 +1,53 @@
+"""Commands: their options, tables, progress, keys and settings files.
+
+>>> from springpot.console import checked_keys, print_result
+>>> print_result({"presses": 3}, False, {"presses": "3"})
+presses  3
+"""
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from springpot.codegen.progress import counted as counted
+    from springpot.host.console.keys import reading_keys as reading_keys
+    from springpot.host.console.lazy_group import LazyCommand as LazyCommand
+    from springpot.host.console.lazy_group import LazyGroup as LazyGroup
+    from springpot.host.console.options import (
+        PERCENT as PERCENT,
+    )
+    from springpot.host.console.options import (
+        POSITIVE as POSITIVE,
+    )
+    from springpot.host.console.options import (
+        SEED as SEED,
+    )
+    from springpot.host.console.options import (
+        accept_edited_option as accept_edited_option,
+    )
+    from springpot.host.console.output import (
+        json_option as json_option,
+    )
+    from springpot.host.console.output import (
+        print_result as print_result,
+    )
+    from springpot.host.console.output import (
+        progress_bar as progress_bar,
+    )
+    from springpot.host.console.output import (
+        progress_console as progress_console,
+    )
+    from springpot.host.console.output import (
+        say as say,
+    )
+    from springpot.host.console.quality import report_quality as report_quality
+    from springpot.host.console.toml_file import (
+        checked_keys as checked_keys,
+    )
+    from springpot.host.console.toml_file import (
+        toml_as_json as toml_as_json,
+    )
+    from springpot.host.session.terminal import stopping_on_sigterm as stopping_on_sigterm
+else:
+    __getattr__, __all__ = lazy_names(__name__, __file__)

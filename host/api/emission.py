@@ -1,0 +1,58 @@
+"""Plans, and the C that is emitted from them, with its numpy reference.
+
+>>> from springpot.emission import make_plan, run_reference
+>>> plan = make_plan(model, scene)
+>>> plan.dt_s
+0.001
+"""
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from springpot.codegen.coupling.gains import couple_config as couple_config
+    from springpot.codegen.emit.golden import (
+        backward_velocity as backward_velocity,
+    )
+    from springpot.codegen.emit.golden import (
+        golden_positions as golden_positions,
+    )
+    from springpot.codegen.emit.project import prefixed as prefixed
+    from springpot.codegen.plan.plan import Plan as Plan
+    from springpot.codegen.plan.plan import make_plan as make_plan
+    from springpot.codegen.plan.units import state_bytes as state_bytes
+    from springpot.codegen.reference.notes import (
+        CLAMPED as CLAMPED,
+    )
+    from springpot.codegen.reference.notes import (
+        LATCHED as LATCHED,
+    )
+    from springpot.codegen.reference.notes import (
+        RESYNC as RESYNC,
+    )
+    from springpot.codegen.reference.run import run_reference as run_reference
+    from springpot.codegen.reference.tick import Coupled as Coupled
+    from springpot.host.emission.emission import (
+        MODEL_COPY as MODEL_COPY,
+    )
+    from springpot.host.emission.emission import (
+        SCENE_COPY as SCENE_COPY,
+    )
+    from springpot.host.emission.emission import (
+        Emitted as Emitted,
+    )
+    from springpot.host.emission.emission import (
+        read_emission as read_emission,
+    )
+    from springpot.host.emission.emission import (
+        write_emission as write_emission,
+    )
+    from springpot.host.emission.scene_file import (
+        model_path as model_path,
+    )
+    from springpot.host.emission.scene_file import (
+        scene_from_json as scene_from_json,
+    )
+else:
+    __getattr__, __all__ = lazy_names(__name__, __file__)

@@ -1,0 +1,41 @@
+"""Load the names of a public module one by one, when each is first used."""
+
+import ast
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+
+def lazy_names(module: str, file: str) -> tuple[Callable[[str], Any], list[str]]:
+    """Return `__getattr__` and `__all__` of a public module.
+
+    The names are those that its block `if TYPE_CHECKING:` imports: written once, for checkers,
+    editors and the interpreter alike. Raises AttributeError for any other name.
+
+        __getattr__, __all__ = lazy_names(__name__, __file__)
+    """
+    homes = _imports(Path(file).read_text(encoding="utf-8"))
+
+    def loaded(name: str) -> Any:
+        if name not in homes:
+            raise AttributeError(f"module {module!r} has no attribute {name!r}: see dir({module})")
+        return getattr(import_module(homes[name]), name)
+
+    return loaded, sorted(homes)
+
+
+def _imports(source: str) -> dict[str, str]:
+    """Map each name that `if TYPE_CHECKING:` imports to its module."""
+    blocks = [
+        node.body
+        for node in ast.parse(source).body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    ]
+    return {
+        alias.name: node.module
+        for body in blocks
+        for node in body
+        if isinstance(node, ast.ImportFrom) and node.module
+        for alias in node.names
+    }

@@ -1,0 +1,95 @@
+"""Fits in their parts: features, training sets, kinds of model, cross-validation.
+
+>>> from springpot.modelling import gl_taps
+>>> gl_taps(0.5, 4)
+array([ 1.    , -0.5   , -0.125 , -0.0625])
+"""
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from springpot.codegen.model.features import Features as Features
+    from springpot.codegen.model.features import FirBank as FirBank
+    from springpot.codegen.model.model import (
+        Hammerstein as Hammerstein,
+    )
+    from springpot.codegen.model.model import (
+        TrainedRange as TrainedRange,
+    )
+    from springpot.codegen.model.model_file import (
+        model_bytes as model_bytes,
+    )
+    from springpot.codegen.model.model_file import (
+        model_hash as model_hash,
+    )
+    from springpot.codegen.model.regressors import Forest as Forest
+    from springpot.codegen.model.regressors import Regressor as Regressor
+    from springpot.trainer.features.exponentials import recursive_bank as recursive_bank
+    from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
+    from springpot.trainer.features.fractional import (
+        fir_derivatives as fir_derivatives,
+    )
+    from springpot.trainer.features.fractional import (
+        gl_taps as gl_taps,
+    )
+    from springpot.trainer.features.values import (
+        feature_values as feature_values,
+    )
+    from springpot.trainer.features.values import (
+        highpass as highpass,
+    )
+    from springpot.trainer.kinds import (
+        KINDS as KINDS,
+    )
+    from springpot.trainer.kinds import (
+        Kind as Kind,
+    )
+    from springpot.trainer.kinds import (
+        fit_kind as fit_kind,
+    )
+    from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS
+    from springpot.trainer.models.fit import assemble as assemble
+    from springpot.trainer.models.forests import (
+        depth_scale as depth_scale,
+    )
+    from springpot.trainer.models.forests import (
+        fit_forest as fit_forest,
+    )
+    from springpot.trainer.models.predict import regressor_force as regressor_force
+    from springpot.trainer.models.radial import fit_rbf as fit_rbf
+    from springpot.trainer.models.rf_fd import PAPER_TAPS as PAPER_TAPS
+    from springpot.trainer.models.training_set import (
+        TrainingSet as TrainingSet,
+    )
+    from springpot.trainer.models.training_set import (
+        depth_m as depth_m,
+    )
+    from springpot.trainer.models.training_set import (
+        training_set as training_set,
+    )
+    from springpot.trainer.recordings.quality.coverage import (
+        Coverage as Coverage,
+    )
+    from springpot.trainer.recordings.quality.coverage import (
+        find_coverage as find_coverage,
+    )
+    from springpot.trainer.recordings.quality.cycles import find_cycles as find_cycles
+    from springpot.trainer.recordings.quality.noise_floor import (
+        find_noise_floor as find_noise_floor,
+    )
+    from springpot.trainer.selection.cross_validation import (
+        Split as Split,
+    )
+    from springpot.trainer.selection.cross_validation import (
+        cross_validated_rmse_n as cross_validated_rmse_n,
+    )
+    from springpot.trainer.selection.cross_validation import (
+        holdout as holdout,
+    )
+    from springpot.trainer.selection.cross_validation import (
+        recording_splits as recording_splits,
+    )
+else:
+    __getattr__, __all__ = lazy_names(__name__, __file__)

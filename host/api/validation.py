@@ -1,0 +1,41 @@
+"""Errors of a force, and what they are held against.
+
+>>> import numpy as np
+>>> from springpot.validation import rms
+>>> rms(np.array([3.0, 4.0]))
+3.5355339059327378
+"""
+
+from typing import TYPE_CHECKING
+
+from springpot.lazy_names import lazy_names
+
+if TYPE_CHECKING:
+    from springpot.host.metrics import (
+        SCORED_ABOVE_N as SCORED_ABOVE_N,
+    )
+    from springpot.host.metrics import (
+        WEBER_FRACTION as WEBER_FRACTION,
+    )
+    from springpot.host.metrics import (
+        just_noticeable_percent as just_noticeable_percent,
+    )
+    from springpot.host.metrics import (
+        rms as rms,
+    )
+    from springpot.host.validation.error_ratios import (
+        JND_WORDS as JND_WORDS,
+    )
+    from springpot.host.validation.error_ratios import (
+        floor_keys as floor_keys,
+    )
+    from springpot.host.validation.error_ratios import (
+        floor_words as floor_words,
+    )
+    from springpot.host.validation.seen import known_among as known_among
+    from springpot.host.validation.seen import seen_line as seen_line
+    from springpot.host.validation.store import Series as Series
+    from springpot.host.validation.store import read_validation as read_validation
+    from springpot.host.validation.validation import bits_differ as bits_differ
+else:
+    __getattr__, __all__ = lazy_names(__name__, __file__)

@@ -1,0 +1,1 @@
+"""What is missing on this machine, and at a device before its first session."""

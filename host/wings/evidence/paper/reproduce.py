@@ -1,0 +1,214 @@
+"""The paper's protocol on one object after the other: record, fit, emit, build, validate."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot import Coupling, Model, Recording, Scene, Validation, validate, write_model
+from springpot.basics import Samples
+from springpot.devices import open_press_device
+from springpot.emission import make_plan, write_emission
+from springpot.host.wings.evidence.paper.past_positions import CONTROL, HandledModel, handled
+from springpot.simulation import RATE_HZ, load_protocol
+
+if TYPE_CHECKING:
+    from springpot import Fit
+
+PAPER_KINDS = ("rf-fd", "rbf-fd", "rbf-pv")
+REPRODUCED_KINDS = (*PAPER_KINDS, "hammerstein", "hybrid")
+_TRAINING_SEED, _VALIDATION_SEED = 1, 2
+_BESIDE = 2  # validations at a time
+
+
+@dataclass(frozen=True)
+class Work:
+    """How much is done. The defaults are the paper's; smaller ones are for trials.
+
+    presses: every so many training presses is used. signals: validation signals.
+    """
+
+    kinds: tuple[str, ...] = REPRODUCED_KINDS
+    trees: int = 100
+    presses: int = 1
+    signals: int = 10
+    paced_s: float = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectRecordings:
+    """Recordings of one object. commands_n: the commanded force of each training recording."""
+
+    name: str
+    training: tuple[Recording, ...]
+    validation: tuple[Recording, ...]
+    commands_n: tuple[Samples, ...] = ()
+
+    @property
+    def depth_m(self) -> float:
+        return float(max(recording.position_m.max() for recording in self.training))
+
+
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """One model of one object: its fit, its emitted folder, and its validation through the C."""
+
+    fit: "Fit"
+    folder: Path
+    validation: Validation
+
+    @property
+    def modelling_s(self) -> float:
+        """Features and training, s, as the paper counts it: without a search."""
+        return self.fit.feature_s + self.fit.fit_s
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectResult:
+    """All models of one object, by kind; and the forests on derivatives and on past positions."""
+
+    data: ObjectRecordings
+    models: Mapping[str, Modelled]
+    handled: Mapping[str, HandledModel]
+
+    def rmse_n(self, kind: str) -> float:
+        """RMSE averaged over the validation recordings (figure 9)."""
+        return self.models[kind].validation.accuracy.mean_recording_rmse_n
+
+
+def simulated(name: str, variant: str, work: Work) -> ObjectRecordings:
+    """Record the paper's protocols on a simulated object. Raises UsageError for unknown names."""
+    url = f"sim://{name}?variant={variant}"
+    training = load_protocol("paper", _TRAINING_SEED)[:: work.presses]
+    signals = load_protocol("validation", _VALIDATION_SEED)[: work.signals]
+    recordings = []
+    for seed, profiles in ((_TRAINING_SEED, training), (_VALIDATION_SEED, signals)):
+        device = open_press_device(url, seed)
+        recordings.append(
+            tuple(
+                Recording(f"{name}-{profile.name}", *device.press(profile.command_n), 1 / RATE_HZ,
+                          source=url, details={"command": dict(profile.metadata)})
+                for profile in profiles
+            )
+        )  # fmt: skip
+    commands_n = tuple(profile.command_n for profile in training)
+    return ObjectRecordings(name, recordings[0], recordings[1], commands_n)
+
+
+@dataclass(frozen=True, eq=False)
+class Checking:
+    """An object whose models are fitted, while processes still build and validate them."""
+
+    data: ObjectRecordings
+    fits: Mapping[str, "Fit"]
+    folders: Mapping[str, Path]
+    validations: Mapping[str, Future[Validation]]
+    handled: Mapping[str, Future[HandledModel]]
+
+    def result(self) -> ObjectResult:
+        """Wait for all that was begun."""
+        models = {
+            kind: Modelled(self.fits[kind], self.folders[kind], validation.result())
+            for kind, validation in self.validations.items()
+        }
+        return ObjectResult(
+            self.data, models, {kind: found.result() for kind, found in self.handled.items()}
+        )
+
+
+def validators() -> ProcessPoolExecutor:
+    """Processes that validate, and put models into hands: the reference is Python."""
+    return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
+
+
+def begin_object(
+    data: ObjectRecordings, folder: Path, work: Work, pool: ProcessPoolExecutor
+) -> Checking:
+    """Fit every kind, write its C into `folder`, and let `pool` build and validate that.
+
+    Raises DataError where the recordings do not fit together.
+    """
+    fits, scene = _fits(data, work), plain_scene(data.name)
+    folders = {kind: _written(kind, fits[kind].model, scene, folder) for kind in work.kinds}
+    return Checking(
+        data,
+        fits,
+        folders,
+        validations={
+            kind: pool.submit(validate, folders[kind], data.validation, paced_s=work.paced_s)
+            for kind in work.kinds
+        },
+        handled={
+            kind: pool.submit(handled, fits[kind].model, scene) for kind in (CONTROL, "rf-fd")
+        },
+    )
+
+
+def in_a_line(result: ObjectResult) -> str:
+    """Errors of all models."""
+    errors = ", ".join(f"{kind} {result.rmse_n(kind):.3f}" for kind in result.models)
+    return f"{result.data.name}: RMSE {errors} N"
+
+
+def plain_scene(name: str, mode: str = "off") -> Scene:
+    """A scene of the model alone, or with the paper's coupling."""
+    return Scene(
+        schema=1,
+        name=name,
+        model="model.spm",
+        coupling=Coupling(mode="tool" if mode == "tool" else "off"),
+    )
+
+
+def model_metadata(model: Modelled) -> dict[str, Any]:
+    """Keys of one model in `reproduce.json`."""
+    found = model.validation.accuracy
+    return {
+        "rmse_n": found.mean_recording_rmse_n,
+        "rmse_interval_n": list(found.interval_n or ()),
+        "p99_abs_error_n": found.p99_abs_error_n,
+        "max_abs_error_n": found.max_abs_error_n,
+        "ape_below_jnd": found.ape_below_jnd,
+        "modelling_s": model.modelling_s,
+        "search_s": model.fit.search_s,
+        "tick_ns": model.validation.ticks.hot_median,
+        "tick_paced_ns": model.validation.ticks.p50,
+        "mismatches": model.validation.mismatches,
+    }
+
+
+def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
+    """Objects from the softest, the one pressed deepest, to the hardest."""
+    return sorted(results, key=lambda result: -result.data.depth_m)
+
+
+def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
+    """Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
+    named = [result for result in results if result.data.name == "ecoflex-00-50"]
+    return named[0] if named else by_softness(results)[len(results) // 2]
+
+
+def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
+    """All kinds, on one training set: what several hold is fitted once."""
+    from springpot import FitOptions
+    from springpot.modelling import fit_kind, training_set
+
+    options = FitOptions(trees=work.trees)
+    prepared = training_set(data.training, options.smooth_s)
+    return {
+        kind: fit_kind(
+            kind, data.name, prepared, options, data.validation if kind == "rbf-fd" else ()
+        )
+        for kind in (*work.kinds, CONTROL)
+    }
+
+
+def _written(kind: str, model: Model, scene: Scene, folder: Path) -> Path:
+    """The model's C, which its validation builds: for replay, not for a hand or a board."""
+    folder.mkdir(parents=True, exist_ok=True)
+    model_file = folder / f"{kind}.spm"
+    write_model(model_file, model)
+    write_emission(make_plan(model, scene, accept_unsafe=True), scene, model_file, folder / kind)
+    return folder / kind

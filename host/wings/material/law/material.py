@@ -1,0 +1,175 @@
+"""What a material scientist reads from a fitted springpot: moduli, relaxation, Prony series."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import gamma, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot import Model, UsageError
+from springpot.basics import Samples
+from springpot.host.wings.material.law.fractional_solid import branches_for
+
+_FINE = 0.01  # of the shortest time: time step of the branches of a relaxation
+_MAX_TIP = 20  # diameter over height: beyond, 40 nodes are too few
+_NODES = 40  # of the layer's integral equation
+_POISSON = 0.5  # rubbers keep their volume
+_KAPPA = 3.0 - 4.0 * _POISSON
+
+
+@dataclass(frozen=True)
+class Law:
+    """Force of unit depth: stiffness + coefficient D^order, in N/m, N s^order/m.
+
+    intervals: half widths of the 95 % intervals, under the same names; None where the recordings
+    do not show a number, and not_identified says why. instant_npm: of a fractional Zener solid,
+    the stiffness of an instant step; else None. residual_percent: what the law misses of the
+    force that varies, rms. covered_hz: frequencies of the recordings; measured: what cyclic ones
+    show by themselves.
+    """
+
+    stiffness_npm: float
+    coefficient: float
+    order: float
+    intervals: Mapping[str, float | None]
+    instant_npm: float | None = None
+    not_identified: Mapping[str, str] = field(default_factory=dict)
+    residual_percent: float | None = None
+    covered_hz: tuple[float, float] | None = None
+    measured: Sequence[Mapping[str, float]] = ()
+
+    @property
+    def time_s(self) -> float | None:
+        """Relaxation time of a Zener solid; else T of the form k (1 + (T s)^order), s, None
+        where there is no spring."""
+        scale = self.stiffness_npm
+        if self.instant_npm is not None:
+            scale = self.instant_npm - self.stiffness_npm
+        return float((self.coefficient / scale) ** (1.0 / self.order)) if scale > 0.0 else None
+
+    def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
+        """Storage (real) and loss (imaginary) stiffness of a small sine, (n,), N/m."""
+        part = self.coefficient * (2j * np.pi * np.asarray(frequency_hz)) ** self.order
+        if self.instant_npm is not None:
+            part = part / (1.0 + part / (self.instant_npm - self.stiffness_npm))
+        return (self.stiffness_npm + part).astype(np.complex128)
+
+    def relaxing_npm(self, time_s: Samples) -> Samples:
+        """Force after a step of unit depth, (n,), N/m."""
+        times = np.asarray(time_s, dtype=np.float64)
+        if self.instant_npm is not None:
+            assert self.time_s is not None
+            branches = branches_for(_FINE * float(times.min()), float(times.max()))
+            weights, slow = branches.weights(self.order, self.time_s)
+            shares = np.exp(-times[:, None] / branches.tau_s) @ weights + slow
+            zener: Samples = self.stiffness_npm + (self.instant_npm - self.stiffness_npm) * shares
+            return zener
+        falling: Samples = self.coefficient * times**-self.order / gamma(1.0 - self.order)
+        return self.stiffness_npm + falling
+
+
+@dataclass(frozen=True, eq=False)
+class Prony:
+    """The same law as the C has it: a spring and Maxwell branches, N/m, fast first.
+
+    tau_s, branch_npm: (branches,).
+    """
+
+    long_term_npm: float
+    tau_s: Samples
+    branch_npm: Samples
+
+    @property
+    def instant_npm(self) -> float:
+        """Stiffness of an instant step, N/m."""
+        return self.long_term_npm + float(self.branch_npm.sum())
+
+    def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
+        """Storage and loss stiffness as in `Law.dynamic_npm`, (n,), N/m."""
+        s = 2j * np.pi * np.asarray(frequency_hz, dtype=np.float64)[:, None] * self.tau_s
+        stiffness: NDArray[np.complex128] = self.long_term_npm + (
+            self.branch_npm * s / (1.0 + s)
+        ).sum(axis=1)
+        return stiffness
+
+
+def law_of(model: Model) -> Law:
+    """Numbers of a model of kind springpot. Raises UsageError for other kinds."""
+    if model.kind != "springpot" or "material" not in model.provenance:
+        raise UsageError(
+            f"{model.name}: a model of kind {model.kind} has no material law: train with "
+            "--model springpot"
+        )
+    provenance = model.provenance
+    material = {name: (found[0], found[1]) for name, found in provenance["material"].items()}
+    value = {name: float(found[0]) for name, found in material.items()}
+    covered = provenance.get("covered_hz")
+    return Law(
+        stiffness_npm=value["stiffness_npm"],
+        coefficient=value["coefficient"],
+        order=value["order"],
+        intervals={name: found[1] for name, found in material.items()},
+        instant_npm=value.get("instant_npm"),
+        not_identified=provenance.get("not_identified", {}),
+        residual_percent=provenance.get("residual_percent"),
+        covered_hz=(covered[0], covered[1]) if covered else None,
+        measured=provenance.get("measured", ()),
+    )
+
+
+def prony_of(model: Model) -> Prony:
+    """Spring and branches of a springpot model. Raises UsageError for other kinds."""
+    law_of(model)
+    passive = model.hammerstein
+    assert passive is not None
+    order = np.argsort(passive.tau_s)
+    return Prony(
+        long_term_npm=float(passive.elastic_n[0] / passive.span_m),
+        tau_s=passive.tau_s[order],
+        branch_npm=passive.branch_n[order, 0] / passive.span_m,
+    )
+
+
+def shear_pa_per_npm(tip_m: float, height_m: float | None) -> float:
+    """Shear modulus of unit stiffness under a flat round tip of diameter `tip_m`, 1/m.
+
+    F = 8 G a kappa x for an incompressible specimen that is wide, bonded to its base, and pressed
+    little; kappa of `layer_factor`, 1 where no height is given. Raises UsageError for sizes.
+    """
+    for name, value in (("--tip-mm", tip_m), ("--height-mm", height_m)):
+        if value is not None and not (isfinite(value) and value > 0.0):
+            raise UsageError(f"{name} {1e3 * value:g}: give a size above 0")
+    if height_m is not None and tip_m > _MAX_TIP * height_m:
+        raise UsageError(
+            f"--height-mm {1e3 * height_m:g}: a tip of {1e3 * tip_m:g} mm is more than {_MAX_TIP} "
+            "times as wide, beyond what the layer's equation is solved for: both are in mm"
+        )
+    radius_m = tip_m / 2.0
+    factor = 1.0 if height_m is None else layer_factor(radius_m / height_m)
+    return 1.0 / (8.0 * radius_m * factor)
+
+
+def layer_factor(radius_per_height: float) -> float:
+    """How much stiffer an incompressible layer on a rigid base is than a half space.
+
+    The integral equation of Lebedev and Ufliand (1958) for a flat punch, as in Hayes et al.
+    (1972), solved on Gauss-Legendre nodes. 1 for a thick specimen.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    t, w = 0.5 * (nodes + 1.0), 0.5 * weights
+    # 1 - L falls as exp(-2 y): 20 heights are infinity.
+    fine, fine_weights = np.polynomial.legendre.leggauss(400)
+    y, dy = 10.0 * (fine + 1.0), 10.0 * fine_weights
+    cosines = np.cos(radius_per_height * np.outer(t, y))
+    kernel = radius_per_height * (cosines * ((1.0 - _layer_compliance(y)) * dy)) @ cosines.T
+    phi = np.linalg.solve(np.eye(_NODES) - 2.0 / np.pi * kernel * w, np.ones(_NODES))
+    return float(w @ phi)
+
+
+def _layer_compliance(y: Samples) -> Samples:
+    """Compliance of a bonded layer against a half space's, wave number times height y."""
+    above = 2.0 * _KAPPA * np.sinh(2.0 * y) - 4.0 * y
+    below = 2.0 * _KAPPA * np.cosh(2.0 * y) + 4.0 * y**2 + 1.0 + _KAPPA**2
+    compliance: Samples = above / below
+    return compliance

@@ -1,0 +1,122 @@
+"""What `springpot material` finds: JSON values, tables and a figure of a fitted springpot."""
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot import DataError, UsageError
+from springpot.basics import write_file, written_aside
+from springpot.host.wings.material.figure import moduli_figure
+from springpot.host.wings.material.law.material import Law, Prony
+
+_FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 31)
+_NAMED_HZ = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
+_TIMES = 61  # of relaxation, as far as the recordings reach
+
+
+def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, Any]:
+    """Keys of `material --json`; moduli (Pa) where a scale (1/m) is known, else stiffness."""
+    by, unit = (1.0, "n_per_m") if scale is None else (scale, "pa")
+    dynamic = law.dynamic_npm(_FREQUENCIES_HZ)
+    low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
+    band_hz = np.geomspace(low_hz, high_hz, len(_FREQUENCIES_HZ))
+    ratio = prony.dynamic_npm(band_hz) / law.dynamic_npm(band_hz)
+    named = law.dynamic_npm(np.array(_NAMED_HZ))
+    result: dict[str, Any] = {
+        "stiffness_npm": law.stiffness_npm,
+        "coefficient": law.coefficient,
+        "order": law.order,
+        "instant_npm": law.instant_npm,
+        "time_s": law.time_s,
+        "intervals_95": dict(law.intervals),
+        "not_identified": dict(law.not_identified),
+        "residual_percent": law.residual_percent,
+        "covered_hz": law.covered_hz,
+        "measured": [
+            {
+                "frequency_hz": point["frequency_hz"],
+                "storage": by * point["storage_npm"],
+                "loss": by * point["loss_npm"],
+            }
+            for point in law.measured
+        ],
+        "unit": unit,
+        "frequency_hz": _FREQUENCIES_HZ.tolist(),
+        "extrapolated": extrapolated(law).tolist(),
+        "storage": (by * dynamic.real).tolist(),
+        "loss": (by * dynamic.imag).tolist(),
+        "loss_factor": {
+            f"{hz:g}": float(value.imag / value.real)
+            for hz, value in zip(_NAMED_HZ, named, strict=True)
+        },
+        "prony": {
+            "long_term": by * prony.long_term_npm,
+            "instant": by * prony.instant_npm,
+            "tau_s": prony.tau_s.tolist(),
+            "share": (prony.branch_npm / prony.instant_npm).tolist(),
+            "max_error": float(np.max(np.abs(ratio - 1.0))),
+        },
+    }
+    if scale is not None:
+        result["shear_modulus_pa"] = scale * law.stiffness_npm
+    return result
+
+
+def extrapolated(law: Law) -> NDArray[np.bool_]:
+    """Whether no recording reaches a frequency of the table: (frequencies,)."""
+    low_hz, high_hz = law.covered_hz or (0.0, np.inf)
+    beyond: NDArray[np.bool_] = (low_hz > _FREQUENCIES_HZ) | (high_hz < _FREQUENCIES_HZ)
+    return beyond
+
+
+def require_prony(result: dict[str, Any], limit: float) -> None:
+    """Raise DataError where the Prony series misses the law by more than a share."""
+    error = result["prony"]["max_error"]
+    if error > limit:
+        raise DataError(
+            f"the Prony series misses the law by {100 * error:.2g} % at frequencies that were "
+            f"recorded: record at a higher rate, or accept it, --prony-error {100 * error:.0f}%"
+        )
+
+
+def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> list[str]:
+    """Write moduli.csv, relaxation.csv, prony.csv and moduli.svg; return their names."""
+    by, unit = (1.0, "npm") if scale is None else (scale, "pa")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
+    dynamic = by * law.dynamic_npm(_FREQUENCIES_HZ)
+    beyond = extrapolated(law)
+    columns = [_FREQUENCIES_HZ, dynamic.real, dynamic.imag, beyond]
+    header = ["frequency_hz", f"storage_{unit}", f"loss_{unit}", "extrapolated"]
+    _table(out / "moduli.csv", header, columns)
+    low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
+    time_s = np.geomspace(0.1 / high_hz, 1.0 / low_hz, _TIMES)
+    relaxing = by * law.relaxing_npm(time_s)
+    _table(out / "relaxation.csv", ["time_s", f"relaxation_{unit}"], [time_s, relaxing])
+    # The order of columns that finite-element programs read: shear share, bulk share, time.
+    shares = prony.branch_npm / prony.instant_npm
+    header = ["shear_share", "bulk_share", "tau_s"]
+    _table(out / "prony.csv", header, [shares, np.zeros_like(shares), prony.tau_s])
+    discretised = by * prony.dynamic_npm(_FREQUENCIES_HZ)
+    measured = [
+        (point["frequency_hz"], by * complex(point["storage_npm"], point["loss_npm"]))
+        for point in law.measured
+    ]
+    figure = moduli_figure(
+        _FREQUENCIES_HZ, dynamic, discretised, measured, beyond, (time_s, relaxing), unit
+    )
+    write_file(out / "moduli.svg", figure.encode())
+    return ["moduli.csv", "relaxation.csv", "prony.csv", "moduli.svg"]
+
+
+def _table(file: Path, header: Sequence[str], columns: Sequence[Any]) -> None:
+    with written_aside(file) as aside, aside.open("w", newline="") as text:
+        writer = csv.writer(text)
+        writer.writerow(header)
+        writer.writerows(np.stack(columns, axis=1).tolist())

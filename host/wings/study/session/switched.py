@@ -1,0 +1,119 @@
+"""Several scenes in one session of the C loop, one of them felt: sp_switch.h."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from springpot import MismatchError
+from springpot.basics import Samples
+from springpot.loop import IDLE, NONE, RESET, StepFunctions, loop_library
+from springpot.native import CLibrary, Replay, SceneLibrary
+from springpot.validation import bits_differ
+
+MAX_PLACES = 3  # beside place 0, where nothing is felt
+# Far below what a hand feels, above what a smoothed force leaves behind.
+_FADED_N = 1e-3
+
+
+class SwitchedScenes:
+    """Scenes in places 1, 2 and 3 of one loop; place 0 gives no force. All of one number type."""
+
+    def __init__(self, real: str, latency_s: float = 0.0) -> None:
+        """real: "float" or "double"; latency_s: what every step lasts, whichever scene it is."""
+        self._library: CLibrary = loop_library(real)
+        self._c = self._library.c
+        self._switch = self._library.ffi.new(
+            "sp_switch *", {"latency_ns": round(1e9 * latency_s), "faded_n": _FADED_N}
+        )
+        self._kept: list[Any] = []
+
+    def steps(self) -> StepFunctions:
+        """What a loop calls."""
+        names = ("sp_switch_step", "sp_switch_idle", "sp_switch_reset")
+        step, idle, reset = (self._library.address(getattr(self._c, name)) for name in names)
+        state = self._library.address(self._switch)
+        return StepFunctions(self._library, step, idle, reset, state, kept=(self._switch, self))
+
+    def place(self, scenes: Sequence[SceneLibrary | None]) -> None:
+        """Put scenes into places 1, 2, ...; None: without one. Nothing may be felt meanwhile."""
+        assert self.active == 0 and self.wanted == 0, "scenes are changed where nothing is felt"
+        assert len(scenes) <= MAX_PLACES
+        self._kept = []
+        for k in range(MAX_PLACES):
+            scene = scenes[k] if k < len(scenes) else None
+            self._switch.scenes[k + 1] = self._pointers(scene)
+
+    def want(self, place: int) -> None:
+        """Feel this place as soon as the tool is above the surface."""
+        self._c.sp_switch_want(self._switch, place)
+
+    @property
+    def wanted(self) -> int:
+        return int(self._switch.wanted)
+
+    @property
+    def active(self) -> int:
+        """Which place is felt."""
+        return int(self._c.sp_switch_active(self._switch))
+
+    @property
+    def overruns(self) -> int:
+        """Steps that took longer than the latency, so far."""
+        return int(self._switch.overruns)
+
+    @property
+    def max_step_s(self) -> float:
+        """The longest step of a scene so far."""
+        return 1e-9 * float(self._switch.max_ns)
+
+    def _pointers(self, scene: SceneLibrary | None) -> dict[str, Any]:
+        null = self._library.ffi.NULL
+        if scene is None:
+            return dict.fromkeys(("step", "idle", "reset", "state"), null)
+        state = scene.new_state()
+        self._kept += [scene, state]
+        found = {name: self._library.pointer(scene.address(name))
+                 for name in ("step", "idle", "reset")}  # fmt: skip
+        return {**found, "state": self._library.pointer(state.address)}
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedNotes:
+    """Notes of a log's rows, taken apart: the scenes' own, the place (n,), whether it was reset."""
+
+    notes: Any
+    place: Any
+    reset: Any
+
+    @classmethod
+    def of(cls, notes: Samples) -> "PlacedNotes":
+        """Of the column of a log."""
+        whole = notes.astype(np.int64)
+        return cls(whole & 0xFF, (whole >> 8) & 3, (whole & (4 << 8)) != 0)
+
+
+def require_same_forces(log: str, channels: Any, scenes: Sequence[SceneLibrary | None]) -> int:
+    """Make every call of a log again through its scenes; how many ticks were compared.
+
+    Raises MismatchError where one gives another force or another note.
+    """
+    found, call = PlacedNotes.of(channels["notes"]), channels["call"].astype(np.int64)
+    compared = 0
+    for place, scene in enumerate(scenes, 1):
+        rows = (found.place == place) & ((call & NONE) == 0)
+        if scene is None or not rows.any():
+            continue
+        calls = {name: values[rows] for name, values in channels.items()}
+        calls["call"] = np.where(found.reset[rows], RESET, 0) | (call[rows] & IDLE)
+        force_n, notes = Replay(scene).repeat(calls)
+        logged_n = calls["returned_n"].astype(force_n.dtype)
+        other = bits_differ(force_n, logged_n) | (notes != found.notes[rows])
+        if wrong := int(np.sum(other)):
+            raise MismatchError(
+                f"{log}: {wrong} of {int(rows.sum())} ticks of place {place} give another force "
+                "than the emitted C: the log or the scene was changed"
+            )
+        compared += int(rows.sum())
+    return compared

@@ -1,0 +1,174 @@
+"""Sizes on the target: without its compiler they are null and say why; they are added later."""
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from support.bench_folder import CANDIDATES, asked, small
+from support.cross_tools import path_with, path_without
+
+from springpot.codegen.errors import BudgetError, UsageError
+from springpot.host.cli import springpot
+from springpot.host.native.toolchain import missing_tools
+from springpot.host.native.wasm_module import wasm_module
+from springpot.host.wings.evidence.benchmark.choice import choose_within
+from springpot.host.wings.evidence.benchmark.node_ticks import untimed
+from springpot.host.wings.evidence.benchmark.picks import (
+    PlatformBudget,
+    budgets,
+    misfit,
+    pareto,
+    pick,
+    why,
+)
+from springpot.host.wings.evidence.benchmark.point import Point
+from springpot.host.wings.evidence.benchmark.report import bench_page
+from springpot.host.wings.evidence.benchmark.run import run_bench
+from springpot.host.wings.evidence.benchmark.store import read_result
+from springpot.host.wings.evidence.sweep import Candidate
+from springpot.trainer import parallel
+from springpot.trainer.models.fit import FitOptions
+
+REMEDY = "no compiler for cortex-m4f: `apt-get install gcc-arm-none-eabi`"
+
+
+def in_this_process(
+    work: Callable[[Any], Any], items: list[Any], dask: str | None
+) -> Iterator[Any]:
+    """Workers keep the PATH that they were started with."""
+    return map(work, items)
+
+
+@pytest.fixture(scope="module")
+def without(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A benchmark of two models on a machine without a compiler for its target."""
+    folder = tmp_path_factory.mktemp("sizes")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PATH", path_without(folder / "bin"))
+        return measured(folder / "bench", patch)[0]
+
+
+def measured(folder: Path, patch: pytest.MonkeyPatch) -> tuple[Path, dict[str, Any]]:
+    patch.setattr(parallel, "in_parallel", in_this_process)
+    two = [CANDIDATES[4], Candidate("hammerstein", FitOptions(poles=3))]
+    with small(lambda *_: list(two)):
+        return folder, run_bench(asked(), folder, "springpot bench")
+
+
+def test_an_unmeasured_size_is_null_and_says_why(without: Path) -> None:
+    result = read_result(without)
+    assert len(result["points"]) == 2
+    for point in result["points"]:
+        assert point["flash_bytes"] is point["stack_bytes"] is point["sizes_compiler"] is None
+        assert point["why"] == REMEDY
+        assert point["ram_bytes"] > 0
+    found = result["picks"]["cortex-m4f"]
+    assert found["point"] == result["picks"]["pc-1khz"]["point"]
+    assert f"flash could not be measured ({REMEDY})" in found["why"]
+    assert "could not be measured" not in result["picks"]["pc-1khz"]["why"]
+
+
+def test_the_page_says_unknown_and_why(without: Path) -> None:
+    text = bench_page(read_result(without), "bench")
+    assert "flash unknown (cortex-m4f; no compiler for cortex-m4f" in text
+    assert "unknown where it could not be measured: no compiler for cortex-m4f" in text
+    assert "apt-get install gcc-arm-none-eabi" in text
+
+
+def test_a_pick_of_unknown_flash_is_emitted(
+    without: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))
+    arguments = ["emit", "--pick", "cortex-m4f", "--bench", str(without), "--json", "--out"]
+    done = CliRunner().invoke(springpot, [*arguments, str(tmp_path / "c")], catch_exceptions=False)
+    assert done.exit_code == 0, done.stderr
+    assert json.loads(done.stdout)["flash_bytes"] is None
+    assert f"flash and stack could not be measured: {REMEDY}" in done.stderr
+    assert "not checked against the budget: flash, at most 262144 bytes" in done.stderr
+    scene = json.loads((tmp_path / "c/from/scene.json").read_text())
+    assert scene["runtime"]["target"] == "cortex-m4f"
+    assert scene["budget"]["flash_bytes"] == 256 * 1024
+
+
+def test_a_stated_limit_is_checked_or_refused(without: Path) -> None:
+    with pytest.raises(BudgetError, match=r"--flash 9000: flash could not be measured \(no comp"):
+        choose_within(without, PlatformBudget("mine", "mine", flash_bytes=9000))
+    found, _ = choose_within(without, PlatformBudget("mine", "mine", ram_bytes=65536))
+    assert found.ram_bytes <= 65536
+
+
+def test_a_compiler_that_comes_later_adds_only_sizes(
+    without: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = read_result(without)
+    monkeypatch.setenv("PATH", path_without(tmp_path / "plain"))  # no emulator either
+    monkeypatch.setenv("PATH", path_with(tmp_path / "bin"))
+    folder = shutil.copytree(without, tmp_path / "bench")
+    _, result = measured(folder, monkeypatch)
+    assert (result["computed"], result["computed_sizes"], result["computed_isolated"]) == (0, 2, 0)
+    for point, old in zip(result["points"], before["points"], strict=True):
+        assert point["flash_bytes"] > 1000
+        assert point["why"] is None
+        assert point["sizes_compiler"]
+        for name in ("key", "hash", "rmse_n", "tick_ns_hot", "point_s", "worker", "ram_bytes"):
+            assert point[name] == old[name]
+    assert "could not be measured" not in result["picks"]["cortex-m4f"]["why"]
+    assert "unknown" not in bench_page(result, "bench").split("<h2>The recordings")[0]
+    monkeypatch.setenv("PATH", path_without(tmp_path / "none"))  # what was measured stays
+    _, again = measured(folder, monkeypatch)
+    assert (again["computed"], again["computed_sizes"]) == (0, 0)
+    assert [p["flash_bytes"] for p in again["points"]] == [
+        p["flash_bytes"] for p in result["points"]
+    ]
+
+
+def test_a_size_that_is_not_known_neither_wins_nor_loses() -> None:
+    def point(key: str, error: float, tick: float, flash: int | None) -> Point:
+        metadata: dict[str, Any] = {
+            "key": key,
+            "cv_rmse_n": error,
+            "tick_ns_hot": tick,
+            "flash_bytes": flash,
+        }
+        metadata |= {"ram_bytes": 100, "active_cells": 0, "any_rate": True}
+        metadata |= {
+            "number": "float32",
+            "why": None if flash else REMEDY,
+            "bounded": True,
+            "model": "x",
+        }
+        return Point.from_dict(metadata)
+
+    slow, fast = point("slow", 2.0, 900.0, None), point("fast", 1.0, 50.0, 9000)
+    assert pareto([slow, fast]) == {"fast"}
+    *_, board = budgets("cortex-m4f")
+    assert misfit(slow, board, 1000.0) is None
+    large = point("large", 0.5, 50.0, 300_000)
+    points = [slow, large]
+    assert pick(points, board, 1000.0, lambda found: found) is slow
+    assert "1 above 262144 bytes of flash" in why(slow, points, board, 1000.0)
+    assert why(slow, points, board, 1000.0).endswith(f"({REMEDY}), and did not decide")
+
+
+def test_the_tools_of_these_tests_are_what_they_say(tmp_path: Path) -> None:
+    for folder in (Path(item) for item in path_without(tmp_path / "bin").split(os.pathsep)):
+        assert not list(folder.glob("arm-none-eabi-*"))
+    assert (Path(path_with(tmp_path / "with").split(os.pathsep)[0]) / "arm-none-eabi-gcc").exists()
+
+
+def test_a_machine_without_clang_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))
+    install = "`apt-get install clang lld` or `pip install 'springpot[cc]'`"
+    remedy = f"no compiler for wasm32: {install}"
+    assert missing_tools("wasm32") == remedy == untimed()
+    with pytest.raises(UsageError, match="no compiler for wasm32"):
+        wasm_module([], [], [])
+    *_, page = budgets("wasm32")
+    assert (page.name, page.flash_bytes, page.ram_bytes) == ("wasm32", 120 * 1024, None)

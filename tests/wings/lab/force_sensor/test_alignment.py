@@ -1,0 +1,128 @@
+"""A late force sensor is found to half a sample by the motion of the tool, or says how unsure."""
+
+import numpy as np
+import pytest
+
+from springpot.codegen.errors import DeviceError
+from springpot.host.simulation.bench import ObjectMotion
+from springpot.host.simulation.objects import SimulatedObject
+from springpot.host.wings.lab.force_sensor.alignment import (
+    ForcedMotion,
+    aligned_force,
+    alignment_command,
+    find_delay,
+)
+
+_SUBSTEPS = 10
+
+
+def pressed(
+    name: str,
+    late_s: float,
+    *,
+    mass_kg: float = 0.25,
+    friction_n: float = 0.05,
+    motor_s: float = 1e-3,
+    step_m: float = 5e-6,
+    seed: int = 0,
+    sign: float = 1.0,
+) -> ForcedMotion:
+    """A tool that a chirp presses into an object; stick and slip, encoder steps, a noisy sensor."""
+    draw = np.random.default_rng(seed)
+    command_n = np.concatenate([np.zeros(100), alignment_command(1000.0), np.zeros(150)])
+    n, h = len(command_n), 1e-3 / _SUBSTEPS
+    held = ObjectMotion(SimulatedObject(name), h)
+    at_m, speed_mps = np.zeros(1), 0.0
+    position_m, force_n = np.empty(n), np.empty(n * _SUBSTEPS)
+    for i in range(n * _SUBSTEPS):
+        if i % _SUBSTEPS == 0:
+            position_m[i // _SUBSTEPS] = at_m[0]
+        tick = int(np.floor((i * h - motor_s) / 1e-3 + 1e-9))
+        motor_n = command_n[tick] if tick >= 0 else 0.0
+        force_n[i] = held.move(at_m)[0]
+        push_n = motor_n - force_n[i] - 3.0 * speed_mps
+        if abs(speed_mps) < 1e-4 and abs(push_n) <= friction_n:
+            speed_mps = 0.0
+        else:
+            way = np.sign(speed_mps if abs(speed_mps) > 1e-9 else push_n)
+            speed_mps += h * (push_n - friction_n * way) / mass_kg
+        at_m[0] += h * speed_mps
+    t_s = np.arange(n) * 1e-3
+    sensor_s = t_s + draw.uniform(0, 1e-3)
+    felt_n = np.interp(sensor_s - late_s, np.arange(n * _SUBSTEPS) * h, force_n)
+    read_m = step_m * np.round((position_m + 3e-6 * draw.normal(size=n)) / step_m)
+    sensor_n = sign * felt_n + 0.015 * draw.normal(size=n)
+    return ForcedMotion(t_s, read_m, command_n, sensor_s, sensor_n)
+
+
+@pytest.mark.parametrize(
+    ("name", "late_ms", "mass_kg", "friction_n"),
+    [
+        ("ecoflex-00-30", 1.0, 0.12, 0.0),
+        ("bergstrom-boyce", 4.7, 0.5, 0.2),
+        ("dragon-skin-10", 12.3, 0.2, 0.1),
+        ("ecoflex-00-10", 20.0, 0.3, 0.02),
+    ],
+)
+def test_the_delay_is_found_within_half_a_sample(
+    name: str, late_ms: float, mass_kg: float, friction_n: float
+) -> None:
+    motion = pressed(name, 1e-3 * late_ms, mass_kg=mass_kg, friction_n=friction_n)
+    found = find_delay(motion, "sensor")
+    assert abs(found.value_s - 1e-3 * late_ms) < 0.5e-3
+    assert found.low_s <= 1e-3 * late_ms <= found.high_s
+    assert found.mass_kg == pytest.approx(mass_kg, rel=0.1)
+
+
+@pytest.mark.slow
+def test_twenty_devices() -> None:
+    """Within half a sample, or the interval holds the truth and says that it is wider."""
+    draw = np.random.default_rng(21)
+    names = ("ecoflex-00-30", "ecoflex-00-50", "dragon-skin-10", "bergstrom-boyce")
+    inside = 0
+    for seed in range(20):
+        late_s = draw.uniform(1e-3, 20e-3)
+        motion = pressed(
+            names[seed % 4], late_s, mass_kg=float(np.exp(draw.uniform(np.log(0.1), np.log(0.8)))),
+            friction_n=draw.uniform(0, 0.3), motor_s=draw.uniform(0, 3e-3),
+            step_m=float(np.exp(draw.uniform(np.log(2e-6), np.log(2e-5)))), seed=seed,
+        )  # fmt: skip
+        found = find_delay(motion, "sensor")
+        error_s, half_s = abs(found.value_s - late_s), (found.high_s - found.low_s) / 2
+        print(f"{seed} {names[seed % 4]}: error {1e3 * error_s:.3f} ms of +- {1e3 * half_s:.3f}")
+        assert error_s < 0.5e-3 or half_s > 0.5e-3
+        inside += error_s <= half_s
+    assert inside >= 17
+
+
+def test_a_sensor_of_the_wrong_sign() -> None:
+    with pytest.raises(DeviceError, match="turn its sign, &n_per_unit=-1"):
+        find_delay(pressed("ecoflex-00-30", 5e-3, sign=-1.0), "sensor")
+
+
+def test_a_force_that_is_not_the_tool_s() -> None:
+    motion = pressed("ecoflex-00-30", 5e-3)
+    other = np.random.default_rng(3).normal(size=len(motion.sensor_n))
+    moved = ForcedMotion(motion.t_s, motion.position_m, motion.motor_n, motion.sensor_s,
+                         motion.sensor_n + np.convolve(other, np.ones(30), "same"))  # fmt: skip
+    with pytest.raises(DeviceError, match="does not fit the tool's motion"):
+        find_delay(moved, "sensor")
+
+
+def test_ticks_that_are_made_up_for_at_once() -> None:
+    """A busy computer: now and then ten ticks come at one time, with one force."""
+    motion = pressed("ecoflex-00-30", 5e-3)
+    t_s, motor_n = motion.t_s.copy(), motion.motor_n.copy()
+    position_m = motion.position_m.copy()
+    for late in range(300, len(t_s) - 300, 90):
+        t_s[late : late + 10] = t_s[late + 9] + 1e-7 * np.arange(10)
+        position_m[late : late + 10] = position_m[late + 9]
+    found = find_delay(ForcedMotion(t_s, position_m, motor_n, motion.sensor_s, motion.sensor_n), "")
+    assert abs(found.value_s - 5e-3) < 1e-3
+    assert found.low_s <= 5e-3 <= found.high_s
+
+
+def test_force_is_taken_as_much_later() -> None:
+    t_s = np.arange(10) * 1e-3
+    sensor_s = np.arange(40) * 0.5e-3
+    assert aligned_force(t_s, 2e-3, sensor_s, sensor_s) == pytest.approx(t_s + 2e-3)

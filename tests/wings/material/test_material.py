@@ -1,0 +1,239 @@
+"""The springpot law comes back from samples of itself, and its tables are the law's."""
+
+import csv
+import dataclasses
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from support.caputo import caputo_derivative
+from support.small import model_file, press, small_model
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.model_file import write_model
+from springpot.host.wings.material.commands.material import material
+from springpot.host.wings.material.law.material import (
+    Law,
+    law_of,
+    layer_factor,
+    prony_of,
+    shear_pa_per_npm,
+)
+from springpot.host.wings.material.result import material_result
+from springpot.trainer.features.fractional import gl_weights
+from springpot.trainer.features.values import highpass
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.recording import Recording
+
+DT_S = 1e-3
+# Published for Ecoflex 00-30: G (1 + (T s)^order) with 23 kPa, 330 us, 0.32.
+ECOFLEX_PA, ECOFLEX_S, ECOFLEX_ORDER = 23e3, 330e-6, 0.32
+TIP_M, HEIGHT_M = 0.006, 0.035
+
+
+def springpot_recordings(
+    stiffness_npm: float, coefficient: float, order: float
+) -> tuple[Recording, ...]:
+    """Presses of a law whose derivative is a Grünwald-Letnikov sum over the whole past."""
+    recordings = []
+    for share in (0.3, 1.0):
+        for frequency_hz in (0.2, 0.5, 1.0, 2.0, 5.0):
+            x = press(frequency_hz, share * 0.01)
+            weights = gl_weights(order, len(x)) * DT_S**-order
+            derivative = np.convolve(x, weights)[: len(x)]
+            force_n = stiffness_npm * x + coefficient * derivative
+            recordings.append(Recording(f"{share}-{frequency_hz}", x, force_n, DT_S))
+    return tuple(recordings)
+
+
+def fitted(stiffness_npm: float, coefficient: float, order: float) -> Model:
+    recordings = springpot_recordings(stiffness_npm, coefficient, order)
+    return fit_model("springpot", "x", recordings, FitOptions()).model
+
+
+@cache
+def ecoflex() -> Model:
+    stiffness_npm = ECOFLEX_PA / shear_pa_per_npm(TIP_M, HEIGHT_M)
+    return fitted(stiffness_npm, stiffness_npm * ECOFLEX_S**ECOFLEX_ORDER, ECOFLEX_ORDER)
+
+
+@pytest.mark.parametrize("order", [0.1, 0.3, 0.6, 0.75, 0.95])
+def test_the_order_of_an_exact_springpot_comes_back(order: float) -> None:
+    law = law_of(fitted(1.0, 1.0, order))
+    assert law.order == pytest.approx(order, abs=0.01)
+    assert law.stiffness_npm == pytest.approx(1.0, abs=0.03)
+    assert law.coefficient == pytest.approx(1.0, abs=0.03)
+
+
+def test_a_springpot_without_a_spring() -> None:
+    law = law_of(fitted(0.0, 50.0, 0.3))
+    assert law.order == pytest.approx(0.3, abs=0.01)
+    assert law.stiffness_npm == pytest.approx(0.0, abs=0.5)
+    assert Law(0.0, 50.0, 0.3, {}).time_s is None
+
+
+def test_the_published_ecoflex_comes_back() -> None:
+    law = law_of(ecoflex())
+    modulus_pa = shear_pa_per_npm(TIP_M, HEIGHT_M) * law.stiffness_npm
+    assert modulus_pa == pytest.approx(ECOFLEX_PA, rel=0.01)
+    assert law.order == pytest.approx(ECOFLEX_ORDER, abs=0.01)
+    assert law.time_s == pytest.approx(ECOFLEX_S, rel=0.05)
+    factors = material_result(law, prony_of(ecoflex()), None)["loss_factor"]
+    published = {"0.2": 0.04, "1": 0.06, "5": 0.09}
+    assert {hz: factors[hz] for hz in published} == pytest.approx(published, abs=0.01)
+
+
+def zener_recordings(order: float, time_s: float) -> tuple[Recording, ...]:
+    """Presses of 100 N/m at rest and 300 N/m at once, by a sum of many Maxwell branches."""
+    tau_s = np.geomspace(1e-5, 1e5, 400)
+    far = order * np.log(tau_s / time_s)
+    spectrum = np.sin(np.pi * order) / (2 * np.pi * (np.cosh(far) + np.cos(np.pi * order)))
+    weights = 200.0 * spectrum * np.log(tau_s[1] / tau_s[0])
+    recordings = []
+    for frequency_hz in (0.1, 0.3, 1.0, 3.0, 10.0):
+        x = press(frequency_hz, 0.01)
+        shares = np.stack([highpass(x, tau, DT_S) for tau in tau_s.tolist()], axis=1)
+        recordings.append(Recording(f"{frequency_hz}", x, 100.0 * x + shares @ weights, DT_S))
+    return tuple(recordings)
+
+
+def test_a_zener_solid_comes_back_with_its_instant_stiffness() -> None:
+    recordings = zener_recordings(0.5, 0.2)
+    law = law_of(fit_model("springpot", "x", recordings, FitOptions(smooth_s=0.0)).model)
+    assert law.order == pytest.approx(0.5, abs=0.015)
+    assert law.time_s == pytest.approx(0.2, rel=0.05)
+    assert law.stiffness_npm == pytest.approx(100.0, rel=0.02)
+    assert law.instant_npm == pytest.approx(300.0, rel=0.02)
+    assert not law.not_identified
+    # The force of a step falls from the one to the other.
+    relaxing_npm = law.relaxing_npm(np.geomspace(1e-6, 1e6, 50))
+    assert np.all(np.diff(relaxing_npm) < 0.0)
+    assert relaxing_npm[[0, -1]] == pytest.approx([300.0, 100.0], rel=0.03)
+
+
+def test_a_preloaded_solid_has_a_bias_and_the_order_of_its_loops() -> None:
+    recordings = [
+        dataclasses.replace(r, force_n=r.force_n + 3.0, zero="min")
+        for r in springpot_recordings(300.0, 100.0, 0.3)
+    ]
+    fit = fit_model("springpot", "x", recordings, FitOptions())
+    law = law_of(fit.model)
+    assert law.order == pytest.approx(0.3, abs=0.02)
+    assert fit.model.hammerstein.bias_n == pytest.approx(3.0, abs=0.01)
+    predicted_n = predict_n(fit.model, recordings[0])
+    assert np.abs(predicted_n - recordings[0].force_n).max() < 0.02
+
+
+def test_one_speed_identifies_no_order() -> None:
+    """A stiffening object, pressed at one speed: the fit is a number, and says nothing."""
+    x = np.abs((np.arange(4000) / 1000.0 + 1.0) % 2.0 - 1.0) * 0.01
+    recording = Recording("ramps", x, 2e6 * x**2, DT_S)
+    law = law_of(fit_model("springpot", "x", [recording], FitOptions()).model)
+    assert set(law.not_identified) == {"stiffness_npm", "coefficient", "order"}
+    assert "one speed of pressing only: press at three speeds" in law.not_identified["order"]
+    assert all(width is None for width in law.intervals.values())
+
+
+def test_real_recordings_at_a_preload(shared_data: Path) -> None:
+    """No order is quoted that the frequencies do not show; the loss is that of the loops."""
+    file = shared_data / "mach1" / "Dynamic_data.txt"
+    recordings = import_file(file, None, "min", None).recordings
+    law = law_of(fit_model("springpot", "x", recordings, FitOptions()).model)
+    assert "relaxation time" in law.not_identified["order"]
+    assert law.residual_percent < 1.6
+    assert len(law.measured) == 5
+    for point in law.measured:
+        at = law.dynamic_npm(np.array([point["frequency_hz"]]))[0]
+        measured = point["loss_npm"] / point["storage_npm"]
+        assert at.imag / at.real == pytest.approx(measured, rel=0.15)
+        assert at.real == pytest.approx(point["storage_npm"], rel=0.02)
+
+
+def test_a_prony_series_that_misses_the_law_is_refused(tmp_path: Path) -> None:
+    model = ecoflex()
+    shifted = dataclasses.replace(model.hammerstein, tau_s=1.5 * model.hammerstein.tau_s)
+    write_model(tmp_path / "m.spm", dataclasses.replace(model, hammerstein=shifted))
+    refused = CliRunner().invoke(material, [str(tmp_path / "m.spm"), "--prony-error", "1%"])
+    assert isinstance(refused.exception, DataError)
+    assert "misses the law by" in str(refused.exception)
+    assert not CliRunner().invoke(material, [str(tmp_path / "m.spm")]).exception
+
+
+def test_caputo_of_a_line_is_known() -> None:
+    time_s = np.arange(1000) * DT_S
+    known = time_s**0.7 / 0.9086387328532904  # gamma(1.7)
+    np.testing.assert_allclose(caputo_derivative(time_s, 0.3, DT_S), known, atol=1e-9)
+    # A step into the past is none: the object rested at its first sample.
+    np.testing.assert_allclose(caputo_derivative(time_s + 5.0, 0.3, DT_S), known, atol=1e-9)
+
+
+def test_moduli_and_relaxation_are_those_of_the_law() -> None:
+    law = Law(100.0, 30.0, 0.25, {})
+    dynamic = law.dynamic_npm(np.array([1.0]))[0]
+    assert dynamic == pytest.approx(100.0 + 30.0 * (2j * np.pi) ** 0.25)
+    # A slow ramp's relaxed force is the step's: D^0.25 of a step is t^-0.25 / gamma(0.75).
+    step = np.concatenate([[0.0], np.ones(20_000)])
+    numeric = 100.0 * step[-1] + 30.0 * caputo_derivative(step, 0.25, DT_S)[-1]
+    assert law.relaxing_npm(np.array([19.9995]))[0] == pytest.approx(numeric, rel=1e-4)
+
+
+def test_the_prony_series_is_the_law_where_it_was_recorded() -> None:
+    model = ecoflex()
+    frequency_hz = np.geomspace(0.2, 100.0, 20)
+    law, prony = law_of(model), prony_of(model)
+    ratio = prony.dynamic_npm(frequency_hz) / law.dynamic_npm(frequency_hz)
+    assert np.abs(ratio - 1.0).max() < 0.02
+    assert np.all(np.diff(prony.tau_s) > 0.0)
+    assert prony.instant_npm > prony.long_term_npm > 0.0
+
+
+def test_geometry() -> None:
+    assert shear_pa_per_npm(0.006, None) == pytest.approx(1 / 0.024)
+    assert layer_factor(1e-3) == pytest.approx(1.0, abs=2e-3)
+    # Hayes et al. (1972), table 1, Poisson's ratio 0.5.
+    known = {0.2: 1.281, 0.4: 1.683, 0.6: 2.211, 0.8: 2.855, 1.0: 3.609}
+    assert {ratio: layer_factor(ratio) for ratio in known} == pytest.approx(known, rel=5e-3)
+    with pytest.raises(UsageError, match="--tip-mm -6: give a size above 0"):
+        shear_pa_per_npm(-0.006, None)
+    assert layer_factor(10.0) > layer_factor(9.9) > layer_factor(5.0)
+    with pytest.raises(UsageError, match=r"more than 20 times as wide.*both are in mm"):
+        shear_pa_per_npm(0.006, 0.000035)
+
+
+def test_the_command_writes_tables(tmp_path: Path) -> None:
+    write_model(tmp_path / "m.spm", ecoflex())
+    given = [str(tmp_path / "m.spm"), "--tip-mm", "6", "--height-mm", "35"]
+    done = CliRunner().invoke(material, [*given, "--out", str(tmp_path / "out"), "--json"])
+    result = json.loads(done.stdout)
+    assert result["shear_modulus_pa"] == pytest.approx(ECOFLEX_PA, rel=0.01)
+    assert result["unit"] == "pa"
+    tables = {}
+    for name in ("moduli", "relaxation", "prony"):
+        with (tmp_path / "out" / f"{name}.csv").open() as file:
+            tables[name] = list(csv.DictReader(file))
+    assert float(tables["moduli"][0]["storage_pa"]) == pytest.approx(result["storage"][0])
+    beyond = [float(row["extrapolated"]) for row in tables["moduli"]]
+    low_hz, high_hz = result["covered_hz"]
+    assert beyond == [float(not low_hz <= hz <= high_hz) for hz in result["frequency_hz"]]
+    assert 0 < sum(beyond) < len(beyond)
+    shares = sum(float(row["shear_share"]) for row in tables["prony"])
+    assert 0.0 < shares < 1.0
+    relaxing = [float(row["relaxation_pa"]) for row in tables["relaxation"]]
+    assert np.all(np.diff(relaxing) < 0.0)
+    assert "<svg" in (tmp_path / "out" / "moduli.svg").read_text()
+    assert "kPa" in CliRunner().invoke(material, given).stdout
+
+
+def test_what_has_no_law_is_refused(tmp_path: Path) -> None:
+    other = CliRunner().invoke(material, [str(model_file(tmp_path, small_model()))])
+    assert "train with --model springpot" in str(other.exception)
+    write_model(tmp_path / "m.spm", ecoflex())
+    alone = CliRunner().invoke(material, [str(tmp_path / "m.spm"), "--height-mm", "35"])
+    assert "give --tip-mm as well" in str(alone.exception)

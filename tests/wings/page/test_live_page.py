@@ -1,0 +1,112 @@
+"""A session in a browser: every frame, under a token, without the loop waiting for anyone."""
+
+import base64
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from typing import IO
+
+import numpy as np
+import pytest
+
+from springpot.host.devices.wire import Receiver, Sender
+from springpot.host.native.loop_library import COLUMN, COLUMNS, IDLE, NONE, LoopRows
+from springpot.host.wings.page.live import LivePage, frames
+
+
+def some_rows(n: int, seed: int = 1) -> LoopRows:
+    rows = np.random.default_rng(seed).normal(0.0, 1.0, (n, len(COLUMNS)))
+    rows[:, COLUMN["notes"]] = 64
+    rows[:, COLUMN["call"]] = 0
+    return rows
+
+
+@pytest.fixture
+def page() -> Iterator[LivePage]:
+    with LivePage("<p>a page</p>") as found:
+        yield found
+
+
+def fetched(address: str, method: str = "GET", **headers: str) -> bytes:
+    request = urllib.request.Request(address, method=method, headers=headers)
+    with urllib.request.urlopen(request, timeout=10) as answer:
+        return bytes(answer.read())
+
+
+def status_of(address: str, method: str = "GET", **headers: str) -> int:
+    try:
+        fetched(address, method, **headers)
+    except urllib.error.HTTPError as error:
+        return error.code
+    return 200
+
+
+def next_event(stream: IO[bytes]) -> tuple[str, bytes]:
+    lines = [stream.readline().decode().rstrip("\n") for _ in range(3)]
+    return lines[0].removeprefix("event: "), base64.b64decode(lines[1].removeprefix("data: "))
+
+
+def wait_for_viewer(page: LivePage, count: int = 1) -> None:
+    end_s = time.monotonic() + 10.0
+    while page.viewers != count:
+        assert time.monotonic() < end_s
+        time.sleep(0.001)
+
+
+def test_every_call_of_the_loop_comes_as_a_frame() -> None:
+    rows = some_rows(50)
+    rows[10:20, COLUMN["call"]] = NONE
+    rows[30, COLUMN["call"]] = IDLE
+    found = list(Receiver().feed(frames(Sender(), rows)))
+    assert len(found) == 40
+    assert [frame.values["call"] for frame in found].count(1) == 1
+    sent_n = np.delete(rows, np.s_[10:20], axis=0)[:, COLUMN["sent_n"]]
+    assert [frame.values["force_n"] for frame in found] == sent_n.astype(np.float32).tolist()
+
+
+def test_a_browser_gets_the_page_and_then_the_rows(page: LivePage) -> None:
+    assert fetched(page.address) == b"<p>a page</p>"
+    with urllib.request.urlopen(page.address + "frames", timeout=10) as stream:
+        wait_for_viewer(page)
+        page.append(some_rows(900))
+        receiver, forces = Receiver(), list[float]()
+        while len(forces) < 900:
+            name, content = next_event(stream)
+            assert name == "message"
+            forces += [frame.values["force_n"] for frame in receiver.feed(content)]
+        assert receiver.crc_errors == receiver.gaps == 0
+        assert forces == some_rows(900)[:, COLUMN["sent_n"]].astype(np.float32).tolist()
+        page.end("stopped by the user")
+        assert stream.read().decode() == "event: over\ndata: stopped by the user\n\n"
+    wait_for_viewer(page, 0)
+
+
+def test_nobody_without_the_token_or_from_another_site_is_answered(page: LivePage) -> None:
+    called: list[str] = []
+    page.actions = {"stop": lambda: called.append("stop")}
+    root = page.address.rsplit("/", 2)[0]
+    assert status_of(root + "/") == 404
+    assert status_of(root + "/frames") == 404
+    assert status_of(root + "/guess/stop", "POST") == 404
+    assert status_of(page.address + "stop", "POST", Host="evil.example") == 404
+    assert status_of(page.address + "stop") == 404
+    assert status_of(page.address + "other", "POST") == 404
+    assert called == []
+    assert status_of(page.address + "stop", "POST") == 200
+    assert called == ["stop"]
+
+
+def test_it_listens_on_this_machine_alone(page: LivePage) -> None:
+    assert page._server.server_address[0] == "127.0.0.1"
+
+
+def test_a_page_that_takes_nothing_costs_the_loop_nothing(page: LivePage) -> None:
+    """It connects and never reads: rows are dropped, and `append` returns."""
+    with urllib.request.urlopen(page.address + "frames", timeout=10):
+        wait_for_viewer(page)
+        rows = some_rows(100)
+        for _ in range(5000):  # 22 MB of frames: more than any socket takes
+            page.append(rows)
+        assert sum(len(watcher.waiting) for watcher in page.watchers()) <= 64
+        page.end("over")

@@ -1,0 +1,191 @@
+"""The page in a browser: the forces of the PC bit for bit, the words of the stability check."""
+
+import json
+import re
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.browser import CHROMIUM, layout_faults
+from support.in_process import spring
+from support.pressed_page import press_page
+from support.small import model_file, recording, scene, small_model, training, wandering
+
+from springpot.codegen.model.model import Model
+from springpot.codegen.scene import Device
+from springpot.host.emission.emission import emit
+from springpot.host.native.toolchain import missing_tools
+from springpot.host.validation.store import store_validation
+from springpot.host.validation.validation import validate
+from springpot.host.wings.page.press_page import write_press_page
+from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM, flags
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recording
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
+    pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
+]
+
+
+ASSUMED = Device()
+
+
+def fitted(kind: str) -> Model:
+    return fit_model(kind, kind, training(), FitOptions(seed=1, trees=5, leaf=20)).model
+
+
+def emitted(
+    folder: Path,
+    model: Model,
+    number: str = "float32",
+    mode: str = "off",
+    device: Device = ASSUMED,
+) -> Path:
+    folder.mkdir(exist_ok=True)
+    chosen = replace(scene(number=number, mode=mode), name=folder.name, device=device)
+    emit(chosen, model_file(folder, model), folder / "c", accept_unsafe=True)
+    return folder / "c"
+
+
+def validated(folder: Path, *recordings: Recording) -> Path:
+    found = validate(folder, recordings, paced_s=0.1)
+    store_validation(folder, found, recordings)
+    return folder
+
+
+def page_of(folder: Path, *folders: Path) -> Path:
+    write_press_page(folders, folder / "press.html")
+    return folder / "press.html"
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "mode"),
+    [
+        ("hammerstein", "float32", "off"),
+        ("hammerstein", "float64", "proxy"),
+        ("hybrid", "float32", "tool"),
+        ("rf-fd", "float32", "off"),
+        ("rbf-pv", "float64", "off"),
+    ],
+)
+def test_what_is_pressed_is_what_validate_computes(
+    tmp_path: Path, kind: str, number: str, mode: str
+) -> None:
+    folder = emitted(tmp_path / "scene", fitted(kind), number, mode)
+    validated(folder, training()[5])
+    pressed = press_page(page_of(tmp_path, folder))
+    assert pressed.console == []
+    assert pressed.found["errors"] == []
+    assert pressed.found["fetched"] == []
+    assert "the same bits" in pressed.found["proof"]
+    assert re.search(r"self-test0 of \d+ steps differ", pressed.found["proof"])
+    (tmp_path / "pressed.csv").write_text(pressed.csv)
+    assert spring("import", tmp_path / "pressed.csv", "--out", tmp_path / "in").returncode == 0
+    imported = read_recording(tmp_path / "in" / "pressed.h5")
+    assert imported.position_m.max() > 0.003
+    found = validate(folder, [imported], paced_s=0.1)
+    assert found.mismatches == 0
+    dtype = np.dtype(number)
+    there = np.array([float(row.split(",")[2]) for row in pressed.csv.split()[1:]])
+    assert there.max() > 0.5
+    assert (found.predicted_n[0].astype(dtype) == there.astype(dtype)).all()
+
+
+def test_keys_alone_press_and_let_go(tmp_path: Path) -> None:
+    folder = emitted(tmp_path / "scene", small_model())
+    pressed = press_page(
+        page_of(tmp_path, folder), keys=[["ArrowDown", 500], [" ", 20]], wait_ms=1500
+    )
+    depth_m = pressed.rows[:, 1]
+    assert pressed.found["errors"] == []
+    assert depth_m.max() > 0.003
+    assert depth_m[-1] < 0.0
+    assert re.fullmatch(r"\d\.\d\d mm above, 0\.00 N", pressed.found["valuetext"])
+
+
+def test_another_object_is_taken_up_at_rest(tmp_path: Path) -> None:
+    folders = [emitted(tmp_path / name, fitted("hammerstein")) for name in ("soft", "other")]
+    pressed = press_page(page_of(tmp_path, *folders), pick=1)
+    assert pressed.found["object-name"] == "other"
+    assert pressed.found["said"] == "Now you press other; the file begins anew."
+    assert pressed.rows[0, 2] == 0.0
+    assert pressed.rows[:, 2].max() > 0.5
+
+
+def test_delay_makes_a_stiff_object_shake_as_the_check_says(tmp_path: Path) -> None:
+    model = fitted("hammerstein").stiffened(5.0)
+    folder = emitted(tmp_path / "stiff", model)
+    page = page_of(tmp_path, folder)
+    hold = [0.3 + 0.3 * min(1.0, i / 50) for i in range(150)]
+    shaking_mps = {}
+    for delay in (0, 3):
+        pressed = press_page(page, path=hold, sliders={"delay": delay})
+        shaking_mps[delay] = float(pressed.found["vibration"].removesuffix(" mm/s"))
+        (tmp_path / "scene.toml").write_text(
+            f'schema = 1\nname = "stiff"\nmodel = "{folder / "from" / "model.spm"}"\n'
+            f'[coupling]\nmode = "off"\n[device]\ndelay_samples = {delay}\n'
+        )
+        told = json.loads(spring("stability", "--scene", tmp_path / "scene.toml", "--json").stdout)
+        assert told["recommendation"].startswith(pressed.found["verdict"])
+        limit_npm = told["limit"]["max_stiffness_npm"]["mid, 0 more samples"]
+        assert f"{1e-3 * limit_npm:.3g} N/mm" in pressed.found["limit"]
+    assert shaking_mps[0] < 1.0
+    assert shaking_mps[3] > 5.0
+
+
+def test_the_page_holds_the_scenes_own_device(tmp_path: Path) -> None:
+    """An object that the assumed device holds quietly makes a light, late one shake."""
+    model = fitted("hammerstein").stiffened(5.0)
+    hold = [0.3 + 0.3 * min(1.0, i / 50) for i in range(150)]
+    light = Device(mass_kg=0.05, viscous_nspm=0.5, delay_s=0.003)
+    found = {}
+    for name, device in {"assumed": ASSUMED, "light": light}.items():
+        folder = emitted(tmp_path / name, model, device=device)
+        found[name] = press_page(page_of(tmp_path, folder), path=hold).found
+    assert found["assumed"]["device"].startswith("assumed device: 0.3 kg, 4 N s/m")
+    assert found["light"]["device"] == "the scene's device: 0.05 kg, 0.5 N s/m, 3 ms late."
+    assert found["assumed"]["verdict"].startswith("The linear loop is stable")
+    assert found["light"]["verdict"].startswith("Unstable")
+    quiet_mps, shaking_mps = (
+        float(each["vibration"].removesuffix(" mm/s")) for each in found.values()
+    )
+    assert quiet_mps < 1.0
+    assert shaking_mps > 5.0
+
+
+def test_a_page_that_cannot_run_says_so(tmp_path: Path) -> None:
+    page = page_of(tmp_path, emitted(tmp_path / "scene", small_model()))
+    page.write_text(page.read_text().replace("DecompressionStream(", "MissingStream("))
+    pressed = press_page(page)
+    assert pressed.found["broken"].startswith("This page cannot run here: MissingStream")
+
+
+@pytest.mark.parametrize("width", [400, 1600])
+def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
+    folder = validated(emitted(tmp_path / "scene", small_model()), training()[5])
+    faults = layout_faults(page_of(tmp_path, folder).read_text(), tmp_path, width)
+    assert faults == {"out": [], "cut": []}
+
+
+def test_a_recording_like_none_before_has_the_same_bits(tmp_path: Path) -> None:
+    """In and out of the object, deeper than trained, with what devices do wrong."""
+    position_m = wandering(3)
+    strange = recording("wandering", np.nan_to_num(position_m, posinf=0.05, neginf=-0.05))
+    folder = validated(emitted(tmp_path / "scene", fitted("hybrid"), mode="proxy"), strange)
+    assert "the same bits" in press_page(page_of(tmp_path, folder)).found["proof"]
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_the_pages_own_c_has_no_warning(tmp_path: Path, compiler: str) -> None:
+    folder = emitted(tmp_path / "scene", small_model())
+    include = [f"-I{place}" for place in (folder, PORT_BROWSER, PORT_WIRE, SIM)]
+    command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-fsyntax-only", *include,
+               str(PORT_BROWSER / "sp_page.c")]  # fmt: skip
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr

@@ -1,0 +1,72 @@
+"""Pairs of conditions, and the letters over a box plot."""
+
+from itertools import combinations, product
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from springpot.codegen.errors import DataError
+from springpot.host.wings.study.statistics.anova import repeated_measures
+from springpot.host.wings.study.statistics.pairs import (
+    holm,
+    letters,
+    pair_differences,
+    simple_effects,
+)
+
+
+def test_a_pair_is_a_paired_t_test() -> None:
+    scores = np.random.default_rng(1).normal(size=(12, 3)).cumsum(axis=1)
+    pairs = pair_differences(scores, ["x", "y", "z"])
+    assert [(pair.first, pair.second) for pair in pairs] == [("x", "y"), ("x", "z"), ("y", "z")]
+    for pair, (i, j) in zip(pairs, combinations(range(3), 2), strict=True):
+        other = stats.ttest_rel(scores[:, i], scores[:, j])
+        interval = other.confidence_interval(0.95)
+        assert (pair.t, pair.p, pair.df) == pytest.approx((other.statistic, other.pvalue, 11))
+        assert (pair.low, pair.high) == pytest.approx((interval.low, interval.high))
+        assert pair.d_z == pytest.approx(pair.t / 12**0.5)
+    assert [pair.p_holm for pair in pairs] == pytest.approx(holm([pair.p for pair in pairs]))
+
+
+def test_tukey_of_two_conditions_is_their_anova() -> None:
+    scores = np.random.default_rng(2).normal(size=(9, 2))
+    (pair,) = pair_differences(scores, ["x", "y"])
+    assert pair.p_tukey == pytest.approx(repeated_measures(scores, ["a"])[0].p)
+
+
+def test_holm_as_published() -> None:
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert holm([0.9, 0.8]) == [1.0, 1.0]
+
+
+def test_simple_effects_are_pairs_within_each_level() -> None:
+    scores = np.random.default_rng(3).normal(size=(8, 3, 2))
+    found = simple_effects(scores, ["x", "y", "z"], ["soft", "hard"])
+    assert list(found) == ["soft", "hard"]
+    assert found["hard"] == pair_differences(scores[:, :, 1], ["x", "y", "z"])
+
+
+def test_letters_are_shared_exactly_by_what_is_not_told_apart() -> None:
+    names = ["p", "q", "r", "s"]
+    pairs = list(combinations(names, 2))
+    for told in product(
+        [False, True], repeat=len(pairs)
+    ):  # every possible outcome of four conditions
+        different = [pair for pair, use in zip(pairs, told, strict=True) if use]
+        found = letters(names, different)
+        for one, other in pairs:
+            assert bool(set(found[one]) & set(found[other])) == ((one, other) not in different)
+        assert found["p"].startswith("a")
+
+
+def test_letters_of_the_paper() -> None:
+    # figure 18, Ecoflex 00-10: both models by fractional derivatives differ from the real object
+    found = letters(["RF", "RBF", "PV", "real"], [("RF", "real"), ("RBF", "real")])
+    assert found == {"RF": "a", "RBF": "a", "PV": "ab", "real": "b"}
+    assert letters(["x", "y"], []) == {"x": "a", "y": "a"}
+
+
+def test_no_scatter_is_refused() -> None:
+    with pytest.raises(DataError, match="equally far apart"):
+        pair_differences(np.add.outer(np.arange(4.0), np.array([0.1, 0.7])), ["x", "y"])

@@ -1,0 +1,175 @@
+"""Simulated people press the emitted C: what they find is what their noise implies."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.small_study import (
+    SOFT,
+    planned,
+    real_stimulus,
+    scene_stimulus,
+    steps_study,
+    study_text,
+)
+
+from springpot.codegen.errors import UsageError
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.wings.study.folder import StudyFolder, read_folder
+from springpot.host.wings.study.observers.observer import (
+    FeltPress,
+    Observer,
+    answer,
+    felt_strengths,
+)
+from springpot.host.wings.study.observers.simulate import simulate
+from springpot.host.wings.study.report.page import write_study_report
+from springpot.host.wings.study.responses import read_responses
+from springpot.host.wings.study.session.switched import require_same_forces
+from springpot.trainer.recordings.recording_file import read_recording
+
+EXACT = Observer(weber=0.10)
+TRIALS = 20_000
+
+
+def simulated(folder: Path, text: str, observers: int, seed: int = 1) -> StudyFolder:
+    study = planned(folder, text, 1, SOFT)
+    return simulate(study, observers, seed, folder / "sim", lambda _done, _of: None).folder
+
+
+def linear_press(stiffness_npm: float) -> FeltPress:
+    position_m = np.concatenate((np.linspace(-1e-3, 5e-3, 300), np.linspace(5e-3, -1e-3, 300)))
+    return FeltPress(position_m, stiffness_npm * np.maximum(position_m, 0))
+
+
+def test_one_scene_times_115_gives_the_d_prime_of_the_noise(tmp_path: Path) -> None:
+    """The share of right answers of 200 trials a person, beside Phi(d' / sqrt 2)."""
+    text = steps_study("constant", 1.15)
+    text = text.replace('right = "times 1.15"', 'right = "times 1.15"\nrepeats = 200')
+    folder = simulated(tmp_path, text, 6)
+    found, expected = [], []
+    people = {name: Observer(**_weber(folder, name)) for name in folder.participants}
+    ratio = press_ratio(folder)
+    for name, person in people.items():
+        right = [one.correct for one in read_responses(folder)[0] if one.participant == name]
+        found.append(np.mean(np.array(right, dtype=float)))
+        d_prime = ratio / person.sd
+        expected.append(person.lapse / 2 + (1 - person.lapse) * normal(d_prime / math.sqrt(2)))
+    error = math.sqrt(np.mean([share * (1 - share) for share in expected]) / (200 * len(people)))
+    assert abs(np.mean(found) - np.mean(expected)) < 4 * error
+    assert np.mean(expected) > 0.75
+
+
+def _weber(folder: StudyFolder, name: str) -> dict[str, float]:
+    found: dict[str, float] = json.loads((folder.path / "observers.json").read_text())[name]
+    return found
+
+
+def normal(z: float) -> float:
+    return 0.5 * (1 + math.erf(z / math.sqrt(2)))
+
+
+def press_ratio(folder: StudyFolder) -> float:
+    """Mean difference of the logarithms of force of both scenes, out of the first person's logs."""
+    found = []
+    for one in read_responses(folder)[0]:
+        if one.log is None:
+            continue
+        recording = read_recording(one.log)
+        place = (recording.channels["notes"].astype(int) >> 8) & 3
+        presses = [FeltPress(recording.position_m[place == k], recording.force_n[place == k])
+                   for k in (1, 2)]  # fmt: skip
+        strengths = felt_strengths(presses[::-1] if one.swapped else presses)
+        found.append(strengths[1] - strengths[0])
+    assert len(found) == 200
+    return float(np.mean(found))
+
+
+@pytest.mark.parametrize(("method", "chosen"), [("constant", "left"), ("abx", "A")])
+def test_identical_objects_give_one_half(tmp_path: Path, method: str, chosen: str) -> None:
+    study = planned(tmp_path, study_of(method), 1, SOFT).study
+    random = np.random.default_rng(3)
+    presses = [linear_press(500.0)] * (3 if method == "abx" else 2)
+    answers = [answer(EXACT, study, presses, random) for _ in range(TRIALS)]
+    assert abs(answers.count(chosen) / TRIALS - 0.5) < 4 * 0.5 / math.sqrt(TRIALS)
+
+
+def study_of(method: str) -> str:
+    stimuli = [scene_stimulus("a"), scene_stimulus("b", stiffer=1.25)]
+    return study_text(method, stimuli, [{"left": "a", "right": "b"}])
+
+
+@pytest.mark.parametrize("factor", [1.05, 1.15, 1.3])
+def test_two_choices_follow_phi_of_d_prime(tmp_path: Path, factor: float) -> None:
+    study = planned(tmp_path, study_of("constant"), 1, SOFT).study
+    random = np.random.default_rng(4)
+    presses = [linear_press(500.0), linear_press(500.0 * factor)]
+    right = sum(answer(EXACT, study, presses, random) == "right" for _ in range(TRIALS)) / TRIALS
+    expected = normal(math.log(factor) / EXACT.sd / math.sqrt(2))
+    assert abs(right - expected) < 4 * math.sqrt(expected * (1 - expected) / TRIALS)
+
+
+def test_same_different_follows_its_criterion(tmp_path: Path) -> None:
+    study = planned(tmp_path, study_of("same-different"), 1, SOFT).study
+    random = np.random.default_rng(5)
+    for factor in (1.0, 1.2):
+        presses = [linear_press(500.0), linear_press(500.0 * factor)]
+        found = sum(answer(EXACT, study, presses, random) == "same" for _ in range(TRIALS)) / TRIALS
+        shift = math.log(factor) / EXACT.sd / math.sqrt(2)
+        edge = EXACT.criterion / math.sqrt(2)
+        expected = normal(edge - shift) - normal(-edge - shift)
+        assert abs(found - expected) < 4 * math.sqrt(expected * (1 - expected) / TRIALS)
+
+
+def test_ratings_fall_with_the_difference(tmp_path: Path) -> None:
+    study = planned(tmp_path, study_of("similarity"), 1, SOFT).study
+    random = np.random.default_rng(6)
+    means = [
+        np.mean([answer(EXACT, study, [linear_press(500.0), linear_press(500.0 * factor)], random)
+                 for _ in range(2000)])
+        for factor in (1.0, 1.3, 2.0, 10.0)
+    ]  # fmt: skip
+    assert means == sorted(means, reverse=True)
+    assert means[0] > 75
+    assert means[-1] < 15
+
+
+def test_every_force_of_a_simulated_study_is_that_of_the_emitted_c(tmp_path: Path) -> None:
+    stimuli = [scene_stimulus("a"), scene_stimulus("b", stiffer=1.5), real_stimulus("c")]
+    pairs = [{"left": "a", "right": "b"}, {"left": "c", "right": "a"}]
+    folder = simulated(tmp_path, study_text("similarity", stimuli, pairs, sessions=2), 2)
+    libraries = {
+        name: SceneLibrary(folder.path / scene.folder) for name, scene in folder.scenes.items()
+    }
+    compared = 0
+    for one in read_responses(folder)[0]:
+        assert (one.log is not None) == (one.participant == "01")
+        assert one.presses == 2
+        if one.log is not None:
+            scenes = [libraries.get(name) for name in one.shown]
+            channels = read_recording(one.log).channels
+            compared += require_same_forces(one.log.name, channels, scenes)
+    assert compared > 5000
+    page = Path(write_study_report(folder.path)["out"]).read_text()
+    assert "Nobody was asked" in page
+
+
+def test_the_same_seed_gives_the_same_answers(tmp_path: Path) -> None:
+    plan = planned(tmp_path, steps_study("staircase", 1.05, 1.1, 1.2, 1.4), 1, SOFT)
+    found = []
+    for name, seed in (("one", 7), ("same", 7), ("other", 8)):
+        simulate(plan, 2, seed, tmp_path / name, lambda _done, _of: None)
+        trials = read_responses(read_folder(tmp_path / name))[0]
+        found.append([(one.participant, one.number, one.pair, one.answer) for one in trials])
+    assert found[0] == found[1] != found[2]
+
+
+def test_a_real_object_needs_a_simulated_one(tmp_path: Path) -> None:
+    stimuli = [scene_stimulus("a"), {"name": "b", "real": "a block"}]
+    plan = planned(tmp_path, study_text("similarity", stimuli, [{"left": "a", "right": "b"}]), 1,
+                   SOFT)  # fmt: skip
+    with pytest.raises(UsageError, match="name the simulated one that stands for it"):
+        simulate(plan, 2, 0, tmp_path / "sim", lambda _done, _of: None)
+    assert not (tmp_path / "sim").exists()

@@ -1,0 +1,63 @@
+"""A file format: how its files begin, and the one signature of all readers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+from springpot.codegen.entry_points import registered
+from springpot.trainer.recordings.formats.column_map import ColumnMap
+from springpot.trainer.recordings.formats.decimals import DecimalMark
+from springpot.trainer.recordings.formats.sampling import RawChannels
+
+START_BYTES = 520  # of a file, which `begins` sees; a user block of HDF5 is 512 of them
+
+
+@dataclass(frozen=True)
+class FileRequest:
+    """What a reader is asked for, besides the path.
+
+    columns: which column, signal or array is which channel, and its unit; what it leaves out is
+    guessed. dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file. decimal:
+    mark of decimals in text, None: guessed. resampled: samples are interpolated afterwards.
+    """
+
+    columns: ColumnMap = field(default_factory=dict)
+    dbc: Path | None = None
+    block: str | None = None
+    decimal: DecimalMark | None = None
+    resampled: bool = False
+
+
+Reader = Callable[[Path, FileRequest], tuple[list[RawChannels], str]]
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """One kind of file.
+
+    title: in lists. begins: whether a file's first START_BYTES bytes are of this format.
+    reads: "module:name" of a Reader, or itself: it returns the recordings, in SI units and
+    unchecked, and one line that says how it understood the file, or raises DataError naming file
+    and row. place: the order in which formats are asked; text without any mark is asked last.
+    """
+
+    title: str
+    begins: Callable[[bytes], bool]
+    reads: str | Reader
+    place: int = 100
+
+    def read(self, path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
+        """Read a file of this format, as `reads` says."""
+        if not isinstance(self.reads, str):
+            return self.reads(path, request)
+        module, _, name = self.reads.partition(":")
+        reader: Reader = getattr(import_module(module), name)
+        return reader(path, request)
+
+
+@cache
+def file_formats() -> dict[str, FileFormat]:
+    """Return all formats in the order in which they are asked: the group springpot.formats."""
+    return registered("formats", FileFormat)
