@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from springpot.host.devices.can_bridge import python_can_bus as python_can_bus
     from springpot.host.devices.device import DeviceRequirements as DeviceRequirements
     from springpot.host.devices.device import OpenedDevice as OpenedDevice
+    from springpot.host.devices.device import VirtualDevice as VirtualDevice
     from springpot.host.devices.driver import Driver as Driver
     from springpot.host.devices.drivers import (
         driver_of as driver_of,

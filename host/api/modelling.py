@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.forests import (
         fit_forest as fit_forest,
     )
+    from springpot.trainer.models.hammerstein import fit_passive as fit_passive
     from springpot.trainer.models.predict import regressor_force as regressor_force
     from springpot.trainer.models.radial import fit_rbf as fit_rbf
     from springpot.trainer.models.rf_fd import PAPER_TAPS as PAPER_TAPS
@@ -69,6 +70,9 @@ if TYPE_CHECKING:
     from springpot.trainer.models.training_set import (
         training_set as training_set,
     )
+    from springpot.trainer.recordings.formats.file_format import FileFormat as FileFormat
+    from springpot.trainer.recordings.formats.file_format import FileRequest as FileRequest
+    from springpot.trainer.recordings.formats.sampling import RawChannels as RawChannels
     from springpot.trainer.recordings.quality.coverage import (
         Coverage as Coverage,
     )

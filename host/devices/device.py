@@ -70,6 +70,24 @@ def too_weak(
     return DeviceError(f"{url}: {gives} and the {who} up to {required.max_n:g} N: {setting}{other}")
 
 
+class VirtualDevice:
+    """Base of devices without hardware, which need only `__init__` and `link`."""
+
+    comes_back = False
+    unreached = FORCE_ZERO
+    rate_advice = failure = ""
+    max_n: float | None = None
+
+    def rendering_board(self) -> None:
+        """Return None: no board renders here."""
+
+    def stop(self) -> None:
+        """End nothing: there is no motor."""
+
+    def close(self) -> None:
+        """Close nothing."""
+
+
 class OpenedDevice(Protocol):
     """A device that was opened, checked and started: it sends samples and takes forces."""
 

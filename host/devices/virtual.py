@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.devices.device import FORCE_ZERO, DeviceRequirements, OpenedDevice, too_weak
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice, VirtualDevice, too_weak
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand
@@ -40,12 +40,8 @@ def simulated_device(address: Address, requirements: DeviceRequirements) -> Open
     return kind(address, requirements)
 
 
-class SimulatedFreeDevice:
+class SimulatedFreeDevice(VirtualDevice):
     """A device that nobody holds: to be measured, nothing else."""
-
-    comes_back = False
-    unreached = FORCE_ZERO
-    rate_advice = failure = ""
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Make it. Raises UsageError for a wrong URL, or where something is to be rendered."""
@@ -55,7 +51,7 @@ class SimulatedFreeDevice:
                 "to render or record, give sim://OBJECT"
             )
         truth = _free_truth(address)
-        self.max_n: float | None = truth.max_n
+        self.max_n = truth.max_n
         if truth.max_n < requirements.max_n:
             gives = f"gives at most {truth.max_n:g} N"
             raise too_weak(address.url, gives, requirements, truth.max_n)
@@ -66,23 +62,9 @@ class SimulatedFreeDevice:
         self._memory = library.memory(library.c.sp_link_free_size())
         return library.c.sp_link_free_init(self._memory, library.pointer(self._device.address))
 
-    def rendering_board(self) -> None:
-        pass
 
-    def stop(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
-
-
-class SimulatedDevice:
+class SimulatedDevice(VirtualDevice):
     """A hand that presses into whatever the scene renders."""
-
-    comes_back = False
-    unreached = FORCE_ZERO
-    rate_advice = failure = ""
-    max_n: float | None = None
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Take the hand of the URL. Raises UsageError for a wrong one."""
@@ -107,23 +89,9 @@ class SimulatedDevice:
         tool = library.pointer(self._hand.address)
         return library.c.sp_link_sim_init(self._memory, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
 
-    def rendering_board(self) -> None:
-        pass
 
-    def stop(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
-
-
-class ReplayDevice:
+class ReplayDevice(VirtualDevice):
     """The positions of a recording, one a tick; its end ends the session."""
-
-    comes_back = False
-    unreached = FORCE_ZERO
-    rate_advice = failure = ""
-    max_n: float | None = None
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Read it. Raises DataError where it cannot be read or has another rate."""
@@ -150,15 +118,6 @@ class ReplayDevice:
             library.array(self._position_m),
             library.array(self._velocity_mps),
         )
-
-    def rendering_board(self) -> None:
-        pass
-
-    def stop(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
 
 
 def _require_no_measuring(address: Address, requirements: DeviceRequirements) -> None:

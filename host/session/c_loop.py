@@ -132,7 +132,13 @@ class CLoop:
         return self._ffi.from_buffer("sp_row[]", table)
 
     def _adopt(self, device: OpenedDevice) -> Any:
-        link = device.link(self._library)
+        try:
+            link = device.link(self._library)
+        except AttributeError as error:  # of cffi, for a function that no link declares
+            raise DeviceError(
+                f"{type(device).__name__}: {error}: declare it in the C file of the device's link, "
+                'between the lines "springpot declarations begin" and "end"'
+            ) from None
         self._links.append(link)
         self._kept.append(device)
         return link

@@ -16,7 +16,8 @@ SPEEDS = {"": 1.0, "-fast": 4.0}  # times the trained speed
 _SECONDS = 1.5
 _SHARE = 0.8  # of the trained depth
 _MIN_STROKE_TICKS = 24
-_RATES = {"rate-90": (1, 10), "rate-50": (1, 2), "rate-10": (9, 10)}  # lost, of so many
+# Lost, of so many; and whether a session goes on at such a rate of samples.
+_RATES = {"rate-90": (1, 10, True), "rate-50": (1, 2, False), "rate-10": (9, 10, False)}
 
 
 def losing_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]]:
@@ -31,21 +32,24 @@ def losing_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]
         def press(motion: Callable[[Samples], Samples] = motion) -> Scenario:
             return pressing(space, motion, force, hand, _SECONDS)
 
-        clean = Case("clean" + suffix, press())
+        def case(name: str, judged: bool = True, suffix: str = suffix) -> Case:
+            return Case(name + suffix, press(), judged=judged, beyond=suffix != "")
+
+        clean = case("clean")
         n = len(clean.scenario.dt_s)
         middles = np.arange(2.5 * stroke_ticks, n - stroke_ticks, stroke_ticks).astype(int)
         for name, ticks in (("lost-1", 1), ("lost-2", 2), ("lost-10", min(10, longest))):
-            case = Case(name + suffix, press())
-            case.scenario.dropped[_around(middles, ticks)] = LOST
-            found.append((case, clean))
-        late, nan = Case("late" + suffix, press()), Case("nan-5" + suffix, press())
+            lossy = case(name)
+            lossy.scenario.dropped[_around(middles, ticks)] = LOST
+            found.append((lossy, clean))
+        late, nan = case("late"), case("nan-5")
         late.scenario.dropped[middles] = LATE
         nan.scenario.error_m[_around(middles, min(5, longest))] = np.nan
         found += [(late, clean), (nan, clean)]
-        for name, (lost, of) in _RATES.items():
-            case = Case(name + suffix, press())
-            case.scenario.dropped[np.arange(n) % of < lost] = LOST
-            found.append((case, clean))
+        for name, (lost, of, judged) in _RATES.items():
+            lossy = case(name, judged)
+            lossy.scenario.dropped[np.arange(n) % of < lost] = LOST
+            found.append((lossy, clean))
     return found
 
 

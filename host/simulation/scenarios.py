@@ -28,11 +28,21 @@ Force = Callable[[Samples], Samples]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One case: its scenario, and the ticks at which the tool should be still (else all)."""
+    """One case of the closed loop.
+
+    still: ticks over which vibration is measured, if not all. quiet: the hand holds still then, so
+    that vibration is a fault. stiffer: plays on the object made stiffer, which its coupling softens
+    on purpose. judged: a session goes on; else one ends there, and nothing is judged. beyond:
+    faster than trained, where lost samples may be felt.
+    """
 
     name: str
     scenario: Scenario
     still: tuple[slice, ...] = ()
+    quiet: bool = False
+    stiffer: bool = False
+    judged: bool = True
+    beyond: bool = False
 
 
 @dataclass(frozen=True)
@@ -155,11 +165,11 @@ def pushing(space: Workspace) -> Scenario:
     )
 
 
-def hold_case(name: str, space: Workspace, force: Force, hand: Hand) -> Case:
-    """Holds at three depths."""
+def hold_case(name: str, space: Workspace, force: Force, hand: Hand, stiffer: bool = False) -> Case:
+    """Hold at three depths."""
     motion, seconds = holding(space, HOLDS, HOLD_S)
     scenario = pressing(space, motion, force, hand, seconds)
-    return Case(name, scenario, still_ticks(space, len(HOLDS), HOLD_S))
+    return Case(name, scenario, still_ticks(space, len(HOLDS), HOLD_S), True, stiffer)
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
@@ -187,7 +197,7 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
         Case("deep", pushing(space)),
         Case("jitter", press(tap, 3.0, JITTER)),
         Case("drops", drops),
-        Case("long-hold", press(longer, minute), still_ticks(space, 1, 60.0)),
+        Case("long-hold", press(longer, minute), still_ticks(space, 1, 60.0), quiet=True),
         Case("glitch", glitches, still_ticks(space, 1, 2.6)),
         Case("nan", lost, still_ticks(space, 1, 2.6)),
     ]

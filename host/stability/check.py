@@ -241,8 +241,8 @@ def _verdict(result: Stability) -> Iterator[str]:
 
 def _differs_by(result: Stability) -> str:
     """How far what is felt is from the model, by the greatest figure of each part."""
-    stiff = max(item.fidelity_percent for item in result.whole if item.case == "stiff")
-    whole = max(item.fidelity_percent for item in result.whole if item.case != "stiff")
+    stiff = max(item.fidelity_percent for item in result.whole if item.stiffer)
+    whole = max(item.fidelity_percent for item in result.whole if not item.stiffer)
     lossy = [item.fidelity_percent for item in result.outcomes
              if item.losses is not None and judge(item).grade != Grade.UNJUDGED]  # fmt: skip
     return (

@@ -51,7 +51,9 @@ class Losses:
 class Outcome:
     """One case with one hand. model_only_n: the model alone under the same motion, (n,), N.
 
-    late: with one more sample of delay than the device's own.
+    settled: vibration was measured over the ticks at which the tool should be still. quiet,
+    stiffer, judged, beyond: as of the Case. late: with one more sample of delay than the device's
+    own.
     """
 
     hand: str
@@ -68,6 +70,11 @@ class Outcome:
     dt_s: Samples
     losses: Losses | None = None
     late: bool = False
+    settled: bool = False
+    quiet: bool = False
+    stiffer: bool = False
+    judged: bool = True
+    beyond: bool = False
 
     def as_dict(self) -> dict[str, object]:
         names = (
@@ -98,7 +105,7 @@ def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
     steps = len(HAND_MODELS) * len(MORE_DELAY)
     for number, hand in enumerate(HAND_MODELS):
         listed = [(scene, case) for case in cases(scene.plan, scene.force, hand)]
-        hold = hold_case("stiff", Workspace.of(stiff.plan), stiff.force, hand)
+        hold = hold_case("stiff", Workspace.of(stiff.plan), stiff.force, hand, stiffer=True)
         for later, more_delay in enumerate(MORE_DELAY):
             at_step(f"closed loop, {hand.name} hand", number * len(MORE_DELAY) + later, steps)
             for rendered, case in [*listed, (stiff, hold)]:
@@ -177,6 +184,11 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
         delay_samples=operator.device.delay_samples,
         late=more_delay > 0,
         case=case.name,
+        settled=bool(case.still),
+        quiet=case.quiet,
+        stiffer=case.stiffer,
+        judged=case.judged,
+        beyond=case.beyond,
         bounded=bool(allowed.all() and inside and trace.not_finite == 0),
         max_depth_m=deepest_m,
         max_force_n=float(trace.force_n.max()),

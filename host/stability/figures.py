@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.host.plot_style import ERROR, MEASURED, PREDICTED, STYLE, stride, svg_text
 from springpot.host.stability.closed_loop import Outcome
-from springpot.host.stability.judgement import QUIET_MPS, STILL_CASES
+from springpot.host.stability.judgement import QUIET_MPS
 from springpot.host.stability.small_signal import Map
 from springpot.trainer.selection.small_signal import ACTIVE
 
@@ -88,7 +88,7 @@ def case_figures(outcomes: Sequence[Outcome], scale: CaseScale) -> list[str]:
         names = [f"{item.hand}\n{item.delay_samples}" for item in outcomes]
         axes.bar(names, [1e3 * max(item.hf_speed_mps, _LEAST_MPS) for item in outcomes],
                  color=ERROR)  # fmt: skip
-        if shown.case in (*STILL_CASES, "glitch", "nan"):
+        if shown.settled:
             axes.axhline(1e3 * QUIET_MPS, color=PREDICTED, lw=1.0, ls="--")
         axes.set(xlabel="hand, samples of delay", ylabel="speed above 15 Hz, mm/s", yscale="log",
                  ylim=scale.speed_mmps)  # fmt: skip

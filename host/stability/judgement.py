@@ -4,14 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
-from springpot.host.simulation.losses import SPEEDS
 from springpot.host.stability.closed_loop import Outcome
 
 QUIET_MPS = 1e-3
 FAITHFUL_PERCENT = 10.0
-STILL_CASES = ("hold", "long-hold", "stiff")
-_FAST = tuple(name for name in SPEEDS if name)
-_REFUSED = ("rate-50", "rate-10")  # a session ends there
 
 
 class Grade(IntEnum):
@@ -48,15 +44,13 @@ class Judgement:
 
 def judge(outcome: Outcome) -> Judgement:
     """One outcome. Lost samples at four times the trained speed warn, and do not condemn."""
-    if outcome.case.startswith(_REFUSED):
+    if not outcome.judged:
         return Judgement(outcome, Grade.UNJUDGED, "a session ends at such a rate of samples")
     lossy = outcome.losses is not None
     unbounded = not outcome.bounded
-    loud = outcome.case in STILL_CASES and outcome.hf_speed_mps > QUIET_MPS
+    loud = outcome.quiet and outcome.hf_speed_mps > QUIET_MPS
     kicks = outcome.losses is not None and outcome.losses.kicks
-    unfaithful = (
-        not lossy and outcome.case != "stiff" and outcome.fidelity_percent > FAITHFUL_PERCENT
-    )
+    unfaithful = not lossy and not outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT
     reasons = [
         words
         for holds, words in (
@@ -67,13 +61,13 @@ def judge(outcome: Outcome) -> Judgement:
         )
         if holds
     ]
-    bad = unbounded or (kicks and not outcome.case.endswith(_FAST))
+    bad = unbounded or (kicks and not outcome.beyond)
     grade = Grade.BAD if bad else Grade.LOOK if reasons else Grade.GOOD
     if not reasons:
-        reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.case in STILL_CASES else [
+        reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.quiet else [
             "bounded"
         ]  # fmt: skip
-    if outcome.case == "stiff" and outcome.fidelity_percent > FAITHFUL_PERCENT:
+    if outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT:
         reasons.append("felt softer than it is, as its coupling means it to be")
     return Judgement(outcome, grade, ", ".join(reasons), unbounded, loud, kicks, unfaithful)
 

@@ -27,6 +27,8 @@ def outcome(case: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Out
         "max_force_n": 5.0, "hf_speed_mps": 2e-4, "fidelity_percent": 2.0, "energy_out_j": -0.01,
         "trace": Trace(*[still] * 6, np.zeros(10, dtype=np.int32), 0),
         "model_only_n": still, "dt_s": np.full(10, 1e-3), "late": delay > 0,
+        "quiet": case in ("hold", "long-hold", "stiff"), "stiffer": case == "stiff",
+        "judged": not case.startswith(("rate-50", "rate-10")), "beyond": case.endswith("-fast"),
     }  # fmt: skip
     return Outcome(**found | changed)
 

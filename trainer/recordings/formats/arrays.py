@@ -28,12 +28,12 @@ class _Array:
     values: Samples
 
 
-def read_mat(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-    """Read one recording from a MAT file of version 5, as `read_hdf5`."""
+def read_mat_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
+    """Read one recording from a MAT file of version 5, as `read_hdf5_arrays`."""
     return _read_arrays(path, "mat", request.columns)
 
 
-def read_hdf5(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
+def read_hdf5_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
     """Read one recording from an HDF5 file of any layout, or a MAT file of version 7.3.
 
     A channel is a vector, or a column of a matrix as `data[2]`; structures and groups are named

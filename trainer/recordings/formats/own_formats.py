@@ -29,9 +29,9 @@ CAN_LOG = FileFormat("CAN log", is_can_log, f"{_HERE}.can_log:read_can_log", 1)
 HDF5 = FileFormat(
     "HDF5",
     lambda start: start.startswith((HDF5_MAGIC, _MAT73)) or HDF5_MAGIC in start[512:],
-    f"{_HERE}.arrays:read_hdf5", 2,
+    f"{_HERE}.arrays:read_hdf5_arrays", 2,
 )  # fmt: skip
 MAT = FileFormat(
-    "MAT", lambda start: start.startswith(_MAT5), f"{_HERE}.arrays:read_mat", 3
+    "MAT", lambda start: start.startswith(_MAT5), f"{_HERE}.arrays:read_mat_arrays", 3
 )  # fmt: skip
 CSV = FileFormat("CSV", lambda start: True, f"{_HERE}.csv_text:read_csv", 1000)

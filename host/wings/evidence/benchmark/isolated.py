@@ -56,7 +56,7 @@ def closed_loop(model: Model, number: Number) -> dict[str, Any]:
     except UnsafeError as error:
         return {"bounded": False, "verdict": str(error), "closed_loop": []}
     outcomes = [outcome.as_dict() for outcome in found.whole]
-    evaluated = [outcome for outcome in found.whole if outcome.case != "stiff"]
+    evaluated = [outcome for outcome in found.whole if not outcome.stiffer]
     return {
         "bounded": found.check.stable and all(outcome.bounded for outcome in found.whole),
         "spectral_radius": found.check.spectral_radius,

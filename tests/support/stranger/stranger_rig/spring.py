@@ -1,0 +1,25 @@
+"""The kind of model `spring`: an elastic curve, without memory."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from springpot import Fit, FitOptions, Recording
+from springpot.modelling import Kind, TrainingSet, assemble, fit_passive
+
+
+def fit_spring(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
+    """Keep the curve of the passive model, and nothing that relaxes."""
+    begin = time.perf_counter()
+    passive, rows, _ = fit_passive(data, options)
+    spring = replace(
+        passive, tau_s=passive.tau_s[:0], branch_n=passive.branch_n[:0],
+        radius_m=passive.radius_m[:0], stop_n=passive.stop_n[:0],
+    )  # fmt: skip
+    model = assemble("spring", name, data, options, rows, (None, None), spring, True, {})
+    return Fit(model, rows, 0.0, time.perf_counter() - begin)
+
+
+SPRING = Kind("spring", "an elastic curve", fit_spring)

@@ -1,0 +1,29 @@
+"""Devices still://DEPTH_MM, which stay where they are."""
+
+from pathlib import Path
+from typing import Any
+
+from springpot.devices import Address, DeviceRequirements, Driver, VirtualDevice
+from springpot.native import CLibrary
+
+
+class StillDevice(VirtualDevice):
+    """A tool that stays at one depth."""
+
+    def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
+        """Take the depth of the URL, mm. Raises UsageError for a setting."""
+        address.require_known(())
+        self._depth_m = 1e-3 * float(address.place)
+        self._memory: Any = None
+
+    def link(self, library: CLibrary) -> Any:
+        self._memory = library.memory(library.c.sp_link_still_size())
+        return library.c.sp_link_still_init(self._memory, self._depth_m)
+
+
+STILL = Driver(
+    "still://3, a depth in mm",
+    StillDevice,
+    virtual=True,
+    links=(Path(__file__).with_name("still.c"),),
+)
