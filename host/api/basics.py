@@ -1,7 +1,7 @@
 """Types of arrays and settings, and files that are whole or not there.
 
 >>> from springpot.basics import write_file
->>> write_file(folder / "note.txt", "42 presses")
+>>> write_file(folder / "note.txt", b"42 presses")
 >>> (folder / "note.txt").read_text()
 '42 presses'
 """

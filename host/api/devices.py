@@ -3,7 +3,7 @@
 >>> from springpot.devices import parse_device
 >>> address = parse_device("serial:///dev/ttyACM0?baud=921600")
 >>> address.scheme, address.place, address.number("baud", 115200, 9600, 4e6)
-('serial', 'dev/ttyACM0', 921600.0)
+('serial', '/dev/ttyACM0', 921600.0)
 """
 
 from typing import TYPE_CHECKING

@@ -15,7 +15,7 @@ def lazy_names(module: str, file: str) -> tuple[Callable[[str], Any], list[str]]
 
         __getattr__, __all__ = lazy_names(__name__, __file__)
     """
-    homes = _imports(Path(file).read_text(encoding="utf-8"))
+    homes = homes_of(Path(file))
 
     def loaded(name: str) -> Any:
         if name not in homes:
@@ -25,8 +25,9 @@ def lazy_names(module: str, file: str) -> tuple[Callable[[str], Any], list[str]]
     return loaded, sorted(homes)
 
 
-def _imports(source: str) -> dict[str, str]:
-    """Map each name that `if TYPE_CHECKING:` imports to its module."""
+def homes_of(file: Path) -> dict[str, str]:
+    """Map each name that the block `if TYPE_CHECKING:` of a file imports to its module."""
+    source = file.read_text(encoding="utf-8")
     blocks = [
         node.body
         for node in ast.parse(source).body

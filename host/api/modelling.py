@@ -1,7 +1,7 @@
 """Fits in their parts: features, training sets, kinds of model, cross-validation.
 
 >>> from springpot.modelling import gl_taps
->>> gl_taps(0.5, 4)
+>>> gl_taps(0.5, 4, dt_s=1.0)
 array([ 1.    , -0.5   , -0.125 , -0.0625])
 """
 

@@ -1,7 +1,11 @@
 """The C on this machine, on boards and in WebAssembly: build, load, replay, measure.
 
->>> from springpot.native import Replay, SceneLibrary
->>> force_n, notes = Replay(SceneLibrary(emitted)).run(position_m, velocity_mps)
+>>> from springpot.emission import make_plan
+>>> from springpot.native import Replay, built
+>>> with built(make_plan(model, scene)) as library:
+...     force_n, notes = Replay(library).run(press_m, 0 * press_m)
+>>> force_n.shape == press_m.shape
+True
 """
 
 from typing import TYPE_CHECKING

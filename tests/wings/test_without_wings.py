@@ -45,7 +45,7 @@ def test_the_core_does_its_whole_job_without_wings(tmp_path: Path) -> None:
     (tmp_path / "presses.toml").write_text(PROTOCOL)
     device = "sim://ecoflex-00-30"
     run(tmp_path, "record", "--device", device, "--protocol", "presses.toml", "--out", "rec")
-    run(tmp_path, "export", "rec", "--out", "csv")
+    run(tmp_path, "export", "rec", "--to", "csv", "--out", "csv")
     csv = next((tmp_path / "csv").glob("*.csv"))
     run(tmp_path, "import", str(csv), "--out", "again")
     run(tmp_path, "check", "rec")
@@ -54,6 +54,7 @@ def test_the_core_does_its_whole_job_without_wings(tmp_path: Path) -> None:
     run(tmp_path, "stability", "--scene", "scene.toml")
     run(tmp_path, "run", "--scene", "c", "--device", device, "--seconds", "0.3", "--log", "felt.h5")
     run(tmp_path, "validate", "c", "--recording", "felt.h5")
+    run(tmp_path, "validate", "c", "--recording", "again")
     run(tmp_path, "report", "c")
 
 

@@ -1,13 +1,17 @@
 """The names of `import springpot`: there, described, and loaded only when they are used."""
 
+import doctest
 import importlib
 import inspect
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
-from support.paths import ROOT
+from support.paths import ROOT, TESTS
+from support.small import press, scene, small_model
+from support.sources import API
 
 import springpot
 
@@ -26,7 +30,9 @@ def modules_after(statement: str) -> set[str]:
 
 def test_import_alone_loads_nothing() -> None:
     loaded = modules_after("import springpot; dir(springpot)")
-    assert {name for name in loaded if name.startswith("springpot")} == {"springpot"}
+    assert {name for name in loaded if name.startswith("springpot")} == {
+        "springpot", "springpot.lazy_names",
+    }  # fmt: skip
     assert not loaded & {"numpy", "click", "rich", "h5py", "pydantic", "cffi", "importlib.metadata"}
 
 
@@ -38,7 +44,6 @@ def test_rendering_loads_nothing_that_fits(statement: str) -> None:
 
 def test_every_name_is_there_and_says_what_it_is() -> None:
     assert springpot.__all__ == sorted(springpot.__all__)
-    assert set(springpot.__all__) == set(springpot._HOMES)
     assert set(dir(springpot)) == {*springpot.__all__, "__version__"}
     assert re.fullmatch(r"\d+\.\d+\.\d+", springpot.__version__)
     for name in springpot.__all__:
@@ -81,3 +86,39 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
 def test_the_package_has_one_name() -> None:
     with pytest.raises(ImportError, match="import springpot"):
         importlib.import_module("springpot.host.api")
+
+
+PUBLIC = sorted(
+    file.stem for file in API.glob("*.py")
+    if file.stem not in ("__init__", "files", "lazy_names", "loaded", "steps")
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_names_of_a_public_module_are_there_and_its_example_runs(name: str, tmp_path: Path) -> None:
+    module = importlib.import_module(f"springpot.{name}")
+    assert module.__all__ == sorted(module.__all__)
+    for public in module.__all__:
+        assert hasattr(module, public), public
+    with pytest.raises(AttributeError, match="no_such"):
+        module.no_such  # noqa: B018
+    around = {
+        "folder": tmp_path,
+        "model": small_model(),
+        "scene": scene("float32", "tool"),
+        "press_m": press(2.0).astype("float32"),
+    }
+    example = doctest.DocTestParser().get_doctest(module.__doc__ or "", around, name, None, 0)
+    assert example.examples
+    failed, _ = doctest.DocTestRunner().run(example)
+    assert failed == 0
+
+
+def test_no_name_leaves_the_public_modules_unsaid() -> None:
+    """A name goes with a new major version: tests/golden/public_names.txt is edited then."""
+    now = [f"springpot.{name}" for name in springpot.__all__]
+    for module in PUBLIC:
+        names = importlib.import_module(f"springpot.{module}").__all__
+        now += [f"springpot.{module}.{name}" for name in names]
+    stored = (TESTS / "golden" / "public_names.txt").read_text().split()
+    assert not set(stored) - set(now)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
-from springpot.host.wings.page import server
+from springpot.host.pages import server
 from springpot.host.wings.study.session.screen import ParticipantScreen
 from springpot.host.wings.study.session.screen_state import LONGEST_TEXT, Act, Ask, ScreenState
 

@@ -7,8 +7,9 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
+from springpot.lazy_names import homes_of
+
 _FLOORS_BELOW = ("runtime_c", "codegen", "trainer")  # all of them: kinds are loaded by name
-_HOST = ("springpot", "host")
 
 
 @cache
@@ -36,19 +37,38 @@ def _imported(root: Path, modules: tuple[str, ...]) -> set[Path]:
     found: set[Path] = set()
     waiting = list(modules)
     while waiting:
-        package, *path = waiting.pop().split(".")
-        file = root.joinpath(*path).with_suffix(".py")
-        if (package, *path[:1]) == _HOST and file.is_file() and file not in found:
+        file = _file(root, waiting.pop())
+        if file is not None and file not in found:
             found.add(file)
-            waiting += _imports(file)
+            waiting += _imports(root, file)
     return found
 
 
-def _imports(file: Path) -> Iterator[str]:
-    """Names that a file imports; of `from package import name`, both readings."""
+def _file(root: Path, module: str) -> Path | None:
+    """The file of a module of the host, or of the package springpot itself; else None."""
+    package, *path = module.split(".")
+    if package != "springpot" or (len(path) > 1 and path[0] != "host"):
+        return None
+    if path[:1] == ["host"]:
+        places = [root.joinpath(*path).with_suffix(".py")]
+    else:  # in a checkout the package itself is host/api
+        name = Path(*(path or ["__init__"])).with_suffix(".py")
+        places = [root / "host" / "api" / name, root / name]
+    return next((place for place in places if place.is_file()), None)
+
+
+def _imports(root: Path, file: Path) -> Iterator[str]:
+    """Modules that a file imports from: of `from package import name`, both readings.
+
+    A public name leads to the module that defines it, not to all that its public module offers.
+    """
     for node in ast.walk(ast.parse(file.read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            source = _file(root, node.module) if node.module.count(".") < 2 else None
+            homes = {} if source is None else homes_of(source)
+            if not homes:
+                yield node.module
+            for alias in node.names:
+                yield homes.get(alias.name, f"{node.module}.{alias.name}")

@@ -68,8 +68,8 @@ def test_other_code_measures_again(tmp_path: Path) -> None:
         file.write_text(text + "\n")
         assert hashed(measuring, tmp_path) != before, name
         file.write_text(text)
-    for name in ("benchmark/report.py", "benchmark/run.py", "commands/models/bench.py"):
-        page = tmp_path / "host" / name
+    for name in ("benchmark/report.py", "benchmark/run.py", "commands/bench.py"):
+        page = tmp_path / "host" / "wings" / "evidence" / name
         page.write_text(page.read_text() + "\n")  # measures nothing
     assert hashed(measuring, tmp_path) == before
 

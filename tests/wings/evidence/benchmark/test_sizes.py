@@ -16,6 +16,7 @@ from springpot.codegen.errors import BudgetError, UsageError
 from springpot.host.cli import springpot
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.wasm_module import wasm_module
+from springpot.host.wings.evidence import parallel
 from springpot.host.wings.evidence.benchmark.choice import choose_within
 from springpot.host.wings.evidence.benchmark.node_ticks import untimed
 from springpot.host.wings.evidence.benchmark.picks import (
@@ -31,7 +32,6 @@ from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
 from springpot.host.wings.evidence.benchmark.store import read_result
 from springpot.host.wings.evidence.sweep import Candidate
-from springpot.trainer import parallel
 from springpot.trainer.models.fit import FitOptions
 
 REMEDY = "no compiler for cortex-m4f: `apt-get install gcc-arm-none-eabi`"

@@ -69,4 +69,4 @@ def test_a_sensor_that_falls_silent_ends_the_press() -> None:
 
 def test_a_simulated_bench_takes_no_sensor() -> None:
     with pytest.raises(UsageError, match="leave --force out"):
-        open_press_device("sim://ecoflex-00-30", sensor=SimpleNamespace())
+        open_press_device("sim://ecoflex-00-30", pressing=SimpleNamespace)
