@@ -106,6 +106,11 @@ class Plan:
         return self.couple is None and None not in steps
 
     @property
+    def max_force_n(self) -> float:
+        """Largest force that leaves, in either direction, N."""
+        return max(float(self.output.max_n), -float(self.output.min_n))
+
+    @property
     def contact(self) -> bool:
         """Whether positions at or below 0 are free air."""
         return self.per_onset is not None

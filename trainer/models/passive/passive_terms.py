@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.math.curves import basis
+from springpot.codegen.model.math.depth_laws import loss_by_depth, stretched
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
-from springpot.codegen.stages.depth_laws import loss_by_depth, stretched
-from springpot.codegen.stages.hammerstein import basis
 from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.training_set import TrainingSet
 

@@ -4,10 +4,10 @@ Both are curves of sp_curve.h on eight pieces of the trained depth; a ninth goes
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals, Samples
-from springpot.codegen.stages.recursive import loss_and_gain
+from springpot.codegen.model.math.curves import Place, curve_place, curve_values
+from springpot.codegen.model.math.filters import loss_and_gain
 
 PIECES = 9  # SP_DEPTH_PIECES of sp_depth.h
 _NODES = np.linspace(0.0, 1.0, PIECES)  # shares of the trained depth
@@ -33,7 +33,7 @@ def stretch_terms(stretch: float) -> Samples:
 
 def stretched(u: Samples, stretch: float) -> Samples:
     """v(u) of `stretch_terms`, (n,); 0 below the surface. u: share of the trained depth, (n,)."""
-    return depth_curve(stretch_terms(stretch)[:, :, None], *depth_place(u))[:, 0]
+    return curve_values(stretch_terms(stretch)[:, :, None], depth_place(u))[:, 0]
 
 
 def rates_by_depth(tau_s: Samples, rate_ratio: float) -> Samples:
@@ -52,24 +52,6 @@ def loss_by_depth(tau_s: Samples, rate_ratio: float, dt_s: float) -> Samples:
     return np.stack([PIECES * np.diff(loss, axis=0), loss[:-1]], axis=1)
 
 
-def depth_place(u: Reals) -> tuple[NDArray[np.intp], Reals]:
+def depth_place(u: Reals) -> Place:
     """sp_depth_place: piece and way of each share of the trained depth, both (n,)."""
     return curve_place(u * u.dtype.type((PIECES - 1) / PIECES), PIECES)
-
-
-def curve_place(u: Reals, n_pieces: int) -> tuple[NDArray[np.intp], Reals]:
-    """sp_curve_at: the piece that u is in and the way from its start, both (n,)."""
-    real = u.dtype.type
-    v = np.where(u > 0, u, real(0))
-    found = np.where(v * real(n_pieces) < real(n_pieces - 1), v * real(n_pieces),
-                     real(n_pieces - 1))  # fmt: skip
-    piece = found.astype(np.intp)
-    return piece, v - piece.astype(u.dtype) / real(n_pieces)
-
-
-def depth_curve(terms: Reals, piece: NDArray[np.intp], way: Reals) -> Reals:
-    """sp_curve: values (n, curves) of terms (pieces, degree + 1, curves)."""
-    values: Reals = terms[piece, 0]
-    for power in range(1, terms.shape[1]):
-        values = values * way[:, None] + terms[piece, power]
-    return values
