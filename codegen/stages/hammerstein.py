@@ -7,8 +7,13 @@ import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, members_text, struct_text
-from springpot.codegen.model.math.curves import curve_place, curve_terms, curve_values
-from springpot.codegen.model.math.depth_laws import depth_place, stretch_terms
+from springpot.codegen.model.formulas import (
+    curve_place,
+    curve_terms,
+    curve_values,
+    depth_place,
+    stretch_terms,
+)
 from springpot.codegen.model.model import BASIS_SIZE, Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.maxwell import MaxwellBranches, branch_steps

@@ -10,9 +10,13 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.math.curves import Place, curve_values
-from springpot.codegen.model.math.depth_laws import loss_by_depth, rates_by_depth
-from springpot.codegen.model.math.filters import loss_and_gain
+from springpot.codegen.model.formulas import (
+    Place,
+    curve_values,
+    loss_and_gain,
+    loss_by_depth,
+    rates_by_depth,
+)
 from springpot.codegen.model.model import Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.recursive import SLOW_TICKS, pole_states

@@ -9,7 +9,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, literal
 from springpot.codegen.model.features import PositionVelocity
-from springpot.codegen.model.math.filters import foaw
+from springpot.codegen.model.formulas import foaw
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     REAL,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.features import RecursiveBank
-from springpot.codegen.model.math.filters import loss_and_gain
+from springpot.codegen.model.formulas import loss_and_gain
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     DOUBLE,

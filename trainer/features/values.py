@@ -16,9 +16,7 @@ from springpot.codegen.model.features import (
     PositionVelocity,
     RecursiveBank,
 )
-from springpot.codegen.model.math.curves import curve_values
-from springpot.codegen.model.math.depth_laws import depth_place
-from springpot.codegen.model.math.filters import foaw, loss_and_gain
+from springpot.codegen.model.formulas import foaw, loss_and_gain
 from springpot.trainer.features.fast_fir import equivalent_taps
 
 _KEPT = 1e-15  # of a state after a tick: of less nothing is left
@@ -63,12 +61,8 @@ def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
     return filtered
 
 
-def highpass_by_depth(values: Samples, u: Samples, loss: Samples) -> Samples:
-    """State h of a pole whose loss in a tick depends on the depth, (n,): sp_depth.h.
-
-    u: shares of the trained depth, (n,). loss: (pieces, 2), as `loss_by_depth`.
-    """
-    lost = curve_values(loss[:, :, None], depth_place(u))[:, 0]
+def highpass_by_depth(values: Samples, lost: Samples) -> Samples:
+    """State h of a pole that loses the share `lost`, (n,), in each tick, (n,): sp_depth.h."""
     rises = np.diff(values, prepend=values[:1])
     return _decaying(1.0 - lost, (1.0 - 0.5 * lost) * rises)
 

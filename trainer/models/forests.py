@@ -40,7 +40,9 @@ def random_forest(trees: int, leaf: int, seed: int) -> Any:
     )
 
 
-def fitted_forest(trees: int, leaf: int, seed: int, values: Samples, force_n: Samples) -> Any:
+def fitted_forest(
+    trees: int, leaf: int, seed: int, values: NDArray[np.float32], force_n: Samples
+) -> Any:
     """`random_forest`, fitted; it predicts in one thread, which always sums trees in one order."""
     return random_forest(trees, leaf, seed).fit(values, force_n).set_params(n_jobs=1)
 
@@ -50,7 +52,7 @@ def fit_forest(
 ) -> tuple[Forest, NDArray[np.float64]]:
     """Random forest on scaled features, unscaled, and each feature's importance, (features,)."""
     regressor = fitted_forest(trees, leaf, seed, (scale * features).astype(np.float32), force_n)
-    return unscaled(forest_ir(regressor), scale), regressor.feature_importances_
+    return forest_ir(regressor).on_scaled(scale), regressor.feature_importances_
 
 
 def boosted_forest(
@@ -69,7 +71,7 @@ def boosted_forest(
         early_stopping=False,
         monotonic_cst=[int(monotone or i >= n // 2) for i in range(n)],
     ).fit((scale * features).astype(np.float32), force_n)
-    return unscaled(boosted_ir(regressor), scale)
+    return boosted_ir(regressor).on_scaled(scale)
 
 
 def ensemble_ir(regressor: Any) -> Forest:
@@ -83,8 +85,3 @@ def ensemble_ir(regressor: Any) -> Forest:
         f"{kind}: give a fitted RandomForestRegressor, ExtraTreesRegressor or "
         "HistGradientBoostingRegressor"
     )
-
-
-def unscaled(forest: Forest, scale: float) -> Forest:
-    """Fold a power-of-two scale of the features back into the thresholds, exactly."""
-    return forest.on_scaled(scale)

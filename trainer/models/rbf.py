@@ -11,8 +11,9 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import FractionalBank, PositionVelocity
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.folds import fold_families
+from springpot.trainer.models.folds import Folds, fold_families
 from springpot.trainer.models.passive.nonnegative import normal_equations
+from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.radial import farthest_points, fit_rbf, kernel, standard
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.models.training_set import TrainingSet, depth_m
@@ -34,17 +35,14 @@ def fit_rbf_fd(
     The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
     on the validation recordings, as the paper did. Raises UsageError where those are missing then.
     """
-    from springpot.trainer.models.hammerstein import fit_passive
-
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
     bank = fractional_features(data.dt_s, options.window_s, options.engine)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     key = ("pairs", options.window_s, options.engine, options.fraction, options.seed)
-    by_folds, search_s = data.once(
-        key, lambda: _pair_errors(values, force_n, _both_folds(data, rows, options.seed))
-    )
+    families = fold_families(data, rows, options.seed)
+    by_folds, search_s = data.once(key, lambda: _pair_errors(values, force_n, families))
     begin = time.perf_counter()
     pairs = {"cv": min(by_folds, key=lambda pair: by_folds[pair])}
     if validation:
@@ -72,8 +70,6 @@ def fit_rbf_pv(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Radial basis functions on position and velocity (equation 13, [13])."""
-    from springpot.trainer.models.hammerstein import fit_passive
-
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
     features: PositionVelocity = foaw_features(data.dt_s)
@@ -94,19 +90,11 @@ def foaw_features(dt_s: float) -> PositionVelocity:
     return PositionVelocity(length=max(1, round(FOAW_S / dt_s)), band_m=FOAW_BAND_M)
 
 
-def _both_folds(data: TrainingSet, rows: np.ndarray, seed: int) -> list[np.ndarray]:
-    """By recording, and by condition where there are enough of them.
-
-    Pairs that interpolate between recordings alike differ in what they do between conditions.
-    """
-    return [folds.number for folds in fold_families(data, rows, seed)]
-
-
-def _pair_errors(
-    values: Samples, force_n: Samples, folds: Sequence[np.ndarray]
-) -> dict[Pair, float]:
+def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -> dict[Pair, float]:
     """Cross-validated RMSE of every pair; over several ways to fold, their product.
 
+    By recording, and by condition where there are enough of them: pairs that interpolate between
+    recordings alike differ in what they do between conditions.
     Normal equations of a fold are made once, and serve every fit that does not hold it out.
     """
     errors = {}
@@ -114,7 +102,9 @@ def _pair_errors(
         z = standard(values[:, pair])(values[:, pair])
         system = kernel(z, z[farthest_points(z, SEARCH_CENTERS)])
         system /= np.sqrt(np.square(system).mean(axis=0))
-        errors[pair] = float(np.prod([_held_out_rmse(system, force_n, fold) for fold in folds]))
+        errors[pair] = float(
+            np.prod([_held_out_rmse(system, force_n, folds.number) for folds in families])
+        )
     return errors
 
 

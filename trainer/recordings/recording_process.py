@@ -15,6 +15,7 @@ import numpy as np
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.reader_limits import limit_reader, read_apart, refuse
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_hdf5 import read_hdf5
 
 _SAMPLES = ("position_m", "force_n", "channels")
 
@@ -54,8 +55,6 @@ def as_npz(recording: Recording) -> bytes:
 
 
 if __name__ == "__main__":
-    from springpot.trainer.recordings.recording_file import read_hdf5
-
     limit_reader(Path(sys.argv[1]))
     try:
         sys.stdout.buffer.write(as_npz(read_hdf5(Path(sys.argv[1]))))

@@ -9,7 +9,7 @@ from support.small import DT_S, press, scene, small_model, training
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.model.math.depth_laws import stretched
+from springpot.codegen.model.formulas import stretched
 from springpot.codegen.model.model import Hammerstein, Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.plan.units import state_bytes

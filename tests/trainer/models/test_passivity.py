@@ -15,7 +15,7 @@ import pytest
 from scipy.optimize import minimize
 from support.small import DT_S, press, soft_force
 
-from springpot.codegen.model.math.depth_laws import loss_by_depth
+from springpot.codegen.model.formulas import loss_by_depth
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein

@@ -58,6 +58,21 @@ class PassiveChoice:
         return _penalised(kept, self.penalty, self.terms).solve()
 
 
+def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
+    """The passive part, the rows used, and its cross-validated RMSE, N; see `passive_choice`."""
+    return timed_passive(data, options)[0]
+
+
+def timed_passive(
+    data: TrainingSet, options: FitOptions
+) -> tuple[tuple[Hammerstein, int, float], float]:
+    """`fit_passive` and its seconds, once for the options that decide it."""
+    choice, chosen_s = passive_choice(data, options)
+    key = ("passive model", options.fraction, options.seed, options.poles)
+    model, model_s = data.once(key, choice.model)
+    return (model, len(choice.piece), choice.error_n), chosen_s + model_s
+
+
 def term_columns(terms: Terms, data: TrainingSet, rows: Indices) -> Samples:
     """Values of all terms at rows of all recordings, (rows, terms)."""
     return data.along(rows, lambda depth, at: columns(terms, depth, data.dt_s, at))
