@@ -1,14 +1,16 @@
 """Kinds `rbf-fd` and `rbf-pv`: radial basis functions, and the choice of two orders."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.features import FractionalBank, PositionVelocity
+from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import Folds, fold_families
@@ -51,19 +53,11 @@ def fit_rbf_fd(
     if options.select not in pairs:
         raise UsageError("--select paper chooses orders on validation recordings: give --validate")
     search_s += time.perf_counter() - begin
-    begin = time.perf_counter()
     chosen = pairs[options.select]
-    rbf, condition = fit_rbf(values[:, chosen], force_n, options.n_centers, options.centers)
-    fit_s = time.perf_counter() - begin
-    passive, _, _ = fit_passive(data, options)
-    metadata = {
-        "n_centers": len(rbf.centers),
-        "condition": condition,
-        "pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()},
-    }
-    parts = (bank.take(np.array(chosen)), rbf)
-    model = assemble("rbf-fd", name, data, options, len(rows), parts, passive, False, metadata)
-    return Fit(model, len(rows), feature_s, fit_s, search_s, metadata)
+    metadata = {"pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()}}
+    features = bank.take(np.array(chosen))
+    fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
+    return replace(fit, feature_s=feature_s, search_s=search_s)
 
 
 def fit_rbf_pv(
@@ -72,17 +66,32 @@ def fit_rbf_pv(
     """Radial basis functions on position and velocity (equation 13, [13])."""
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    features: PositionVelocity = foaw_features(data.dt_s)
+    features = foaw_features(data.dt_s)
     values, force_n = data.features(features, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
+    fit = _fitted("rbf-pv", name, data, options, features, values, force_n, {})
+    return replace(fit, feature_s=feature_s)
+
+
+def _fitted(
+    kind: str,
+    name: str,
+    data: TrainingSet,
+    options: FitOptions,
+    features: Features,
+    values: Samples,
+    force_n: Samples,
+    metadata: Mapping[str, Any],
+) -> Fit:
+    """The functions on features (rows, 2), and the passive fallback beside them."""
     begin = time.perf_counter()
     rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    metadata = {"n_centers": len(rbf.centers), "condition": condition}
-    parts = (features, rbf)
-    model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, metadata)
-    return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)
+    metadata = {"n_centers": len(rbf.centers), "condition": condition, **metadata}
+    parts, rows = (features, rbf), len(values)
+    model = assemble(kind, name, data, options, rows, parts, passive, False, metadata)
+    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
 
 
 def foaw_features(dt_s: float) -> PositionVelocity:

@@ -99,13 +99,15 @@ def _asked_features(data: TrainingSet, options: FitOptions) -> FractionalBank:
 def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features: Features) -> Fit:
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    values = data.features(features, rows)
     force_n = data.force_n(rows)
+    values = data.features(features, rows)
     feature_s = time.perf_counter() - begin
-    scale, quantisation = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0)), None
+    scale, quantisation = 1.0, None
     if options.round_features:
         quantisation = quantisation_over(values)
-        scale, values = 1.0, rounded(quantisation, values).astype(np.float64)
+        values = rounded(quantisation, values).astype(np.float64)
+    else:
+        scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
     begin = time.perf_counter()
     forest: Forest
     importance: list[float] = []

@@ -25,15 +25,11 @@ _CHECKSUM = b"springpot sha256"
 _CHECKSUM_BYTES = len(_CHECKSUM) + hashlib.sha256().digest_size
 
 
-def write_recording(path: Path, recording: Recording) -> None:
-    """Write `recording` aside and rename it to `path`, so that a reader never sees half a file."""
-    store_recording(path, recording, overwrite=True)
+def write_recording(path: Path, recording: Recording, *, overwrite: bool = True) -> None:
+    """Write a recording aside, sync and rename it to `path`: a reader never sees half a file.
 
-
-def store_recording(path: Path, recording: Recording, *, overwrite: bool) -> None:
-    """Write aside, sync, rename. Raises OSError, and leaves nothing aside, where that fails.
-
-    overwrite: False raises FileExistsError where `path` exists, even if it came meanwhile.
+    overwrite: False raises FileExistsError if `path` exists, even if it came meanwhile.
+    Raises OSError, and leaves nothing aside, if that fails.
     """
     content = as_hdf5(recording)
     checksum = _CHECKSUM + hashlib.sha256(content).digest()

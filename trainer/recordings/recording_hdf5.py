@@ -88,21 +88,9 @@ def _recording(path: Path, file: h5py.File) -> Recording:
     sets |= {f"{_MORE}/{channel}": file[_MORE][channel] for channel in file.get(_MORE, ())}
     _require_samples(path, sets)
     samples = {name: np.asarray(stored, dtype=np.float64) for name, stored in sets.items()}
-    try:
-        return Recording(
-            name=metadata.name,
-            position_m=samples.pop("position_m"),
-            force_n=samples.pop("force_n"),
-            dt_s=metadata.dt_s,
-            zero=metadata.zero,
-            position_delay_s=metadata.position_delay_s,
-            force_delay_s=metadata.force_delay_s,
-            source=metadata.source,
-            details=metadata.details,
-            channels={name.removeprefix(f"{_MORE}/"): found for name, found in samples.items()},
-        )
-    except DataError as error:
-        raise DataError(f"{path}: {error}") from None
+    position_m, force_n = samples.pop("position_m"), samples.pop("force_n")
+    channels = {name.removeprefix(f"{_MORE}/"): found for name, found in samples.items()}
+    return metadata.recording(str(path), position_m, force_n, channels)
 
 
 def _plain(value: Any) -> Any:

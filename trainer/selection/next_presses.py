@@ -1,4 +1,4 @@
-"""Which presses to record next: those that settle most of what the recordings leave open.
+"""Presses to record next: those that settle most of what the recordings leave open.
 
 A soft object is taken as bands of force, each with a spring and relaxing branches of its own, all
 linear in their weights. Of such models those that explain the recordings alike form a normal
@@ -159,7 +159,7 @@ def _recorded_shares(
 
 
 def _information(share: Samples, dt_s: float, tau_s: Samples) -> _Square:
-    """What a press tells of the weights: their precision, (weights, weights)."""
+    """Information of a press about the weights: their precision, (weights, weights)."""
     rows = np.linspace(0, len(share) - 1, _ROWS).astype(np.intp)
     bands = np.clip(_BANDS * share - np.arange(_BANDS)[:, None], 0.0, 1.0) / _BANDS
     passed = [band[rows] for band in bands]

@@ -100,6 +100,9 @@ def _score(
 
 
 def _mean(values: Samples, families: Indices) -> float:
-    """Geometric mean in each family, then of all: none counts for the number of its folds."""
+    """Geometric mean within each family of folds, then over families.
+
+    So families with many folds do not dominate.
+    """
     means = [geometric_mean(values[families == one].tolist()) for one in np.unique(families)]
     return geometric_mean(means)

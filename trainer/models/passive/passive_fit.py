@@ -89,6 +89,7 @@ def passive_choice(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoic
 
 
 def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
+    # Linear in its weights, so that a row costs little: more of them than trees are fitted on.
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
     force_n = data.force_n(rows)
     families = fold_families(data, rows, options.seed)
@@ -97,6 +98,8 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
     def tried(shape: Shape) -> PassiveChoice:
         terms = standard_terms(data, shape, data.contact == "always", options.poles)
         values = term_columns(terms, data, rows)
+        # Normal equations add up over rows: each piece is made once, and every fold and penalty is
+        # a sum of pieces, (sum A'A) w = sum A'y, whatever the number of rows.
         parts = [
             normal_equations(values[piece == k], force_n[piece == k])
             for k in range(int(piece.max()) + 1)
@@ -111,6 +114,8 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
         )
         return reduce(_better, choices)
 
+    # By steps and not the lowest of all: with few recordings hundredths are chance, and a simpler
+    # shape extrapolates better.
     plain = [tried(shape) for shape in PLAIN]
     best = reduce(_better, plain)
     ramps = [choice for choice in plain if choice.terms.shape.basis == "ramps"]
@@ -135,7 +140,8 @@ def _cross_validated(
         for fold in folds.tested:
             kept, held = _apart(parts, piece, folds, fold)
             if kept and held:
-                errors.append(reduce(add, held).rmse(_penalised(kept, penalty, terms).solve()))
+                weights = _penalised(kept, penalty, terms).solve()
+                errors.append(reduce(add, held).rmse(weights))
         if errors:
             means.append(geometric_mean(errors))
     return geometric_mean(means) if means else 0.0
