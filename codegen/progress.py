@@ -1,4 +1,4 @@
-"""How far long work is: a log record before each step, for whoever shows it."""
+"""Progress of long work: a log record before each step, for a program that shows it."""
 
 import logging
 from collections.abc import Iterator, Sequence

@@ -9,7 +9,7 @@ _ALWAYS_BYTES = 1 << 26
 
 
 def max_unpacked_bytes(file_bytes: int, ratio: int) -> int:
-    """How much may come out of a file that shrank by `ratio` at most: a small one stays small."""
+    """Return how many bytes a file that shrank by `ratio` at most unpacks to, 64 MiB or more."""
     return max(_ALWAYS_BYTES, ratio * file_bytes)
 
 

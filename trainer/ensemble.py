@@ -10,8 +10,8 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.trainer.models.fit import FitOptions, assemble
-from springpot.trainer.models.forests import depth_scale, ensemble_ir, unscaled
-from springpot.trainer.models.hammerstein import fit_passive
+from springpot.trainer.models.forests import depth_scale, ensemble_ir
+from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.rf_fd import fractional_features
 from springpot.trainer.models.training_set import TrainingSet, training_set
@@ -57,7 +57,8 @@ def from_ensemble(
     data = training_set(recordings, smooth_s)
     features = features or fractional_features(data.dt_s, None)
     rows = np.unique(np.linspace(0, data.rows_total - 1, _CHECKED_ROWS).astype(np.intp))
-    forest = unscaled(ensemble_ir(regressor), scale := _scale(data))
+    scale = _scale(data)
+    forest = ensemble_ir(regressor).on_scaled(scale)  # a power of two: exact
     values = _scaled(data, features, rows)
     if regressor.n_features_in_ != values.shape[1]:
         raise UsageError(

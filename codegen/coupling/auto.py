@@ -73,9 +73,10 @@ def choose_coupling(
 
 
 def _stiffest(radius: Callable[[Coupling], float], maximum: float) -> Coupling:
-    """Stiffest proxy of a radius up to `maximum`, less a margin; that of minimum radius if none.
+    """Stiffest proxy coupling with a spectral radius up to `maximum`, softened by GAIN_MARGIN.
 
-    Within a stiffness the lightest proxy comes first: it passes on the least noise.
+    If none qualifies, the one with the smallest radius. Within a stiffness the lightest proxy comes
+    first: it passes on the least noise.
     """
     minimum = (np.inf, Coupling(mode="proxy"))
     for stiffness_npm in _STIFFNESSES_NPM[::-1]:

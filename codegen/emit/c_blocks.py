@@ -31,7 +31,7 @@ def code_of(text: str) -> str:
 
 
 def without_unused(found: Sequence[str]) -> list[str]:
-    """The blocks without the functions of this file that none of the others calls.
+    """Leave out the functions of this file that no other block calls.
 
     One that stands among directives of the preprocessor is kept.
     """

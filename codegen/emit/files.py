@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.emit.glue import public_header, scene_header, scene_source
-from springpot.codegen.emit.golden import golden_positions, golden_velocities, probe_inputs
-from springpot.codegen.emit.project import example_main, example_makefile, selftest_source
+from springpot.codegen.emit.golden import backward_velocity, golden_positions, probe_inputs
+from springpot.codegen.emit.project import filled, selftest_source
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model.model_file import model_hash
 from springpot.codegen.plan.instructions import instruction_bound
@@ -40,8 +40,8 @@ def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, 
         sources[0]: scene_source(plan, short_manifest_text(plan)),
         f"{prefix}_golden.h": _golden_header(plan),
         sources[1]: selftest_source(plan),
-        "main.c": example_main(plan, f"{prefix}_scene.h"),
-        "Makefile": example_makefile(plan),
+        "main.c": filled("main.c", plan, HEADER=f"{prefix}_scene.h"),
+        "Makefile": filled("Makefile", plan),
     }
     if plan.regressor is not None:
         files[f"{prefix}_regressor.h"] = _header(plan, "regressor", regressor_tables(plan))
@@ -70,7 +70,7 @@ def manifest_text(plan: Plan, facts: Mapping[str, Any], sources: Sequence[str]) 
 
 
 def short_manifest_text(plan: Plan) -> str:
-    """What the image itself reports, as JSON."""
+    """Short manifest, which the image itself reports, as JSON."""
     return json.dumps(_short_manifest(plan))
 
 
@@ -126,7 +126,7 @@ def _model_metadata(plan: Plan) -> dict[str, Any]:
 
 
 def _short_manifest(plan: Plan) -> dict[str, Any]:
-    """What the image itself reports (sp_manifest)."""
+    """Short manifest, which the image itself reports (sp_manifest)."""
     trained = plan.model.trained
     return {
         "springpot": version("springpot"),
@@ -175,7 +175,7 @@ def _header(plan: Plan, name: str, lines: Sequence[str]) -> str:
 def golden_arrays(plan: Plan) -> list[str]:
     """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
     positions = golden_positions(plan)
-    velocities = golden_velocities(plan) if plan.needs_device_velocity else None
+    velocities = backward_velocity(positions, plan.dt_s) if plan.needs_device_velocity else None
     columns = {"golden_position": positions}
     if velocities is not None:
         columns["golden_velocity"] = velocities

@@ -74,7 +74,7 @@ def functions(plan: Plan, manifest: str) -> list[str]:
 
 
 def constants(plan: Plan) -> str:
-    """What the scene itself fixes: limits, gains, rates."""
+    """C constants that the scene itself fixes: limits, gains, rates."""
     parts = [
         struct_text("silence", "sp_silence_config", plan.silence),
         struct_text("guard", "sp_guard_config", plan.guard),

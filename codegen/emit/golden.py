@@ -33,15 +33,10 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
     return positions
 
 
-def golden_velocities(plan: Plan) -> NDArray[np.float32 | np.float64]:
-    """Backward differences of the golden positions, (n,), m/s: what a device would report."""
-    return backward_velocity(golden_positions(plan), plan.dt_s)
-
-
 def backward_velocity(
     position_m: NDArray[np.float32 | np.float64], dt_s: float
 ) -> NDArray[np.float32 | np.float64]:
-    """Backward differences, (n,), m/s, of the positions' type; 0 at the first."""
+    """Velocities that a device would report, (n,), m/s: backward differences, 0 at the first."""
     return np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
 
 

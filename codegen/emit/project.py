@@ -1,4 +1,4 @@
-"""What stands around the scene's C: self-test, example program, Makefile for a build by hand."""
+"""C text around the scene: self-test, and templates of an example program and its Makefile."""
 
 import re
 from importlib.resources import files
@@ -46,16 +46,6 @@ def selftest(plan: Plan) -> str:
 
 def _probe(plan: Plan) -> Probe | None:
     return None if plan.features is None else plan.features.probe()
-
-
-def example_main(plan: Plan, header: str) -> str:
-    """A program that renders positions from its standard input."""
-    return filled("main.c", plan, HEADER=header)
-
-
-def example_makefile(plan: Plan) -> str:
-    """Makefile that builds the example and runs the self-test, without Python."""
-    return filled("Makefile", plan)
 
 
 def filled(template: str, plan: Plan, **places: str) -> str:

@@ -21,7 +21,7 @@ from springpot.codegen.emit.files import (
 )
 from springpot.codegen.emit.glue import constants, functions, public_header
 from springpot.codegen.emit.library import arduino_properties, arduino_sketch, platformio_manifest
-from springpot.codegen.emit.project import example_main, filled, selftest
+from springpot.codegen.emit.project import filled, selftest
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
 from springpot.runtime_c.paths import INCLUDE, SOURCE
@@ -54,7 +54,7 @@ def emit_single(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str,
         f"{prefix}.h": single_header(plan),
         f"{prefix}.c": single_source(plan),
         f"examples/{prefix}_loop/{prefix}_loop.ino": arduino_sketch(plan),
-        SINGLE_EXAMPLE.format(prefix): example_main(plan, f"{prefix}.h"),
+        SINGLE_EXAMPLE.format(prefix): filled("main.c", plan, HEADER=f"{prefix}.h"),
     }
     files = {name: stamp(name) + text for name, text in files.items()}
     files["library.properties"] = arduino_properties(plan)
@@ -111,7 +111,7 @@ def _rule(title: str) -> str:
 
 
 def _library(plan: Plan) -> str:
-    """What square roots ask for; nothing without any."""
+    """Note on linking, for a scene with square roots; empty without any."""
     if "sp_rbf.h" not in planned_headers(plan):
         return ""
     return (

@@ -134,7 +134,7 @@ def _pressed(plan: Plan) -> list[str]:
 
 
 def _proxy(plan: Plan) -> list[str]:
-    """Where the model sees the proxy: that, from contact on."""
+    """Line that declares the proxy's position from contact on; none if the model sees the tool."""
     if not plan.at_proxy:
         return []
     proxy = f"sp_couple_place(&state->couple, position, {_velocity(plan)})"

@@ -33,7 +33,7 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class _Order:
-    """Where each IR node goes; place, level, tree, heap: (IR nodes,).
+    """Order of the IR's nodes in the tables; place, level, tree, heap: (IR nodes,).
 
     place: in the table, of nodes at LEVELS or below it and of all leaves. heap: position among the
     first levels. roots: (trees,). size: nodes in the table.
@@ -110,11 +110,12 @@ def work_at_most(forest: CompactForest) -> dict[str, int]:
 def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
     """Sorted thresholds of each used feature, and the bin of each split, (IR nodes,).
 
-    x <= threshold j exactly where at most j thresholds are below x. Quantised features are their
-    own bins: no thresholds are needed.
+    Quantised features are their own bins: no thresholds are needed.
     """
     if forest.quantisation is not None:
         return (), np.clip(np.floor(forest.threshold), 0, _MAX_BIN).astype(np.int64)
+    # scikit-learn compares float32(x) with a double; for a float32 the largest one below decides
+    # alike, and so do ranks: x <= threshold j of the sorted ones, if and only if bin(x) <= j.
     split = largest_float32_below(forest.threshold)
     bin_index = np.zeros(len(split), dtype=np.int64)
     thresholds = []
@@ -126,7 +127,11 @@ def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], 
 
 
 def _order(forest: Forest) -> _Order:
-    """First levels by heap position; below, three levels of a subtree together."""
+    """Places of nodes: first levels by heap position; below, three levels of a subtree together.
+
+    All trees take the first levels in step, so that a vector reads one row of them; below, where
+    trees part, what is read next should lie in the cache line that was just read.
+    """
     before, level = level_order(forest)
     heap = np.zeros(len(before), dtype=np.int64)
     tree = np.zeros(len(before), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""How large and how small the force of a forest can be, for any features whatever.
+"""Bounds of the largest and the smallest force of a forest, over all features.
 
 The largest leaf of every tree may need features that no single vector has. Branch and bound over
 sets of leaves, one of each tree, whose boxes have a point in common: the bound of a set that is not
@@ -22,7 +22,7 @@ _MAX_PAIRS = 20_000_000  # pairs of leaves times features; above, steps are not 
 
 @dataclass(frozen=True)
 class Extreme:
-    """force_n: no features give more. reached_n: some give so much; the same where it is exact."""
+    """Bound of a force, force_n: no features give more; some give reached_n, the same if exact."""
 
     force_n: float
     reached_n: float
@@ -34,8 +34,9 @@ class Extreme:
 
 @dataclass(frozen=True, eq=False)
 class _Leaves:
-    """Of all trees, one tree after the other: lower (exclusive), upper (inclusive), of
-    (leaves, features); value and tree, (leaves,).
+    """Leaves of all trees, one tree after the other.
+
+    Box of each, (leaves, features): above lower, up to upper. value and tree: (leaves,).
     """
 
     lower: NDArray[np.float64]
@@ -73,7 +74,7 @@ def forest_extremes(
 def forest_step(
     forest: Forest, change: NDArray[np.float64], max_compared: int = MAX_COMPARED
 ) -> Extreme | None:
-    """How much the force changes at most, N, where the features change by `change`, (features,).
+    """Largest change of the force, N, if the features change by `change`, (features,).
 
     Sets are of pairs of leaves of a tree: before and after. None where those are too many.
     """
@@ -86,7 +87,7 @@ def forest_step(
 
 
 def _leaves(forest: Forest, n_features: int) -> _Leaves:
-    """Boxes in the features' own units, where a quantised forest compares bins, too."""
+    """Boxes in the features' own units, also if a quantised forest compares bins."""
     threshold = _thresholds(forest)
     boxes = []
     for tree, root in enumerate(forest.roots):
@@ -96,7 +97,7 @@ def _leaves(forest: Forest, n_features: int) -> _Leaves:
             node, lower, upper = ways.pop()
             feature = forest.feature[node]
             if feature < 0:
-                if np.all(lower < upper):
+                if np.all(lower < upper):  # else two splits of one feature shut it: never reached
                     boxes.append((lower, upper, forest.weight * forest.value_n[node], tree))
                 continue
             left_upper, right_lower = upper.copy(), lower.copy()
@@ -109,7 +110,10 @@ def _leaves(forest: Forest, n_features: int) -> _Leaves:
 
 
 def _thresholds(forest: Forest) -> NDArray[np.float64]:
-    """A bin is above t from (floor(t) + 1/2) bins on."""
+    """Threshold of each split in its feature's unit, (nodes,).
+
+    A feature's bin is floor(x + 1/2), x in bins: it is above t from x = floor(t) + 1/2 on.
+    """
     quantisation = forest.quantisation
     if quantisation is None:
         return forest.threshold
@@ -122,10 +126,11 @@ def _thresholds(forest: Forest) -> NDArray[np.float64]:
 
 
 def _pairs(leaves: _Leaves, change: NDArray[np.float64]) -> _Leaves:
-    """Where each pair of leaves of a tree is left for the other; value: what that adds."""
+    """Pairs of leaves of a tree, before and after the change; value: what the change adds."""
     found = []
     for tree in range(int(leaves.tree[-1]) + 1):
         own = np.flatnonzero(leaves.tree == tree)
+        # x in the first leaf and x + change in the second: their boxes, the second moved back.
         lower = np.maximum(leaves.lower[own, None], leaves.lower[own] - change)
         upper = np.minimum(leaves.upper[own, None], leaves.upper[own] - change)
         before, after = np.nonzero(np.all(lower < upper, axis=2))
@@ -147,7 +152,7 @@ def _largest_sum(leaves: _Leaves, max_compared: int) -> tuple[float, float]:
     first = _Set(-unbounded, unbounded, np.arange(len(leaves.tree)), np.zeros(n_trees, bool))
     order = count()  # of entries with the same bound
     heap: list[_Entry] = [(-_bound(leaves, first), next(order), first, None)]
-    found = _dive(leaves, first)
+    found = _dive(leaves, first)  # whatever cannot beat it is never queued
     rows = 0
     while heap and rows < max_compared:
         bound, _, known, leaf = heapq.heappop(heap)
@@ -156,8 +161,10 @@ def _largest_sum(leaves: _Leaves, max_compared: int) -> tuple[float, float]:
             known = _take(leaves, known, leaf)
             heapq.heappush(heap, (-_bound(leaves, known), next(order), known, None))
         elif known.taken.all():
-            return -bound, -bound
+            return -bound, -bound  # best first: every other bound is at most this one
         else:
+            # A leaf costs at least what it is below its tree's best: a bound that is known before
+            # its box is compared with the others, which most leaves then never need.
             choices = _choices(leaves, known)
             losses = leaves.value[choices].max() - leaves.value[choices]
             for choice, loss in zip(choices, losses, strict=True):
@@ -174,7 +181,10 @@ def _bound(leaves: _Leaves, found: _Set) -> float:
 
 
 def _choices(leaves: _Leaves, found: _Set) -> NDArray[np.intp]:
-    """Leaves of a tree that is not taken: of the one whose candidates differ most."""
+    """Branching step: candidate leaves of the undecided tree with the widest range of values.
+
+    Its leaves part the bounds most, so that few of them are looked at again.
+    """
     tree = leaves.tree[found.candidates]
     starts = np.flatnonzero(np.diff(tree, prepend=-1))
     value = leaves.value[found.candidates]

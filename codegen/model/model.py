@@ -25,8 +25,8 @@ class Hammerstein:
     elastic_n: (J,). tau_s: (P,), branch_n: (P, J). radius_m: (K,), stop_n: (K, J). Weights >= 0.
     n_by_depth: of the last branches, which relax at the rate rate_ratio^(1/2 - u)/tau: rate_ratio
     is that at the surface over that at the trained depth. stretch: where it is c > 0, b is a
-    function of v = (u + expm1(c u)/expm1(c))/2 (codegen/stages/depth_laws.py), for an object that
-    stiffens steeply; radii are shares of v then.
+    function of v = (u + expm1(c u)/expm1(c))/2 (formulas.py), for an object that stiffens
+    steeply; radii are shares of v then.
     """
 
     basis: Basis

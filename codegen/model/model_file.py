@@ -80,7 +80,7 @@ def write_model(path: Path, model: Model) -> str:
 
 
 def model_bytes(model: Model) -> bytes:
-    """What `write_model` writes: the line with the checksum, then the npz.
+    """Bytes of a model file: the line with the checksum, then the npz.
 
     Raises DataError for a model that `read_model` would refuse.
     """

@@ -1,4 +1,4 @@
-"""What commands read out of a model's provenance, checked: the rest of it is for people."""
+"""Checks of the items of a model's provenance that commands read: the rest of it is for people."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""What a model's parts must be beyond their types: shapes, signs, ranges, trees.
+"""Rules of a model's parts beyond their types: shapes, signs, ranges, trees.
 
 Rules of a kind of one's own are registered with `require_valid`; without, its types are checked.
 """

@@ -1,4 +1,4 @@
-"""What is true of a model's force for every motion: of a forest, its extremes and its steps.
+"""Facts of a model's force that hold for every motion: extremes and steps of a forest.
 
 The passive part is smooth: what one step of the position adds is its stiffness times that step. A
 forest's leaf is left for another one at once. Leaves here are not yet rounded to the scene's number
@@ -48,7 +48,7 @@ def _(regressor: Forest, plan: Plan, resolution_m: float) -> dict[str, Any]:
 
 
 def _newest_share(plan: Plan, forest: Forest) -> NDArray[np.float64]:
-    """How every feature changes with the newest position, (features,), of the feature's unit/m."""
+    """Change of every feature with the newest position, (features,), in the feature's unit/m."""
     assert plan.features is not None and plan.model.features is not None
     columns = forest.used_columns(plan.model.features.n_features)
     before_m = np.zeros(2, dtype=plan.dtype)

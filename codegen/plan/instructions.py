@@ -16,7 +16,7 @@ _MAKE_UP = 60.0  # beside its ticks
 
 @dataclass(frozen=True)
 class InstructionBound:
-    """Of sp_step. tick: with a sample in the tick before; restart; after_silence: the longest."""
+    """Instructions of sp_step. tick: after a tick with a sample; after_silence: the longest."""
 
     tick: int
     restart: int

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages import (
@@ -17,11 +16,9 @@ from springpot.codegen.stages import (
     rbf,
     recursive,
 )
-from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.hammerstein import hammerstein_stage
+from springpot.codegen.stages.model_force import Stages
 from springpot.codegen.stages.stage import (
-    Columns,
-    FeatureStage,
-    RegressorStage,
     feature_stage,
     padded,
     regressor_stage,
@@ -41,22 +38,7 @@ class LeftOut:
     bytes: int
 
 
-@dataclass(frozen=True, eq=False)
-class ModelStages:
-    """Stages of the model in the scene's number type.
-
-    force = regressor(features) + passive, where there are such, + excess[0] - excess[1]: what the
-    passive model adds for the depth beyond the trained one.
-    """
-
-    features: FeatureStage | None
-    regressor: RegressorStage | None
-    passive: HammersteinStage | None
-    excess: tuple[HammersteinStage, HammersteinStage] | None
-    left_out: tuple[LeftOut, ...]
-
-
-def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> ModelStages:
+def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> Stages:
     """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
     falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
     passive, excess, vector_width = None, None, vector_width_of(scene.runtime)
@@ -70,16 +52,19 @@ def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> M
         )
         excess = (penetration, trained)
     if model.features is None or model.regressor is None:
-        return ModelStages(None, None, passive, excess, ())
+        return Stages(None, None, passive, excess)
     kept = model.regressor.used_columns(model.features.n_features)
     features = feature_stage(model.features, kept, dt_s, dtype)
     regressor = regressor_stage(model.regressor, kept, scene.runtime, dtype)
-    left_out = _dropped(model.features, kept, dtype)
-    return ModelStages(features, regressor, passive, excess, tuple(left_out))
+    return Stages(features, regressor, passive, excess)
 
 
-def _dropped(features: Features, kept: Columns, dtype: type[Any]) -> list[LeftOut]:
+def unused_orders(model: Model, dtype: type[Any]) -> list[LeftOut]:
     """Fractional orders that no split uses."""
+    if model.features is None or model.regressor is None:
+        return []
+    features = model.features
+    kept = model.regressor.used_columns(features.n_features)
     orders = features.fractional_orders
     unused = [order for i, order in enumerate(orders) if i not in set(kept.tolist())]
     if not unused:

@@ -21,12 +21,12 @@ from springpot.codegen.plan.limits import (
     silence_config,
     watchdog_s_of,
 )
-from springpot.codegen.plan.model_stages import LeftOut, ModelStages, model_stages
+from springpot.codegen.plan.model_stages import LeftOut, model_stages, unused_orders
 from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.codegen.stages.model_force import RangeConfig
-from springpot.codegen.stages.stage import FeatureStage, RegressorStage, vector_width_of
+from springpot.codegen.stages.hammerstein import hammerstein_stage
+from springpot.codegen.stages.model_force import RangeConfig, Stages
+from springpot.codegen.stages.stage import vector_width_of
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 
 RATES_HZ = (10.0, 8000.0)
@@ -35,7 +35,7 @@ FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Stages):
     """Everything the emitted C contains. Fields that are None are units left out."""
 
     scene: Scene
@@ -44,10 +44,6 @@ class Plan:
     dt_s: float
     guard: GuardConfig
     range: RangeConfig
-    features: FeatureStage | None
-    regressor: RegressorStage | None
-    passive: HammersteinStage | None
-    excess: tuple[HammersteinStage, HammersteinStage] | None
     per_onset: Real | None
     per_fade: Real | None
     velocity: ToolVelocityStage | None
@@ -106,6 +102,11 @@ class Plan:
         return self.couple is None and None not in steps
 
     @property
+    def max_force_n(self) -> float:
+        """Largest force that leaves, in either direction, N."""
+        return max(float(self.output.max_n), -float(self.output.min_n))
+
+    @property
     def contact(self) -> bool:
         """Whether positions at or below 0 are free air."""
         return self.per_onset is not None
@@ -125,6 +126,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         min_m=dtype(0.0 if contact else model.trained.min_m),
         max_m=dtype(model.trained.max_m),
     )
+    fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
     stiffness_npm = max_stiffness_npm(stages, model, trained, dt_s, dtype)
     choice = _coupling(scene, stiffness_npm, dt_s)
     couple = None
@@ -135,18 +137,15 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
     return Plan(
+        **vars(stages),
         scene=scene,
         model=model,
         real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
         guard=guard_config(model, watchdog_s, dt_s, contact, dtype),
         range=trained,
-        features=stages.features,
-        regressor=stages.regressor,
-        passive=stages.passive,
-        excess=stages.excess,
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
-        per_fade=dtype(1.0 / _fade_m(trained)) if scene.guard.outside == "zero" else None,
+        per_fade=dtype(1.0 / fade_m) if scene.guard.outside == "zero" else None,
         velocity=tool_velocity_stage(dt_s, dtype) if estimates else None,
         couple=couple,
         at_proxy=choice.coupling.mode == "proxy",
@@ -156,7 +155,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         silence=silence_config(watchdog_s, dt_s, dtype),
         watchdog_s=float(dtype(watchdog_s)),
         left_out=(
-            *stages.left_out,
+            *unused_orders(model, dtype),
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
         ),
         accept_unsafe=accept_unsafe,
@@ -166,7 +165,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     )
 
 
-def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[ModelStages, str]:
+def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[Stages, str]:
     """The model's stages, and what pushes back beyond the trained depth."""
     stages = model_stages(model, scene, dt_s, dtype)
     if scene.guard.outside != "fallback" or model.hammerstein is not None:
@@ -216,10 +215,6 @@ def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice
     if stated.mode == "proxy":
         felt_npm = series(stated.stiffness_npm, stiffness_npm)
     return CouplingChoice(stated, f"{stated.mode}: stated in the scene", felt_npm)
-
-
-def _fade_m(trained: RangeConfig) -> float:
-    return FADE * (float(trained.max_m) - float(trained.min_m))
 
 
 def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:

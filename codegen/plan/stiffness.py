@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.model import Hammerstein, Model
-from springpot.codegen.plan.model_stages import ModelStages
-from springpot.codegen.stages.model_force import RangeConfig, clip, model_force
+from springpot.codegen.stages.model_force import RangeConfig, Stages, clip, model_force
 
 STEP = 0.05  # of the trained depth: longer than a leaf of a forest, shorter than a press
 RANGE_FACTOR = 1.3  # of the trained depth: the fallback counts too
@@ -15,7 +14,7 @@ _MAX_TICKS = 200
 
 
 def max_stiffness_npm(
-    stages: ModelStages, model: Model, trained: RangeConfig, dt_s: float, dtype: type[Any]
+    stages: Stages, model: Model, trained: RangeConfig, dt_s: float, dtype: type[Any]
 ) -> float:
     """Maximum secant over 5 % of the depth, pressed from rest at any depth, N/m."""
     base_m = float(trained.min_m)
@@ -36,9 +35,7 @@ def max_stiffness_npm(
     return found
 
 
-def tangent_fallback(
-    stages: ModelStages, model: Model, dt_s: float, dtype: type[Any]
-) -> Hammerstein:
+def tangent_fallback(stages: Stages, model: Model, dt_s: float, dtype: type[Any]) -> Hammerstein:
     """Kelvin-Voigt tangent at the maximum trained depth, for a model without a passive part.
 
     Spring: the secant over the last tenth, pressed at a sixteenth of the trained speed. Damper:
@@ -70,7 +67,7 @@ def tangent_fallback(
 
 
 def _rise_n(
-    stages: ModelStages, from_m: float, step_m: float, speed: float, dt_s: float, dtype: type[Any]
+    stages: Stages, from_m: float, step_m: float, speed: float, dt_s: float, dtype: type[Any]
 ) -> float:
     """Force gained on a straight press from rest, N."""
     ticks = 1 + min(_MAX_TICKS, max(1, round(step_m / (speed * dt_s))))

@@ -1,4 +1,4 @@
-"""What a plan's units bring: headers, and the members of sp_state."""
+"""Headers of a plan's units, and the members of sp_state."""
 
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.stage import (
@@ -70,7 +70,7 @@ def state_bytes(plan: Plan) -> int:
 
 
 def member_offset(plan: Plan, name: str) -> int:
-    """Where the member `name` begins in sp_state, bytes. Raises KeyError."""
+    """Offset of the member `name` in sp_state, bytes. Raises KeyError."""
     return _layout(plan)[0][name]
 
 

@@ -25,10 +25,6 @@ class Followed:
     row: NDArray[np.int64]
     starts: Starts
 
-    def of_samples(self, of_ticks: Reals) -> Reals:
-        """Values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
-        return _at_rows(of_ticks, self.row, self.missed)
-
 
 def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
     """Before each sample a row for every tick missed, along an even way.
@@ -52,11 +48,12 @@ def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
     else:
         for k in np.flatnonzero(ticks > 1):
             _fill(plan, position, rows[k], ticks[k], None)
-        velocity = _at_rows(device_mps, row, missed)
+        velocity = at_rows(device_mps, row, missed)
     return Followed(position, velocity, missed, row, starts)
 
 
-def _at_rows(of_ticks: Reals, row: NDArray[np.int64], missed: NDArray[np.bool_]) -> Reals:
+def at_rows(of_ticks: Reals, row: NDArray[np.int64], missed: NDArray[np.bool_]) -> Reals:
+    """Values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
     taken = np.flatnonzero(row >= 0)
     return of_ticks[taken[np.cumsum(~missed) - ~missed]]
 

@@ -12,7 +12,7 @@ from springpot.codegen.stages.stage import SMALLEST
 
 @dataclass(frozen=True, eq=False)
 class Guarded:
-    """What the guard made of the samples of a run, (n,) each.
+    """Samples of a run as the guard takes them, (n,) each.
 
     position: m. ticks: since the sample taken before; 0 where none is taken. share: of the held
     force that is felt then. resync: the history restarts at it. latched: the watchdog has fallen;

@@ -21,7 +21,7 @@ _AHEAD = 4  # times the ticks that the last pass verified
 
 @dataclass(frozen=True, eq=False)
 class ContactTrace:
-    """What the coupling sees of a run: the tool's motion, and whether in contact, (rows,)."""
+    """Run as the coupling sees it: the tool's motion, and whether it is in contact, (rows,)."""
 
     motion: Followed
     contact: NDArray[np.bool_]
@@ -44,7 +44,7 @@ class ContactTrace:
 def proxy_motion(
     plan: Plan, trace: ContactTrace, force: ModelForce, predicted_m: Reals | None
 ) -> Reals:
-    """Where the model looks at each tick, (n,), m: the proxy, or the tool in free air.
+    """Position at which the model looks at each tick, (n,), m: the proxy, or the tool in free air.
 
     Predict and verify: the stages' references take whole motions, but the proxy's next position
     needs the force here. So the force is evaluated on a predicted motion and the proxy stepped

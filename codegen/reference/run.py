@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.followed import followed
+from springpot.codegen.reference.followed import at_rows, followed
 from springpot.codegen.reference.guarding import guarded
 from springpot.codegen.reference.notes import OUTSIDE, RESYNC, Notes
 from springpot.codegen.reference.proxy import ContactTrace, proxy_motion
@@ -18,7 +18,7 @@ from springpot.codegen.stages.stage import Starts
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What the C returns for each tick: force_n, shape (n,), the scene's type; notes, (n,)."""
+    """Returns of the C for each tick: force_n, shape (n,), the scene's type; notes, (n,)."""
 
     force_n: Reals
     notes: Notes
@@ -48,7 +48,9 @@ def run_reference(
             def at_proxy(proxy: Reals, begun: Starts, asked: NDArray[np.bool_]) -> Reals:
                 return model_force(plan, _depths(plan, proxy)[0], begun, asked)
 
-            predicted = None if predicted_m is None else motion.of_samples(predicted_m)
+            predicted = predicted_m
+            if predicted_m is not None:
+                predicted = at_rows(predicted_m, motion.row, motion.missed)
             pressed = proxy_motion(plan, ContactTrace(motion, contact), at_proxy, predicted)
         depths, outside = _depths(plan, pressed)
         taken = motion.row >= 0

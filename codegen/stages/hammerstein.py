@@ -1,26 +1,25 @@
 """The passive model: sp_hammerstein.h."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, members_text, struct_text
-from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
-from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.depth_laws import (
+from springpot.codegen.model.formulas import (
     curve_place,
-    depth_curve,
+    curve_terms,
+    curve_values,
     depth_place,
     stretch_terms,
 )
+from springpot.codegen.model.model import BASIS_SIZE, Hammerstein
+from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.maxwell import MaxwellBranches, branch_steps
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
-    SMALLEST,
     VECTOR_WIDTH,
     Measured,
     Member,
@@ -70,7 +69,7 @@ class HammersteinStage(Stage):
     @property
     def headers(self) -> tuple[str, ...]:
         depth = ("sp_depth.h",) if self._by_depth else ()
-        stepped = [header for step in self.steps for header in step.headers]
+        stepped = [header for step in self.steps for header in step.names.headers]
         return ("sp_number.h", "sp_curve.h", "sp_stops.h", "sp_hammerstein.h", *depth, *stepped)
 
     @property
@@ -78,7 +77,7 @@ class HammersteinStage(Stage):
         """Input and state of each branch, the slow ones' own, play of each stop."""
         capacity, stops, name = self.config.n_branches, self.config.n_stops, self.follows
         slow = [
-            Member(f"double {name}_{step.name}[{step.count}]", (DOUBLE,) * step.count)
+            Member(f"double {name}_{step.names.prefix}[{step.count}]", (DOUBLE,) * step.count)
             for step in self.steps
             if step.double
         ]
@@ -151,7 +150,10 @@ class HammersteinStage(Stage):
     @property
     def measured(self) -> Measured:
         return Measured(
-            headers=("sp_measured.h", *(h for step in self.steps for h in step.measured_headers)),
+            headers=(
+                "sp_measured.h",
+                *(h for step in self.steps for h in step.names.measured_headers),
+            ),
             tables=tuple(table for step in self.steps for table in step.measured_tables()),
             advance=tuple(self._tick(lambda step: step.measured_step(self.follows))),
         )
@@ -164,7 +166,7 @@ class HammersteinStage(Stage):
             if step.double
             for line in (
                 f"for (uint32_t i = 0; i < {step.count}; i++) {{",
-                f"    state->{name}_{step.name}[i] = 0.0;",
+                f"    state->{name}_{step.names.prefix}[i] = 0.0;",
                 "}",
             )
         ]
@@ -199,44 +201,29 @@ class HammersteinStage(Stage):
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         """Force of every tick, (n,), N."""
         config = self.config
-        real = depth.dtype.type
         u = (depth - config.origin_m) * config.per_span
         at = depth_place(u)
         if self.stretch is not None:
-            u = depth_curve(self.stretch[:, :, None], *at)[:, 0]
+            u = curve_values(self.stretch[:, :, None], at)[:, 0]
         place = curve_place(u, config.n_pieces)
-        g = depth_curve(self.branches, *place)
-        still_n = depth_curve(self.spring[:, :, None], *place)[:, 0] + config.bias_n
+        g = curve_values(self.branches, place)
         held = np.empty_like(g)
         play = np.empty((len(depth), config.n_stops), dtype=depth.dtype)
         for begin, end, rests in segments(len(depth), starts):
             # A restart leaves the branches relaxed at u; the C's state begins as zeros.
             first = g[begin] if rests else np.zeros(config.n_branches, dtype=depth.dtype)
             rises = np.diff(g[begin:end], prepend=first[None, :], axis=0)
+            there = (at[0][begin:end], at[1][begin:end])
             for step in self.steps:
                 its = slice(step.first, step.first + step.count)
-                own = rises[:, its].astype(np.float64) if step.double else rises[:, its]
-                there = (at[0][begin:end], at[1][begin:end])
-                h = np.zeros(step.count, dtype=own.dtype)
-                smallest, nothing = own.dtype.type(SMALLEST), own.dtype.type(0)
-                advance = step.reference(own, there)
-                for i in range(end - begin):
-                    h = advance(i, h)
-                    h[np.abs(h) < smallest] = nothing
-                    held[begin + i, its] = h
+                held[begin:end, its] = step.reference(rises[:, its], there)
             if config.n_stops:
-                # The C's comparisons: np.clip would treat a NaN otherwise.
-                p = np.full(config.n_stops, u[begin] if rests else real(0), dtype=depth.dtype)
-                low = u[begin:end, None] - self.radius
-                high = u[begin:end, None] + self.radius
-                for i in range(end - begin):
-                    p = np.where(p > low[i], p, low[i])
-                    p = np.where(p < high[i], p, high[i])
-                    play[begin + i] = p
+                play[begin:end] = self._played(u[begin:end], rests)
+        still_n = curve_values(self.spring[:, :, None], place)[:, 0] + config.bias_n
         for k in range(config.n_stops):
             # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
             at_play = curve_place(play[:, k], config.n_pieces)
-            still_n = still_n - depth_curve(self.stops[k][:, :, None], *at_play)[:, 0]
+            still_n = still_n - curve_values(self.stops[k][:, :, None], at_play)[:, 0]
         # Four partial sums, as the C's vectors add them: another order rounds otherwise.
         s = np.zeros((VECTOR_WIDTH, len(depth)), dtype=depth.dtype)
         for i in range(config.n_branches):
@@ -244,20 +231,16 @@ class HammersteinStage(Stage):
         force_n: Reals = still_n + ((s[0] + s[2]) + (s[1] + s[3]))
         return force_n
 
-
-def basis(kind: Basis, u: Reals) -> Iterator[Reals]:
-    """The functions of a basis one after another, each (n,); `curve_terms` has them by pieces."""
-    real = u.dtype.type
-    if kind == "powers":
-        v = np.maximum(u, real(0))
-        yield v
-        yield v * v
-        yield v * v * v
-        return
-    width = real(1) / real(8)
-    for j in range(8):
-        risen = np.maximum(u - real(j) * width, real(0))
-        yield np.minimum(risen, width) if j < 7 else risen
+    def _played(self, u: Reals, rests: bool) -> Reals:
+        """Play of each stop along one stretch, (n, stops)."""
+        play = np.empty((len(u), len(self.radius)), dtype=u.dtype)
+        p = np.full(len(self.radius), u[0] if rests else u.dtype.type(0), dtype=u.dtype)
+        low, high = u[:, None] - self.radius, u[:, None] + self.radius
+        for i in range(len(u)):
+            p = np.where(p > low[i], p, low[i])  # as the C compares: np.clip differs for a NaN
+            p = np.where(p < high[i], p, high[i])
+            play[i] = p
+        return play
 
 
 def hammerstein_stage(
@@ -293,14 +276,3 @@ def hammerstein_stage(
         stretch=stretch,
         follows=follows,
     )
-
-
-def curve_terms(kind: Basis, weights: Reals) -> NDArray[np.float64]:
-    """Weights (curves, J) on a basis as polynomials: (pieces, degree + 1, curves)."""
-    if kind == "powers":
-        constant = np.zeros((1, len(weights)))
-        return np.concatenate([weights.T[::-1], constant])[None]
-    # In piece j ramp j rises; those before it are full, at weight / n_pieces; those after it are 0.
-    n_pieces = BASIS_SIZE[kind]
-    starts = np.concatenate([np.zeros((1, len(weights))), np.cumsum(weights.T, axis=0)[:-1]])
-    return np.stack([weights.T, starts / n_pieces], axis=1)

@@ -1,186 +1,130 @@
-"""Maxwell branches of the passive model: who steps which of them, and how.
+"""Maxwell branches of the passive model, grouped by how they are stepped, and the C of each group.
 
-Of constant rate, or of one that depends on the depth (sp_depth.h); in double where a float would
-stop moving.
+Of constant rate, or of one that depends on the depth (sp_depth.h); in double if a float would stop
+moving.
 """
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
+from springpot.codegen.model.formulas import (
+    Place,
+    curve_values,
+    loss_and_gain,
+    loss_by_depth,
+    rates_by_depth,
+)
 from springpot.codegen.model.model import Hammerstein
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.depth_laws import depth_curve, loss_by_depth, rates_by_depth
-from springpot.codegen.stages.recursive import SLOW_TICKS, loss_and_gain
-from springpot.codegen.stages.stage import padded
+from springpot.codegen.stages.recursive import SLOW_TICKS, pole_states
+from springpot.codegen.stages.stage import SMALLEST, padded
 
-Place = tuple[NDArray[np.intp], Reals]  # piece and way of each tick's depth, both (n,)
+
+@dataclass(frozen=True)
+class _Names:
+    """C of a group: prefix of its tables and states; functions and headers of a tick, and of a
+    measured time step."""
+
+    prefix: str
+    step: str
+    headers: tuple[str, ...]
+    measured_step: str
+    measured_headers: tuple[str, ...]
+
+
+_NAMES = {  # by_depth, double
+    (False, False): _Names("branch", "sp_poles_apart", ("sp_poles.h",),
+                           "sp_measured_apart", ("sp_measured.h",)),
+    (False, True): _Names("slow_branch", "sp_slow_poles_apart", ("sp_poles.h", "sp_slow_poles.h"),
+                          "sp_measured_slow_apart", ("sp_measured.h",)),
+    (True, False): _Names("depth_branch", "sp_depth_poles", ("sp_depth.h",),
+                          "sp_depth_poles_dt", ("sp_depth_dt.h",)),
+    (True, True): _Names("slow_depth_branch", "sp_depth_slow_poles", ("sp_depth.h",),
+                         "sp_depth_slow_poles_dt", ("sp_depth_dt.h",)),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
-class MaxwellBranches(ABC):
+class MaxwellBranches:
     """Neighbouring branches that are stepped alike.
 
-    first: column of the first one. double: whether their states are. loss: last axis (count,).
+    first: column of the first one. by_depth: whether a tick needs the place of the depth. double:
+    whether their states are. loss: of a tick, (count,); by depth (pieces, 2, count). measured:
+    tables of a measured time step by name: per_tau, 1/s, and per_gain, the inverse of what is
+    folded into the curves, (count,); by depth rates, (pieces + 1, count), 1/s.
     """
 
     first: int
+    by_depth: bool
     double: bool
     loss: Reals
+    measured: dict[str, Reals]
+
+    @property
+    def names(self) -> _Names:
+        return _NAMES[self.by_depth, self.double]
 
     @property
     def count(self) -> int:
         """Branches, those of curve 0 that fill a vector too."""
         return int(self.loss.shape[-1])
 
-    @property
-    @abstractmethod
-    def by_depth(self) -> bool:
-        """Whether a tick needs the place of the depth (sp_depth.h)."""
-
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """Prefix of the C's tables and states."""
-
-    @property
-    @abstractmethod
-    def headers(self) -> tuple[str, ...]:
-        """Of a tick."""
-
-    @property
-    @abstractmethod
-    def measured_headers(self) -> tuple[str, ...]:
-        """Of a measured time step."""
-
-    @abstractmethod
     def tables(self) -> list[str]:
         """Constants of a tick."""
+        loss = self.loss.reshape(-1, self.count) if self.by_depth else self.loss
+        c_type = "double" if self.double and not self.by_depth else "sp_real"
+        return [array_text(f"{self.names.prefix}_loss", c_type, loss)]
 
-    @abstractmethod
     def measured_tables(self) -> tuple[str, ...]:
         """Constants of a measured time step."""
-
-    @abstractmethod
-    def step(self, follows: str) -> list[str]:
-        """Lines of a tick, after `{follows}_branch` is known."""
-
-    @abstractmethod
-    def measured_step(self, follows: str) -> list[str]:
-        """Lines of a measured time step, `dt_s`."""
-
-    @abstractmethod
-    def reference(self, rises: Reals, place: Place) -> Callable[[int, Reals], Reals]:
-        """Step of the states (count,) at tick i; rises (n, count) in the states' type."""
-
-    def instructions(self, costs: Costs) -> float:
-        """Bound of a tick's."""
-        return self.count * (costs.branch + (costs.slow_pole if self.double else 0.0))
-
-    def _call(self, function: str, constants: str, settings: str, follows: str) -> list[str]:
-        at = f" + {self.first}" if self.first else ""
-        states = [f"{follows}_branch{at}", f"state->{follows}_before{at}"]
-        states += [f"state->{follows}_{self.name}"] if self.double else []
-        states += [f"state->{follows}_held{at}"]
-        return [f"{function}({constants}, {settings},", f"    {', '.join(states)});"]
-
-
-@dataclass(frozen=True, eq=False)
-class ConstantRate(MaxwellBranches):
-    """loss: (count,). per_tau (1/s), per_gain (inverse of what is folded into their curves):
-    (count,), for a measured time step."""
-
-    per_tau: Reals
-    per_gain: Reals
-
-    @property
-    def by_depth(self) -> bool:
-        return False
-
-    @property
-    def name(self) -> str:
-        return "slow_branch" if self.double else "branch"
-
-    @property
-    def headers(self) -> tuple[str, ...]:
-        return ("sp_poles.h", *(("sp_slow_poles.h",) if self.double else ()))
-
-    @property
-    def measured_headers(self) -> tuple[str, ...]:
-        return ("sp_measured.h",)
-
-    def tables(self) -> list[str]:
-        return [array_text(f"{self.name}_loss", "double" if self.double else "sp_real", self.loss)]
-
-    def measured_tables(self) -> tuple[str, ...]:
-        return (
-            array_text(f"{self.name}_per_tau", "sp_real", self.per_tau),
-            array_text(f"{self.name}_per_gain", "sp_real", self.per_gain),
+        return tuple(
+            array_text(f"{self.names.prefix}_{name}", "sp_real", values)
+            for name, values in self.measured.items()
         )
 
     def step(self, follows: str) -> list[str]:
-        function = "sp_slow_poles_apart" if self.double else "sp_poles_apart"
-        return self._call(function, f"{self.name}_loss", f"{self.count}", follows)
+        """Lines of a tick, after `{follows}_branch` is known."""
+        return self._call(self.names.step, ["loss"], follows, [])
 
     def measured_step(self, follows: str) -> list[str]:
-        function = "sp_measured_slow_apart" if self.double else "sp_measured_apart"
-        constants = f"{self.name}_per_tau, {self.name}_per_gain"
-        return self._call(function, constants, f"{self.count}, dt_s", follows)
+        """Lines of a measured time step, `dt_s`."""
+        return self._call(self.names.measured_step, list(self.measured), follows, ["dt_s"])
 
-    def reference(self, rises: Reals, place: Place) -> Callable[[int, Reals], Reals]:
-        return lambda i, h: h + (rises[i] - self.loss * h)
-
-
-@dataclass(frozen=True, eq=False)
-class RateByDepth(MaxwellBranches):
-    """loss: (pieces, 2, count). rates: (pieces + 1, count), 1/s."""
-
-    rates: Reals
-
-    @property
-    def by_depth(self) -> bool:
-        return True
-
-    @property
-    def name(self) -> str:
-        return "slow_depth_branch" if self.double else "depth_branch"
-
-    @property
-    def headers(self) -> tuple[str, ...]:
-        return ("sp_depth.h",)
-
-    @property
-    def measured_headers(self) -> tuple[str, ...]:
-        return ("sp_depth_dt.h",)
-
-    def tables(self) -> list[str]:
-        return [array_text(f"{self.name}_loss", "sp_real", self.loss.reshape(-1, self.count))]
-
-    def measured_tables(self) -> tuple[str, ...]:
-        return (array_text(f"{self.name}_rates", "sp_real", self.rates),)
-
-    def step(self, follows: str) -> list[str]:
-        function = "sp_depth_slow_poles" if self.double else "sp_depth_poles"
-        settings = f"{self.count}, {follows}_depth"
-        return self._call(function, f"{self.name}_loss", settings, follows)
-
-    def measured_step(self, follows: str) -> list[str]:
-        function = "sp_depth_slow_poles_dt" if self.double else "sp_depth_poles_dt"
-        settings = f"{self.count}, {follows}_depth, dt_s"
-        return self._call(function, f"{self.name}_rates", settings, follows)
+    def _call(self, function: str, tables: list[str], follows: str, more: list[str]) -> list[str]:
+        prefix = self.names.prefix
+        constants = [f"{prefix}_{table}" for table in tables]
+        settings = [f"{self.count}", *([f"{follows}_depth"] if self.by_depth else []), *more]
+        at = f" + {self.first}" if self.first else ""
+        states = [f"{follows}_branch{at}", f"state->{follows}_before{at}"]
+        states += [f"state->{follows}_{prefix}"] if self.double else []
+        states += [f"state->{follows}_held{at}"]
+        head = ", ".join([*constants, *settings])
+        return [f"{function}({head},", f"    {', '.join(states)});"]
 
     def instructions(self, costs: Costs) -> float:
-        return super().instructions(costs) + self.count * costs.branch_depth
+        """Bound of a tick's."""
+        slow = costs.slow_pole if self.double else 0.0
+        depth = costs.branch_depth if self.by_depth else 0.0
+        return self.count * (costs.branch + slow + depth)
 
-    def reference(self, rises: Reals, place: Place) -> Callable[[int, Reals], Reals]:
-        lost = depth_curve(self.loss, *place).astype(rises.dtype)
-        half = rises.dtype.type(0.5)
-        return lambda i, h: h + (rises[i] - lost[i] * (h + half * rises[i]))
+    def reference(self, rises: Reals, place: Place) -> Reals:
+        """States after each tick from rest, (n, count); rises (n, count)."""
+        if self.double:
+            rises = rises.astype(np.float64)
+        if not self.by_depth:
+            return pole_states(self.loss, rises, self.count)
+        real = rises.dtype.type
+        lost = curve_values(self.loss, place).astype(rises.dtype)
+        states = np.empty_like(rises)
+        h = np.zeros(self.count, dtype=rises.dtype)
+        for i, rise in enumerate(rises):
+            h = h + (rise - lost[i] * (h + real(0.5) * rise))
+            h[np.abs(h) < real(SMALLEST)] = real(0)
+            states[i] = h
+        return states
 
 
 def branch_steps(
@@ -201,38 +145,25 @@ def branch_steps(
         fill = 0 if in_double or depends else filled
         if not len(its) + fill:
             continue
-        tau_s = model.tau_s[its]
+        tau_s, ratio, branch_n = model.tau_s[its], model.rate_ratio, model.branch_n[its]
         if depends:
-            steps.append(_by_depth(first, in_double, tau_s, model.rate_ratio, dt_s, dtype))
-            weights.append(model.branch_n[its])
+            loss: Reals = loss_by_depth(tau_s, ratio, dt_s).astype(dtype)
+            measured = {"rates": rates_by_depth(tau_s, ratio)}
         else:
-            steps.append(_constant(first, in_double, tau_s, fill, dt_s, dtype))
-            gain = loss_and_gain(tau_s, dt_s)[1]
-            weights.append(np.pad(gain[:, None] * model.branch_n[its], ((0, fill), (0, 0))))
+            # The gain of a rise within a tick is folded into the curves; what fills has none.
+            of_one, gain = loss_and_gain(tau_s, dt_s)
+            loss = _filled(of_one, fill).astype(np.float64 if in_double else dtype)
+            measured = {
+                "per_tau": _filled(1.0 / tau_s, fill),
+                "per_gain": _filled(1.0 / gain, fill),
+            }
+            branch_n = np.pad(gain[:, None] * branch_n, ((0, fill), (0, 0)))
+        measured = {name: values.astype(dtype) for name, values in measured.items()}
+        steps.append(MaxwellBranches(first, depends, in_double, loss, measured))
+        weights.append(branch_n)
         first += len(its) + fill
     return tuple(steps), np.concatenate(weights)
 
 
-def _constant(
-    first: int, double: bool, tau_s: Reals, fill: int, dt_s: float, dtype: type
-) -> ConstantRate:
-    loss, gain = loss_and_gain(tau_s, dt_s)
-    padding = (0, fill)
-    return ConstantRate(
-        first=first,
-        double=double,
-        loss=np.pad(loss, padding, constant_values=1.0).astype(np.float64 if double else dtype),
-        per_tau=np.pad(1.0 / tau_s, padding, constant_values=1.0).astype(dtype),
-        per_gain=np.pad(1.0 / gain, padding, constant_values=1.0).astype(dtype),
-    )
-
-
-def _by_depth(
-    first: int, double: bool, tau_s: Reals, ratio: float, dt_s: float, dtype: type
-) -> RateByDepth:
-    return RateByDepth(
-        first=first,
-        double=double,
-        loss=loss_by_depth(tau_s, ratio, dt_s).astype(dtype),
-        rates=rates_by_depth(tau_s, ratio).astype(dtype),
-    )
+def _filled(values: Reals, fill: int) -> Reals:
+    return np.pad(values, (0, fill), constant_values=1.0)

@@ -1,7 +1,6 @@
 """The model's part of the reference: its force on a motion that is known."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,24 +18,18 @@ class RangeConfig:
     max_m: Real
 
 
-class Stages(Protocol):
-    """A plan, or its model's stages."""
+@dataclass(frozen=True, eq=False)
+class Stages:
+    """Stages of a model in the scene's number type.
 
-    @property
-    def features(self) -> FeatureStage | None:
-        """Of the regressor."""
+    force = regressor(features) + passive, where there are such, + excess[0] - excess[1]: what the
+    passive model adds for the depth beyond the trained one.
+    """
 
-    @property
-    def regressor(self) -> RegressorStage | None:
-        """Features to force."""
-
-    @property
-    def passive(self) -> HammersteinStage | None:
-        """The passive part that the model adds."""
-
-    @property
-    def excess(self) -> tuple[HammersteinStage, HammersteinStage] | None:
-        """The passive fallback, at the depth as it is and at the trained one."""
+    features: FeatureStage | None
+    regressor: RegressorStage | None
+    passive: HammersteinStage | None
+    excess: tuple[HammersteinStage, HammersteinStage] | None
 
 
 def model_force(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.features import RecursiveBank
+from springpot.codegen.model.formulas import loss_and_gain
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     DOUBLE,
@@ -24,12 +25,6 @@ from springpot.codegen.stages.stage import (
 from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
-
-
-def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:
-    """1 - exp(-dt/tau), and the gain of an input that is linear within the step: both (poles,)."""
-    loss = -np.expm1(-dt_s / tau_s)
-    return loss, loss * tau_s / dt_s
 
 
 def pole_states(loss: Reals, rises: Reals, n_poles: int) -> Reals:

@@ -1,4 +1,4 @@
-"""What every stage of a model has: headers, state, tables, lines of glue, and its reference."""
+"""Interface of the stages of a model: headers, state, tables, lines of glue, and a reference."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -66,7 +66,7 @@ class Stage(ABC):
     @property
     @abstractmethod
     def members(self) -> tuple[Member, ...]:
-        """What it keeps from tick to tick."""
+        """State that it keeps from tick to tick."""
 
     @abstractmethod
     def tables(self) -> list[str]:
@@ -130,7 +130,7 @@ class RegressorStage(ABC):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """What sp_init finds out once, and what it keeps from tick to tick."""
+        """State that sp_init finds out once, and that it keeps from tick to tick."""
         return ()
 
     @property

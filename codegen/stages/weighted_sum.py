@@ -50,7 +50,7 @@ class WeightedSumStage(FeatureStage):
         )
 
     def sum_instructions(self, costs: Costs) -> float:
-        """Of the weighted sums alone."""
+        """Bound of the instructions of the weighted sums alone."""
         terms, vector_width = self.weights.shape
         return float(vector_width * (terms * costs.weight + costs.lane))
 

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.forests import (
         fit_forest as fit_forest,
     )
-    from springpot.trainer.models.hammerstein import fit_passive as fit_passive
+    from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.predict import regressor_force as regressor_force
     from springpot.trainer.models.radial import fit_rbf as fit_rbf
     from springpot.trainer.models.rf_fd import PAPER_TAPS as PAPER_TAPS

@@ -89,13 +89,12 @@ def _metadata(plan: Plan, scene_hash: str) -> str:
     """What the protocol says of the scene."""
     digest = bytes.fromhex(scene_hash)
     items = ", ".join(f"{byte}" for byte in digest)
-    max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
     return (
         "/* What the firmware reports of its scene. */\n"
         "#ifndef SP_METADATA_H\n#define SP_METADATA_H\n\n"
         f"#define SP_METADATA_DT_S {_float(plan.dt_s)}\n"
         f"#define SP_METADATA_WATCHDOG_S {_float(plan.watchdog_s)}\n"
-        f"#define SP_METADATA_MAX_N {_float(max_n)}\n"
+        f"#define SP_METADATA_MAX_N {_float(plan.max_force_n)}\n"
         f"#define SP_METADATA_HASH {{{{{items}}}}}\n\n#endif\n"
     )
 

@@ -16,5 +16,5 @@ def report_quality(recordings: Sequence[Recording]) -> QualityReport:
             also = f" (and {len(others)} more: springpot check)" if others else ""
             say(first.line + also)
     report.refuse()
-    say(report.figures["signs"])
+    say(report.sign_words)
     return report

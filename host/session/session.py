@@ -65,11 +65,10 @@ class Session:
         emitted = read_emission(Path(folder), accept_edited)
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
         self._scene = SceneLibrary(Path(folder))
-        max_n = max(float(plan.output.max_n), -float(plan.output.min_n))
         settings = LoopSettings(
             period_s=plan.dt_s,
             seconds=seconds,
-            max_force_n=max_n if max_force_n is None else max_force_n,
+            max_force_n=plan.max_force_n if max_force_n is None else max_force_n,
             max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
             reversed=plan.scene.device.force_sign == -1,
         )
@@ -78,7 +77,7 @@ class Session:
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
             watchdog_s=plan.watchdog_s,
-            max_n=min(max_n, settings.max_force_n),
+            max_n=min(plan.max_force_n, settings.max_force_n),
             hash=self._hash,
         )
         self._zero: Zero = "none" if plan.contact else "first"

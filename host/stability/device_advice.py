@@ -8,10 +8,9 @@ from springpot.codegen.plan.plan import Plan
 def device_advice(plan: Plan) -> Iterator[str]:
     """Yield what the largest force and the noise of the velocity, where stated, mean."""
     device = plan.scene.device
-    largest_n = max(float(plan.output.max_n), -float(plan.output.min_n))
-    if device.max_force_n is not None and device.max_force_n < largest_n:
+    if device.max_force_n is not None and device.max_force_n < plan.max_force_n:
         yield (
-            f"The scene's force may reach {largest_n:.3g} N and its device gives "
+            f"The scene's force may reach {plan.max_force_n:.3g} N and its device gives "
             f"{device.max_force_n:g} N, so `run` will refuse it: set guard.max_force_n = "
             f"{device.max_force_n:g}."
         )

@@ -28,11 +28,11 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.forests import (
     FEATURES_AT_SPLIT,
     ROWS_OF_A_TREE,
+    boosted_ir,
     depth_scale,
-    unscaled,
+    forest_ir,
 )
 from springpot.trainer.models.training_set import training_set
-from springpot.trainer.models.tree_ir import boosted_ir, forest_ir
 
 THIRD = 1 / 3  # of the features at each split
 Fitted = Callable[[np.ndarray, np.ndarray, float], Forest]
@@ -45,7 +45,7 @@ def ensemble(kind: Any = RandomForestRegressor, leaf: int = 5, **options: Any) -
         regressor = kind(
             random_state=0, n_jobs=-1, n_estimators=100, min_samples_leaf=leaf, **options
         )
-        return unscaled(forest_ir(regressor.fit((scale * x).astype(np.float32), y)), scale)
+        return forest_ir(regressor.fit((scale * x).astype(np.float32), y)).on_scaled(scale)
 
     return fit
 
@@ -69,7 +69,7 @@ def shrunk(leaf: int, weight: float) -> Fitted:
                             1.0 + weight / tree.weighted_n_node_samples[node]
                         )
             tree.value[:, 0, 0] = value
-        return unscaled(forest_ir(regressor), scale)
+        return forest_ir(regressor).on_scaled(scale)
 
     return fit
 
@@ -82,7 +82,7 @@ def boosted(monotone_from: int) -> Fitted:
             max_iter=100, max_depth=4, random_state=0, early_stopping=False,
             monotonic_cst=[int(i >= monotone_from) for i in range(x.shape[1])],
         ).fit((scale * x).astype(np.float32), y)  # fmt: skip
-        return unscaled(boosted_ir(regressor), scale)
+        return boosted_ir(regressor).on_scaled(scale)
 
     return fit
 

@@ -8,7 +8,7 @@ otherwise. There no distance is promised; the motion alone says which ticks they
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,7 @@ from springpot.codegen.stages.fir import SUMS, FirStage
 from springpot.codegen.stages.forest import CompactForestStage
 from springpot.codegen.stages.hammerstein import HammersteinStage
 from springpot.codegen.stages.lags import LagsStage
-from springpot.codegen.stages.maxwell import ConstantRate
-from springpot.codegen.stages.position_velocity import PositionVelocityStage, foaw
+from springpot.codegen.stages.position_velocity import PositionVelocityStage
 from springpot.codegen.stages.rbf import RBF_VECTOR_WIDTH, RbfStage
 
 U = 2.0**-24
@@ -59,7 +58,7 @@ class ForceRounding:
             found += 3 * U * (abs(forest.bias_n) + whole_n)  # sums of leaves are exact
         if isinstance(plan.regressor, RbfStage):
             found += _rbf_error(plan.regressor, self._features)
-        return found + 4 * U * max(-float(plan.output.min_n), float(plan.output.max_n))  # onset
+        return found + 4 * U * plan.max_force_n  # onset
 
     def ties(self, position_m: Samples) -> NDArray[np.bool_]:
         """Ticks, (n,), at which the two may decide otherwise; call it on each part in turn."""
@@ -70,16 +69,16 @@ class ForceRounding:
         depth = np.clip(whole, plan.range.min_m, plan.range.max_m)
         tied = np.zeros(len(depth), dtype=bool)
         if isinstance(features, PositionVelocityStage):
-            velocity = features.velocity
             # What a window's decision compares: two slopes and the band, rounded thrice each.
-            window_m = self._motion.max_step_m * len(velocity.per_step)
-            margin_m = 3 * U * (2 * window_m + float(velocity.band_m)) + 2 * U * abs(
+            window_m = self._motion.max_step_m * len(features.per_step)
+            margin_m = 3 * U * (2 * window_m + float(features.band_m)) + 2 * U * abs(
                 float(plan.range.min_m)
             )
-            tied = np.diff(
-                [foaw(velocity.per_step, velocity.band_m + sign * margin_m, depth, True)
-                 for sign in (-1, 1)], axis=0,
-            )[0] != 0  # fmt: skip
+            narrow, wide = (
+                replace(features, band_m=features.band_m + sign * margin_m) for sign in (-1, 1)
+            )
+            rested = np.zeros(1, dtype=np.intp)
+            tied = narrow.reference(depth, rested)[:, 1] != wide.reference(depth, rested)[:, 1]
         elif isinstance(plan.regressor, CompactForestStage) and features is not None:
             starts = np.zeros(1, dtype=np.intp)
             values = features.reference(depth, starts)
@@ -100,7 +99,7 @@ def _feature_errors(plan: Plan, motion: MotionRange) -> Samples:
     if isinstance(stage, LagsStage):
         return np.full(stage.n_features, 2 * clipped_m + 2 * U * motion.max_m)
     if isinstance(stage, PositionVelocityStage):
-        per_s = stage.velocity.per_step[0]
+        per_s = stage.per_step[0]
         return np.array([clipped_m, (3 * U * motion.max_step_m + 2 * clipped_m) * per_s])
     assert isinstance(stage, FirStage)
     # A tap, its product, the sums of every sixteenth, the four that join them, and the comparison.
@@ -111,7 +110,7 @@ def _feature_errors(plan: Plan, motion: MotionRange) -> Samples:
 def _passive_error(stage: HammersteinStage, motion: MotionRange) -> float:
     """N. Its curves carry the rounding of the depth; its branches add to it at each tick."""
     config = stage.config
-    assert stage.stretch is None and all(isinstance(step, ConstantRate) for step in stage.steps)
+    assert stage.stretch is None and not any(step.by_depth for step in stage.steps)
     share = (
         5 * U * (1.0 + abs(config.origin_m) * config.per_span)
     )  # of u, and of the way in a piece

@@ -28,7 +28,7 @@ from springpot.trainer import kinds
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.kinds import Kind, fit_model
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.hammerstein import fit_passive
+from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import predict_n, regressor_force
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording

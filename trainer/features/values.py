@@ -16,9 +16,7 @@ from springpot.codegen.model.features import (
     PositionVelocity,
     RecursiveBank,
 )
-from springpot.codegen.stages.depth_laws import depth_curve, depth_place
-from springpot.codegen.stages.position_velocity import foaw_of
-from springpot.codegen.stages.recursive import loss_and_gain
+from springpot.codegen.model.formulas import foaw, loss_and_gain
 from springpot.trainer.features.fast_fir import equivalent_taps
 
 _KEPT = 1e-15  # of a state after a tick: of less nothing is left
@@ -63,12 +61,8 @@ def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
     return filtered
 
 
-def highpass_by_depth(values: Samples, u: Samples, loss: Samples) -> Samples:
-    """State h of a pole whose loss in a tick depends on the depth, (n,): sp_depth.h.
-
-    u: shares of the trained depth, (n,). loss: (pieces, 2), as `loss_by_depth`.
-    """
-    lost = depth_curve(loss[:, :, None], *depth_place(u))[:, 0]
+def highpass_by_depth(values: Samples, lost: Samples) -> Samples:
+    """State h of a pole that loses the share `lost`, (n,), in each tick, (n,): sp_depth.h."""
     rises = np.diff(values, prepend=values[:1])
     return _decaying(1.0 - lost, (1.0 - 0.5 * lost) * rises)
 
@@ -117,5 +111,5 @@ def _position_velocity_values(
     per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
     held = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
     windows = sliding_window_view(held, features.length + 1)[rows]
-    velocity = foaw_of(per_step, np.float64(features.band_m), windows)
+    velocity = foaw(per_step, np.float64(features.band_m), windows)
     return np.stack([depth_m[rows], velocity], axis=1)

@@ -6,7 +6,7 @@ from springpot.trainer.recordings.recording import Recording, Zero
 
 
 def zero_of(model: Model) -> Zero:
-    """What an importer did to the zero of the model's recordings.
+    """Zero that an importer gave to the model's recordings.
 
     A preloaded object has no surface, whether or not it was moved. Models of old do not say.
     """

@@ -1,4 +1,4 @@
-"""What every kind of model is fitted with, and what a fit returns."""
+"""Options that every kind of model is fitted with, and what a fit returns."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ Engine = Literal["fir", "fir-fast", "recursive"]
 
 @dataclass(frozen=True)
 class FitOptions:
-    """How a model is fitted. None: the kind's default.
+    """Options of a fit. None: the kind's default.
 
     fraction: share of rows. window_s: length of the filters. trees, leaf: of forests.
     centers: number and choice of radial basis functions. select: how orders are chosen.

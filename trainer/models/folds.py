@@ -38,7 +38,7 @@ def repeats_apart(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: in
 
 
 def held_out_whole(data: TrainingSet) -> list[Folds]:
-    """Folds of recordings: one by depth and one by speed; none of fewer than three groups.
+    """Folds of recordings by depth and by speed, each if there are three groups or more.
 
     The depth with the greatest force is never held out, because that measures extrapolation only.
     """

@@ -5,13 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
 from springpot.codegen.model.features import Features, Lags
-from springpot.codegen.model.model import Hammerstein
 from springpot.trainer.features.exponentials import recursive_bank
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.forests import depth_scale, fit_forest
-from springpot.trainer.models.passive.passive_fit import passive_choice
+from springpot.trainer.models.passive.passive_fit import timed_passive
 from springpot.trainer.models.passive.passive_terms import (
     hammerstein_force,
     parameter_count,
@@ -26,31 +24,14 @@ N_LAGS = 8
 MAX_LAG = 8192  # samples: a ring of 32 kB in float32
 
 
-def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
-    """The passive part, the rows used, and its cross-validated RMSE, N; see `passive_choice`."""
-    return _timed_passive(data, options)[0]
-
-
-def _timed_passive(
-    data: TrainingSet, options: FitOptions
-) -> tuple[tuple[Hammerstein, int, float], float]:
-    """`fit_passive` and its seconds, once for the options that decide it."""
-    choice, chosen_s = passive_choice(data, options)
-    key = ("passive model", options.fraction, options.seed, options.poles)
-    model, model_s = data.once(key, choice.model)
-    return (model, len(choice.piece), choice.error_n), chosen_s + model_s
-
-
 def fit_hammerstein(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Kind `hammerstein`: 15 to 100 numbers, passive in the large."""
-    fitted, fit_s = _timed_passive(data, options)
-    passive, rows, error = fitted
-    n_parameters = parameter_count(passive)
+    (passive, rows, error_n), fit_s = timed_passive(data, options)
     metadata = {
-        "n_parameters": n_parameters,
-        "cv_rmse_n": error,
+        "n_parameters": parameter_count(passive),
+        "cv_rmse_n": error_n,
         "basis": passive.basis,
         "stretch": passive.stretch,
         "rate_ratio": passive.rate_ratio,
@@ -80,7 +61,7 @@ def fit_hybrid(
 
     On the depth's changes over lags; with options.engine "recursive" on fractional derivatives.
     """
-    (passive, _, _), passive_s = _timed_passive(data, options)
+    (passive, _, _), passive_s = timed_passive(data, options)
     begin = time.perf_counter()
     by_derivatives = options.engine == "recursive"
     features = derivative_features(data) if by_derivatives else lag_features(data)
@@ -88,7 +69,8 @@ def fit_hybrid(
     feature_begin = time.perf_counter()
     values = data.features(features, rows)
     feature_s = time.perf_counter() - feature_begin
-    residual_n = data.force_n(rows) - passive_force(passive, data, rows)
+    passive_n = data.along(rows, lambda depth, at: hammerstein_force(passive, depth, data.dt_s, at))
+    residual_n = data.force_n(rows) - passive_n
     span_m = data.trained.max_m - data.trained.min_m
     forest, importance = fit_forest(
         values, residual_n, depth_scale(span_m), HYBRID_TREES, HYBRID_LEAF, options.seed
@@ -102,8 +84,3 @@ def fit_hybrid(
     model = assemble("hybrid", name, data, options, len(rows), parts, passive, True, metadata)
     fit_s = passive_s + time.perf_counter() - begin - feature_s
     return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)
-
-
-def passive_force(passive: Hammerstein, data: TrainingSet, rows: np.ndarray) -> Samples:
-    """Force of the passive model at rows of all recordings, (rows,), N."""
-    return data.along(rows, lambda depth, at: hammerstein_force(passive, depth, data.dt_s, at))

@@ -1,18 +1,21 @@
 """Kinds `rbf-fd` and `rbf-pv`: radial basis functions, and the choice of two orders."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.features import FractionalBank, PositionVelocity
+from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.folds import fold_families
+from springpot.trainer.models.folds import Folds, fold_families
 from springpot.trainer.models.passive.nonnegative import normal_equations
+from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.radial import farthest_points, fit_rbf, kernel, standard
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.models.training_set import TrainingSet, depth_m
@@ -34,17 +37,14 @@ def fit_rbf_fd(
     The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
     on the validation recordings, as the paper did. Raises UsageError where those are missing then.
     """
-    from springpot.trainer.models.hammerstein import fit_passive
-
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
     bank = fractional_features(data.dt_s, options.window_s, options.engine)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     key = ("pairs", options.window_s, options.engine, options.fraction, options.seed)
-    by_folds, search_s = data.once(
-        key, lambda: _pair_errors(values, force_n, _both_folds(data, rows, options.seed))
-    )
+    families = fold_families(data, rows, options.seed)
+    by_folds, search_s = data.once(key, lambda: _pair_errors(values, force_n, families))
     begin = time.perf_counter()
     pairs = {"cv": min(by_folds, key=lambda pair: by_folds[pair])}
     if validation:
@@ -53,40 +53,45 @@ def fit_rbf_fd(
     if options.select not in pairs:
         raise UsageError("--select paper chooses orders on validation recordings: give --validate")
     search_s += time.perf_counter() - begin
-    begin = time.perf_counter()
     chosen = pairs[options.select]
-    rbf, condition = fit_rbf(values[:, chosen], force_n, options.n_centers, options.centers)
-    fit_s = time.perf_counter() - begin
-    passive, _, _ = fit_passive(data, options)
-    metadata = {
-        "n_centers": len(rbf.centers),
-        "condition": condition,
-        "pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()},
-    }
-    parts = (bank.take(np.array(chosen)), rbf)
-    model = assemble("rbf-fd", name, data, options, len(rows), parts, passive, False, metadata)
-    return Fit(model, len(rows), feature_s, fit_s, search_s, metadata)
+    metadata = {"pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()}}
+    features = bank.take(np.array(chosen))
+    fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
+    return replace(fit, feature_s=feature_s, search_s=search_s)
 
 
 def fit_rbf_pv(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Radial basis functions on position and velocity (equation 13, [13])."""
-    from springpot.trainer.models.hammerstein import fit_passive
-
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    features: PositionVelocity = foaw_features(data.dt_s)
+    features = foaw_features(data.dt_s)
     values, force_n = data.features(features, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
+    fit = _fitted("rbf-pv", name, data, options, features, values, force_n, {})
+    return replace(fit, feature_s=feature_s)
+
+
+def _fitted(
+    kind: str,
+    name: str,
+    data: TrainingSet,
+    options: FitOptions,
+    features: Features,
+    values: Samples,
+    force_n: Samples,
+    metadata: Mapping[str, Any],
+) -> Fit:
+    """The functions on features (rows, 2), and the passive fallback beside them."""
     begin = time.perf_counter()
     rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    metadata = {"n_centers": len(rbf.centers), "condition": condition}
-    parts = (features, rbf)
-    model = assemble("rbf-pv", name, data, options, len(rows), parts, passive, False, metadata)
-    return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)
+    metadata = {"n_centers": len(rbf.centers), "condition": condition, **metadata}
+    parts, rows = (features, rbf), len(values)
+    model = assemble(kind, name, data, options, rows, parts, passive, False, metadata)
+    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
 
 
 def foaw_features(dt_s: float) -> PositionVelocity:
@@ -94,19 +99,11 @@ def foaw_features(dt_s: float) -> PositionVelocity:
     return PositionVelocity(length=max(1, round(FOAW_S / dt_s)), band_m=FOAW_BAND_M)
 
 
-def _both_folds(data: TrainingSet, rows: np.ndarray, seed: int) -> list[np.ndarray]:
-    """By recording, and by condition where there are enough of them.
-
-    Pairs that interpolate between recordings alike differ in what they do between conditions.
-    """
-    return [folds.number for folds in fold_families(data, rows, seed)]
-
-
-def _pair_errors(
-    values: Samples, force_n: Samples, folds: Sequence[np.ndarray]
-) -> dict[Pair, float]:
+def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -> dict[Pair, float]:
     """Cross-validated RMSE of every pair; over several ways to fold, their product.
 
+    By recording, and by condition where there are enough of them: pairs that interpolate between
+    recordings alike differ in what they do between conditions.
     Normal equations of a fold are made once, and serve every fit that does not hold it out.
     """
     errors = {}
@@ -114,7 +111,9 @@ def _pair_errors(
         z = standard(values[:, pair])(values[:, pair])
         system = kernel(z, z[farthest_points(z, SEARCH_CENTERS)])
         system /= np.sqrt(np.square(system).mean(axis=0))
-        errors[pair] = float(np.prod([_held_out_rmse(system, force_n, fold) for fold in folds]))
+        errors[pair] = float(
+            np.prod([_held_out_rmse(system, force_n, folds.number) for folds in families])
+        )
     return errors
 
 

@@ -15,6 +15,7 @@ from springpot.trainer.features.fast_fir import fast_fir_bank
 from springpot.trainer.features.fractional import gl_taps
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
 from springpot.trainer.models.forests import boosted_forest, depth_scale, fit_forest
+from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
@@ -39,11 +40,9 @@ def fractional_features(
     reach far: a true derivative forgets where the tool is held, taps do not.
     Raises UsageError for a window that is too short, or too long for the engine.
     """
-    if engine == "recursive" and window_s is None:
-        return recursive_bank(orders, dt_s, RECURSIVE_S)
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     if engine == "recursive" or (engine is None and length > MAX_TAPS):
-        return recursive_bank(orders, dt_s, length * dt_s)
+        return recursive_bank(orders, dt_s, RECURSIVE_S if window_s is None else length * dt_s)
     if length > MAX_TAPS:
         raise UsageError(
             f"--window-s {window_s:g} is {length} taps, at most {MAX_TAPS} are worth their time: "
@@ -98,17 +97,17 @@ def _asked_features(data: TrainingSet, options: FitOptions) -> FractionalBank:
 
 
 def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features: Features) -> Fit:
-    from springpot.trainer.models.hammerstein import fit_passive
-
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    values = data.features(features, rows)
     force_n = data.force_n(rows)
+    values = data.features(features, rows)
     feature_s = time.perf_counter() - begin
-    scale, quantisation = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0)), None
+    scale, quantisation = 1.0, None
     if options.round_features:
         quantisation = quantisation_over(values)
-        scale, values = 1.0, rounded(quantisation, values).astype(np.float64)
+        values = rounded(quantisation, values).astype(np.float64)
+    else:
+        scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
     begin = time.perf_counter()
     forest: Forest
     importance: list[float] = []

@@ -14,12 +14,14 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.rows import MAX_ROWS, choose_rows
 from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
 from springpot.trainer.recordings.spikes import hold_spikes
 
+PAPER_FRACTION = 0.2  # of the rows, section IV-B
+ALL_BELOW = 20_000
+MAX_ROWS = 50_000
 _STEP_TOLERANCE = 1e-3
 MAX_SMOOTHED = 0.25  # of the shortest recording
 _LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is its surface
@@ -103,6 +105,19 @@ class TrainingSet:
     def owner(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
         """Index of the recording of each row, (rows,)."""
         return np.searchsorted(self.bounds, rows, side="right") - 1
+
+
+def choose_rows(
+    rows_total: int, fraction: float | None, rng: np.random.Generator
+) -> NDArray[np.intp]:
+    """Rows to fit on, (rows,), ascending, without repetition.
+
+    fraction None: the paper's 0.2 from 20 000 rows on, all of them below; never more than 50 000.
+    """
+    if fraction is None:
+        fraction = PAPER_FRACTION if rows_total >= ALL_BELOW else 1.0
+    wanted = min(max(1, round(fraction * rows_total)), MAX_ROWS)
+    return np.sort(rng.choice(rows_total, size=wanted, replace=False))
 
 
 def training_set(

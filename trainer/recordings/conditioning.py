@@ -1,4 +1,4 @@
-"""What a rig adds to samples: delays, mass beyond the load cell, an offset, a surface not at 0.
+"""Removal of what a rig adds to samples: delays, mass beyond the load cell, offset, surface.
 
 Nothing here happens unasked, each step is reported in one line and kept in the recording's details.
 """
@@ -19,7 +19,7 @@ _MIN_WINDOW = 7
 
 @dataclass(frozen=True)
 class Conditioning:
-    """What to do; nothing by default.
+    """Steps that a user asks for; none by default.
 
     position_delay_s, force_delay_s: how much later than the truth the channels were sampled; kept
     as metadata, and with `align` also taken out.

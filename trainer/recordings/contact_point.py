@@ -1,4 +1,4 @@
-"""Where the tool meets the object: the position at which force leaves its level without contact."""
+"""Surface of an object: the position at which force leaves its level without contact."""
 
 from dataclasses import dataclass
 

@@ -36,7 +36,7 @@ from springpot.trainer.recordings.journal_reader import (
 )
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Zero
-from springpot.trainer.recordings.recording_file import store_recording
+from springpot.trainer.recordings.recording_file import write_recording
 from springpot.trainer.recordings.recording_name import require_recording_name
 
 _MAX_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
@@ -138,7 +138,7 @@ class JournalWriter:
         try:
             recording = read_journal(self.journal).recording
             metadata = {**recording.details, **(details or {})}
-            store_recording(self.file, replace(recording, details=metadata), overwrite=False)
+            write_recording(self.file, replace(recording, details=metadata), overwrite=False)
         except FileExistsError:
             raise UsageError(
                 f"{self.file}: another program wrote it meanwhile; this recording is kept in "

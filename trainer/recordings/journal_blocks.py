@@ -34,7 +34,7 @@ def max_rows(width: int) -> int:
 
 @dataclass(frozen=True)
 class Block:
-    """One block whose checksum is right."""
+    """One block with a right checksum."""
 
     journal: int
     index: int

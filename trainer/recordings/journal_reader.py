@@ -2,7 +2,7 @@
 
 import fcntl
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +31,7 @@ MAX_LOST_S = 1.0  # at the end; more, or a hole before it, is for `springpot imp
 
 @dataclass(frozen=True)
 class Recovered:
-    """What a journal held. lost: one line for people about what it does not hold, or empty."""
+    """Recording out of a journal. lost: one line for people about what is missing, or empty."""
 
     recording: Recording
     lost: str
@@ -161,18 +161,11 @@ def _seconds(journal: _Journal, block: int) -> float:
 
 def _recording(path: Path, journal: _Journal, blocks: list[Block | None], suffix: str) -> Recording:
     rows = np.concatenate(journal.rows(blocks))
-    metadata = journal.metadata
+    metadata = replace(journal.metadata, name=journal.metadata.name + suffix)
     columns = [np.ascontiguousarray(column, dtype=np.float64) for column in rows.T]
-    try:
-        return Recording(
-            name=metadata.name + suffix,
-            position_m=columns[0],
-            force_n=columns[1],
-            dt_s=metadata.dt_s,
-            zero=metadata.zero,
-            source=metadata.source,
-            details=metadata.details,
-            channels=dict(zip(metadata.channels, columns[2:], strict=True)),
-        )
-    except DataError as error:
-        raise DataError(f"{path}: {error}") from None
+    return metadata.recording(
+        str(path),
+        position_m=columns[0],
+        force_n=columns[1],
+        channels=dict(zip(metadata.channels, columns[2:], strict=True)),
+    )

@@ -8,8 +8,9 @@ from typing import Annotated, Any
 from annotated_types import Gt
 from pydantic import TypeAdapter, ValidationError
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.recording import Zero
+from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_name import require_recording_name
 
 RECORDING_SCHEMA = 1
@@ -35,12 +36,32 @@ class RecordingMetadata:
     block_s: _Seconds | None = None
     channels: tuple[str, ...] = ()
 
+    def recording(
+        self, where: str, position_m: Samples, force_n: Samples, channels: Mapping[str, Samples]
+    ) -> Recording:
+        """The recording of these samples. Raises DataError, which begins with `where`."""
+        try:
+            return Recording(
+                name=self.name,
+                position_m=position_m,
+                force_n=force_n,
+                dt_s=self.dt_s,
+                zero=self.zero,
+                position_delay_s=self.position_delay_s,
+                force_delay_s=self.force_delay_s,
+                source=self.source,
+                details=self.details,
+                channels=channels,
+            )
+        except DataError as error:
+            raise DataError(f"{where}: {error}") from None
+
 
 _ADAPTER = TypeAdapter(RecordingMetadata)
 
 
 def metadata_of_json(where: str, text: str | bytes) -> dict[str, Any]:
-    """What JSON text holds. Raises DataError, which begins with `where`, for anything else."""
+    """Parse a table of JSON. Raises DataError, which begins with `where`, for anything else."""
     try:
         found = json.loads(text)
     except (ValueError, TypeError, RecursionError) as error:

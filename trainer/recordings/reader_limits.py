@@ -7,6 +7,7 @@ import os
 import resource
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from springpot.codegen.errors import DataError
@@ -27,14 +28,20 @@ def limit_reader(path: Path) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s))
 
 
-def refuse(error: DataError) -> None:
-    """End a reading process with the line that the user is to see."""
-    print(error, file=sys.stderr)
-    sys.exit(_TOLD)
+def run_reader(path: Path, read: Callable[[Path], bytes]) -> None:
+    """Print what `read` makes of the file, within its limits; or end this process with one line."""
+    limit_reader(path)
+    try:
+        sys.stdout.buffer.write(read(path))
+    except DataError as error:
+        print(error, file=sys.stderr)
+        sys.exit(_TOLD)
+    except Exception as error:  # whatever the libraries raise on a damaged file
+        sys.exit(" ".join(f"{type(error).__name__}: {error}".split())[:200])
 
 
 def read_apart(path: Path, module: str, *arguments: str) -> bytes:
-    """What `module` prints on reading the file. Raises DataError where it refuses, or is ended."""
+    """Run `module` on the file; return its output. Raises DataError if it refuses, or is ended."""
     command = [sys.executable, "-m", module, str(path), *arguments]
     # Each thread of a numerical library would count as memory taken.
     environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}

@@ -82,6 +82,18 @@ class Recording:
         """Time from the first sample to one step after the last."""
         return len(self.position_m) * self.dt_s
 
+    def metadata(self) -> dict[str, Any]:
+        """All but the samples, as JSON values."""
+        return {
+            "name": self.name,
+            "dt_s": self.dt_s,
+            "zero": self.zero,
+            "position_delay_s": self.position_delay_s,
+            "force_delay_s": self.force_delay_s,
+            "source": self.source,
+            "details": dict(self.details),
+        }
+
     @property
     def content_hash(self) -> str:
         """SHA-256 of what a fit can see: both channels and the time step."""

@@ -3,7 +3,6 @@
 Prints it as one NPZ file: its metadata as JSON, position, force and the channels.
 """
 
-import dataclasses
 import io
 import json
 import sys
@@ -12,11 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.reader_limits import limit_reader, read_apart, refuse
+from springpot.trainer.recordings.reader_limits import read_apart, run_reader
 from springpot.trainer.recordings.recording import Recording
-
-_SAMPLES = ("position_m", "force_n", "channels")
+from springpot.trainer.recordings.recording_hdf5 import read_hdf5
 
 
 def read_unsealed(path: Path) -> Recording:
@@ -33,19 +30,15 @@ def read_unsealed(path: Path) -> Recording:
 
 
 def as_npz(recording: Recording) -> bytes:
-    """What `read_unsealed` reads."""
-    metadata = {
-        item.name: getattr(recording, item.name)
-        for item in dataclasses.fields(recording)
-        if item.name not in _SAMPLES
-    }
+    """The recording as an NPZ file, for `read_unsealed`."""
+    metadata = recording.metadata() | {"channels": list(recording.channels)}
     channels: dict[str, Any] = {
         f"channel{k}": samples for k, samples in enumerate(recording.channels.values())
     }
     memory = io.BytesIO()
     np.savez(
         memory,
-        metadata=json.dumps(metadata | {"channels": list(recording.channels)}),
+        metadata=json.dumps(metadata),
         position_m=recording.position_m,
         force_n=recording.force_n,
         **channels,
@@ -54,10 +47,4 @@ def as_npz(recording: Recording) -> bytes:
 
 
 if __name__ == "__main__":
-    from springpot.trainer.recordings.recording_file import read_hdf5
-
-    limit_reader(Path(sys.argv[1]))
-    try:
-        sys.stdout.buffer.write(as_npz(read_hdf5(Path(sys.argv[1]))))
-    except DataError as error:
-        refuse(error)
+    run_reader(Path(sys.argv[1]), lambda path: as_npz(read_hdf5(path)))

@@ -19,7 +19,7 @@ from springpot.trainer.models.hammerstein import (
 )
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.held_out import TreeFit, held_out
+from springpot.trainer.selection.cross_validation import TreeFit, folded_rows
 from springpot.trainer.selection.scores import PASSIVE, AutoCandidate, Score, find_scores
 from springpot.trainer.selection.small_signal import active_cells
 
@@ -38,7 +38,7 @@ def fit_auto(
     """
     begin = time.perf_counter()
     known = candidates(data, options)
-    scores = find_scores(known, held_out(data, options))
+    scores = find_scores(known, folded_rows(data, options))
     gain = GAIN if len(data.recordings) > 1 else GAIN_OF_ONE
     peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
     active: dict[str, int] = {}

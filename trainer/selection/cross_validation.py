@@ -1,16 +1,22 @@
-"""Error on recordings that a fit has not seen: held out whole, never single rows of them."""
+"""Error on recordings that a fit has not seen: held out whole, never single rows of them.
 
-from collections.abc import Sequence
+By fits of their own on the recordings that are left; or, where kinds are compared, on rows whose
+features and passive terms are made once for all folds.
+"""
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.features import Features
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import (
-    geometric_mean,
-    repeats_apart,
-)
+from springpot.trainer.models.folds import fold_families, geometric_mean, repeats_apart
+from springpot.trainer.models.forests import depth_scale, fitted_forest
+from springpot.trainer.models.passive.passive_fit import passive_choice, term_columns
 from springpot.trainer.models.predict import predict_each_n
 from springpot.trainer.models.training_set import TrainingSet, contact_of, training_set
 from springpot.trainer.recordings.recording import Recording
@@ -19,6 +25,7 @@ from springpot.trainer.recordings.spikes import hold_spikes
 _SEPARATE = 5  # as many recordings, or fewer, are held out one by one
 _BLOCKS = 3  # of each recording, where there are too few to hold any out
 _HOLDOUT = 5  # one recording in so many is kept for validation
+_TEST_ROWS = 12_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +76,7 @@ def cross_validated_rmse_n(
         model = fit_kind(kind, "held out", split.data, replace(options, fraction=fraction)).model
         rows = [(piece, np.arange(0, len(piece.force_n), step)) for piece in split.held]
         measured_n = np.concatenate([piece.force_n[::step] for piece in split.held])
-        error_n = predict_each_n(model, rows) - measured_n
-        errors.append(float(np.sqrt(np.mean(np.square(error_n)))))
+        errors.append(_rms(predict_each_n(model, rows) - measured_n))
     return geometric_mean(errors)
 
 
@@ -112,3 +118,88 @@ def part_of(recording: Recording, begin: float, end: float) -> Recording:
         force_n=recording.force_n[rows],
         channels={},
     )
+
+
+@dataclass(frozen=True, eq=False)
+class TreeFit:
+    """A forest to be judged; adds: on what the passive part leaves over."""
+
+    features: Features
+    trees: int
+    leaf: int
+    adds: bool
+
+
+@dataclass(frozen=True, eq=False)
+class RowFold:
+    """One fold of a family: which of the fitted rows it keeps, which of the tested ones it holds.
+
+    fitted_n, tested_n: what the passive part, fitted without this fold, leaves over at all rows of
+    either sort, N.
+    """
+
+    family: int
+    kept: NDArray[np.bool_]
+    held: NDArray[np.bool_]
+    fitted_n: Samples
+    tested_n: Samples
+
+
+@dataclass(frozen=True, eq=False)
+class FoldedRows:
+    """The rows of a fit, `fitted`, those that folds are judged on, `tested`, and the folds."""
+
+    data: TrainingSet
+    seed: int
+    fitted: Indices
+    tested: Indices
+    folds: tuple[RowFold, ...]
+
+    def passive_errors_n(self) -> list[float]:
+        """RMSE of the passive part alone on each fold, N."""
+        return [_rms(fold.tested_n[fold.held]) for fold in self.folds]
+
+    def tree_errors_n(self, wanted: TreeFit) -> Iterator[float]:
+        """RMSE of a forest on each fold, N, one after another."""
+        data, trained = self.data, self.data.trained
+        scale = depth_scale(trained.max_m - min(trained.min_m, 0.0))
+        values, test_values = (
+            (scale * data.features(wanted.features, rows)).astype(np.float32)
+            for rows in (self.fitted, self.tested)
+        )
+        measured_n, test_n = data.force_n(self.fitted), data.force_n(self.tested)
+        for fold in self.folds:
+            target_n = fold.fitted_n if wanted.adds else measured_n
+            wanted_n = fold.tested_n if wanted.adds else test_n
+            kept, held = fold.kept, fold.held
+            forest = fitted_forest(
+                wanted.trees, wanted.leaf, self.seed, values[kept], target_n[kept]
+            )
+            yield _rms(forest.predict(test_values[held]) - wanted_n[held])
+
+
+def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
+    """The rows that a fit of these options takes, evenly spaced ones to judge on, and their folds.
+
+    A fold without rows on either side is none.
+    """
+    count = min(data.rows_total, _TEST_ROWS)
+    fitted = data.rows(options.fraction, options.seed)
+    tested = np.linspace(0, data.rows_total - 1, count).astype(np.intp)
+    passive = passive_choice(data, options)[0]
+    values, test_values = (term_columns(passive.terms, data, rows) for rows in (fitted, tested))
+    measured_n, test_n = data.force_n(fitted), data.force_n(tested)
+    families = (fold_families(data, rows, options.seed) for rows in (fitted, tested))
+    folds = []
+    for family, (of_fitted, of_tested) in enumerate(zip(*families, strict=True)):
+        for number in of_fitted.tested:
+            kept, held = of_fitted.number != number, of_tested.number == number
+            if kept.any() and held.any():
+                weights = passive.weights_without(family, number)
+                left_n, test_left_n = measured_n - values @ weights, test_n - test_values @ weights
+                folds.append(RowFold(family, kept, held, left_n, test_left_n))
+    return FoldedRows(data, options.seed, fitted, tested, tuple(folds))
+
+
+def _rms(error_n: Samples) -> float:
+    return float(np.sqrt(np.mean(np.square(error_n))))

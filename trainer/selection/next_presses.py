@@ -1,4 +1,4 @@
-"""Which presses to record next: those that settle most of what the recordings leave open.
+"""Presses to record next: those that settle most of what the recordings leave open.
 
 A soft object is taken as bands of force, each with a spring and relaxing branches of its own, all
 linear in their weights. Of such models those that explain the recordings alike form a normal
@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.model.model import Contact
 from springpot.trainer.features.values import highpass
 from springpot.trainer.models.training_set import contact_of, depth_m
 from springpot.trainer.recordings.recording import Recording
@@ -81,6 +80,7 @@ def next_presses(
     """
     recordings = [hold_spikes(recording)[0] for recording in recordings]
     contact = contact_of(recordings)
+    depths_m = [depth_m(recording, contact) for recording in recordings]
     first_n = min(float(recording.force_n.min()) for recording in recordings)
     last_n = max(_greatest_n(recording) for recording in recordings)
     range_n = last_n - (first_n if contact == "always" else 0.0)
@@ -90,7 +90,7 @@ def next_presses(
     candidates = possible_presses(peak_n, band_hz)
     tau_s = np.geomspace(_SHORTEST_S, max(press.duration_s for press in candidates), _TAUS)
     known = np.linalg.inv(_prior()).astype(np.float64)
-    for share, dt_s in _recorded_shares(recordings, contact):
+    for share, dt_s in _recorded_shares(recordings, depths_m):
         known += _information(share, dt_s, tau_s)
     told: list[_Square] = []
     for press in candidates:
@@ -139,7 +139,7 @@ def _greatest_n(recording: Recording) -> float:
 
 
 def _recorded_shares(
-    recordings: Sequence[Recording], contact: Contact
+    recordings: Sequence[Recording], depths_m: Sequence[Samples]
 ) -> Iterator[tuple[Samples, float]]:
     """Each recording's position as the share of the greatest force that it stands for; dt, s.
 
@@ -147,19 +147,19 @@ def _recorded_shares(
     """
     steps = [-(-len(recording.force_n) // _MAX_SAMPLES) for recording in recordings]
     pairs = list(zip(recordings, steps, strict=True))
-    depths_m = [depth_m(recording, contact)[::step] for recording, step in pairs]
     force_n = np.concatenate([recording.force_n[::step] for recording, step in pairs])
-    depth = np.concatenate(depths_m)
+    thinned_m = [own_m[::step] for own_m, step in zip(depths_m, steps, strict=True)]
+    depth = np.concatenate(thinned_m)
     bins = np.array_split(np.argsort(depth, kind="stable"), min(_BINS, len(depth)))
     rising_n = np.maximum.accumulate([np.median(force_n[rows]) for rows in bins])
     share = (rising_n - rising_n[0]) / (np.ptp(rising_n) or 1.0)
     at_m = [float(depth[rows].mean()) for rows in bins]
-    for own_m, (recording, step) in zip(depths_m, pairs, strict=True):
+    for own_m, (recording, step) in zip(thinned_m, pairs, strict=True):
         yield np.interp(own_m, at_m, share), step * recording.dt_s
 
 
 def _information(share: Samples, dt_s: float, tau_s: Samples) -> _Square:
-    """What a press tells of the weights: their precision, (weights, weights)."""
+    """Information of a press about the weights: their precision, (weights, weights)."""
     rows = np.linspace(0, len(share) - 1, _ROWS).astype(np.intp)
     bands = np.clip(_BANDS * share - np.arange(_BANDS)[:, None], 0.0, 1.0) / _BANDS
     passed = [band[rows] for band in bands]

@@ -21,7 +21,7 @@ _LEAVES = (1, 2, 4, 8, 16, 32)  # leaves made one
 
 @dataclass(frozen=True, eq=False)
 class Pruned:
-    """What was left out, how many leaves were made one, and the model without it."""
+    """Smaller model: what was left out, how many leaves were made one, and the model."""
 
     what: tuple[str, ...]
     leaves: int
@@ -58,7 +58,7 @@ def _cheaper_window(bank: FirBank) -> tuple[Features, tuple[str, ...]]:
 def smaller_regressors(
     regressor: Regressor, n_features: int
 ) -> Iterator[tuple[tuple[str, ...], int, Regressor]]:
-    """What is left out, leaves made one, and the regressor without it; itself by default."""
+    """Yield what is left out, leaves made one, and the regressor without it; itself by default."""
     yield (), 1, regressor
 
 

@@ -58,7 +58,7 @@ class Search:
     options: FitOptions
 
     def metadata(self) -> dict[str, Any]:
-        """What was asked for and what came out, for the command line."""
+        """Size that was asked for and the one that came out, for the command line."""
         return {"asked": asdict(self.asked), "reduced": asdict(self.chosen)}
 
 

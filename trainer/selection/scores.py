@@ -9,7 +9,7 @@ from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.progress import at_step
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import geometric_mean
-from springpot.trainer.selection.held_out import HeldOut, TreeFit
+from springpot.trainer.selection.cross_validation import FoldedRows, TreeFit
 
 PASSIVE = "hammerstein"
 _HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
@@ -51,9 +51,9 @@ class Score:
     ratio_without_best: float
 
 
-def find_scores(known: Sequence[AutoCandidate], rows: HeldOut) -> list[Score]:
+def find_scores(known: Sequence[AutoCandidate], rows: FoldedRows) -> list[Score]:
     """Every candidate's, with progress in the log: steps done, and all steps."""
-    families = np.array([family for family, _ in rows.folds])
+    families = np.array([fold.family for fold in rows.folds])
     total = len(known) * len(families)
     passive_n = np.maximum(rows.passive_errors_n(), _NO_ERROR_N)
     scores = []
@@ -100,6 +100,9 @@ def _score(
 
 
 def _mean(values: Samples, families: Indices) -> float:
-    """Geometric mean in each family, then of all: none counts for the number of its folds."""
+    """Geometric mean within each family of folds, then over families.
+
+    So families with many folds do not dominate.
+    """
     means = [geometric_mean(values[families == one].tolist()) for one in np.unique(families)]
     return geometric_mean(means)

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from springpot.host.metrics import Accuracy
     from springpot.trainer.models.fit import Engine, Fit, FitOptions
     from springpot.trainer.recordings.recording import Recording
-    from springpot.trainer.selection.next_presses import NextPress
 
 
 @click.command()
@@ -125,7 +124,8 @@ def train(
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
     _require_model_name(out)
-    from springpot.host.recording.next_protocol import next_metadata, next_words
+    from springpot.host.console.quality import report_quality
+    from springpot.host.recording.next_protocol import require_surface
     from springpot.host.validation.training import training_result, training_rows
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
     from springpot.trainer.recordings.recording_file import read_recordings
@@ -137,15 +137,16 @@ def train(
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
-    presses = _next_presses(training, next_file)
+    if next_file is not None:
+        require_surface(next_file, training)
+    report_quality(training)
     fit = _fitted(kind, out, training, testing, options)
     result = training_result(fit, options) | _written(fit, out)
     compared_s = smooth_s if smooth_validation else 0.0
     found, errors = _errors(fit, training, testing, compared_s) if testing else (None, {})
     result |= errors
-    result["next_presses"] = next_metadata(presses)
     rows = training_rows(fit, out, result, found, len(testing))
-    rows["record next"] = next_words(presses, fit.model.contact, next_file)
+    result["next_presses"], rows["record next"] = _next_presses(training, fit, next_file)
     print_result(result, as_json, rows)
 
 
@@ -158,20 +159,18 @@ def _require_model_name(out: Path) -> None:
         )
 
 
-def _next_presses(training: "list[Recording]", next_file: Path | None) -> "list[NextPress]":
-    """The presses that would tell most, written as a protocol where that is asked for; says what is
-    wrong with the recordings."""
-    from springpot.host.console.quality import report_quality
-    from springpot.host.recording.next_protocol import require_surface, write_protocol
+def _next_presses(
+    training: "list[Recording]", fit: "Fit", next_file: Path | None
+) -> tuple[list[dict[str, Any]], str]:
+    """The presses that would tell most, as JSON values and in words; as a protocol if asked for."""
+    from springpot.host.recording.next_protocol import next_metadata, next_words, write_protocol
+    from springpot.trainer.recordings.quality.coverage import find_coverage
     from springpot.trainer.selection.next_presses import next_presses
 
-    if next_file is not None:
-        require_surface(next_file, training)
-    quality = report_quality(training)
-    presses = next_presses(training, quality.figures["coverage"]["band_hz"])
+    presses = next_presses(training, find_coverage(training).band_hz)
     if next_file is not None:
         write_protocol(next_file, presses)
-    return presses
+    return next_metadata(presses), next_words(presses, fit.model.contact, next_file)
 
 
 def _fitted(

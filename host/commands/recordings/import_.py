@@ -138,7 +138,7 @@ def import_(
 def _write(out: Path, recordings: list[Recording]) -> list[tuple[Path, Recording]]:
     """Write all recordings, or none of them where one file exists already."""
     from springpot.trainer.recordings.recording import RECORDING_SUFFIX
-    from springpot.trainer.recordings.recording_file import store_recording
+    from springpot.trainer.recordings.recording_file import write_recording
 
     files: dict[Path, Recording] = {}
     for recording in recordings:
@@ -154,7 +154,7 @@ def _write(out: Path, recordings: list[Recording]) -> list[tuple[Path, Recording
     try:
         out.mkdir(parents=True, exist_ok=True)
         for path, recording in files.items():
-            store_recording(path, recording, overwrite=False)
+            write_recording(path, recording, overwrite=False)
     except FileExistsError as error:
         raise UsageError(
             f"{error.filename2 or out}: came into being meanwhile: choose another --out"

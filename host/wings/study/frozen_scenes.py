@@ -85,7 +85,7 @@ def _frozen(folder: Path, name: str, title: str) -> FrozenScene:
         number=plan.scene.runtime.number,
         max_depth_m=float(plan.model.trained.max_m),
         max_mps=float(plan.model.trained.max_mps),
-        max_force_n=max(float(plan.output.max_n), -float(plan.output.min_n)),
+        max_force_n=plan.max_force_n,
         watchdog_s=plan.watchdog_s,
         device=asdict(plan.scene.device),
     )

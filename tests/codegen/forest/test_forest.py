@@ -22,8 +22,7 @@ from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
-from springpot.trainer.models.forests import unscaled
-from springpot.trainer.models.tree_ir import forest_ir
+from springpot.trainer.models.forests import forest_ir
 
 HARNESS = C_TESTS / "forest_harness.c"
 N_FEATURES = 10
@@ -196,7 +195,7 @@ def test_only_a_power_of_two_folds_back_exactly() -> None:
     forest = forest_ir(model)
     features = near_thresholds(forest, np.random.default_rng(7))
     scale = 64.0
-    folded = labelled(unscaled(forest, scale))
+    folded = labelled(forest.on_scaled(scale))
     compact = compact_forest(folded, np.float64)
     assert compact is not None
     expected = folded.value_n[model.apply(features) + forest.roots].sum(axis=1)

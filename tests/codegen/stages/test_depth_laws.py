@@ -9,11 +9,11 @@ from support.small import DT_S, press, scene, small_model, training
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.model.formulas import stretched
 from springpot.codegen.model.model import Hammerstein, Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.run import run_reference
-from springpot.codegen.stages.depth_laws import stretched
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model

@@ -6,8 +6,9 @@ import pytest
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import open_device
-from springpot.host.devices.url import SCHEMES, Address, parse_device
+from springpot.host.devices.driver import drivers
+from springpot.host.devices.drivers import open_device, parse_device
+from springpot.host.devices.url import Address
 
 
 @pytest.mark.parametrize(
@@ -27,19 +28,13 @@ def test_an_address_has_scheme_interface_place_and_settings(url: str, parts: tup
     assert parse_device(url) == Address(url, *parts)
 
 
-def test_schemes_that_there_are_are_told() -> None:
-    assert list(SCHEMES) == ["sim", "replay", "serial", "odrive", "dhd"]
+def test_a_scheme_without_a_driver_is_answered_with_those_that_there_are() -> None:
+    assert list(drivers()) == ["sim", "replay", "serial", "odrive", "dhd"]
     for url, named in (("usb://x", "'usb'"), ("x", "'a device without a scheme'")):
         with pytest.raises(DeviceError) as error:
             parse_device(url)
-        assert str(error.value) == (
-            f"{url}: no driver for {named}: use sim://OBJECT, for example "
-            "sim://ecoflex-00-30?hand=mid; replay://FILE, a recording; "
-            "serial:///dev/ttyACM0?baud=921600; odrive://slcan//dev/ttyACM0?node=0, "
-            "odrive://socketcan/can0?node=0, or odrive://INTERFACE/CHANNEL?node=0 for another "
-            "interface of python-can; dhd://, the first Force Dimension device, or dhd://1, the "
-            "second"
-        )
+        assert named in str(error.value)
+        assert all(driver.example in str(error.value) for driver in drivers().values())
 
 
 @pytest.mark.parametrize("url", ["sim://", "replay://", "serial://?baud=1", "odrive://slcan",
@@ -47,7 +42,9 @@ def test_schemes_that_there_are_are_told() -> None:
 def test_an_address_without_a_place_is_told_with_what_it_looks_like(url: str) -> None:
     with pytest.raises(UsageError) as error:
         parse_device(url)
-    assert str(error.value) == f"{url}: not complete: use {SCHEMES[url.partition(':')[0]]}"
+    assert (
+        str(error.value) == f"{url}: not complete: use {drivers()[url.partition(':')[0]].example}"
+    )
 
 
 def test_settings_are_numbers_within_their_limits() -> None:

@@ -12,7 +12,8 @@ import numpy as np
 from proof.fuzz.reader import Reader
 from support.small import press, recording
 
-from springpot.trainer.recordings.recording_file import read_hdf5, read_recording, write_recording
+from springpot.trainer.recordings.recording_file import read_recording, write_recording
+from springpot.trainer.recordings.recording_hdf5 import read_hdf5
 
 _ATTRIBUTES = {
     "schema": 1, "name": "a", "dt_s": 0.001, "zero": "none", "position_delay_s": 0.0,

@@ -46,6 +46,7 @@ TESTS = {
     "host/devices/sample_rate.py": ("tests/host/devices/test_sample_rate.py",),
     "trainer/recordings/recording.py": _RECORDING,
     "trainer/recordings/recording_file.py": _RECORDING,
+    "trainer/recordings/recording_hdf5.py": _RECORDING,
     "trainer/recordings/journal_blocks.py": _JOURNAL,
     "trainer/recordings/journal_reader.py": ("tests/trainer/recordings/test_journal_reader.py",),
     "codegen/model/packed_arrays.py": _MODEL,

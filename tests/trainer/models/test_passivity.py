@@ -15,8 +15,8 @@ import pytest
 from scipy.optimize import minimize
 from support.small import DT_S, press, soft_force
 
+from springpot.codegen.model.formulas import loss_by_depth
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
-from springpot.codegen.stages.depth_laws import loss_by_depth
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
 from springpot.trainer.models.passive import passive_fit, passive_terms

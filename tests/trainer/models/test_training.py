@@ -14,8 +14,12 @@ from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.forests import depth_scale
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.rows import choose_rows
-from springpot.trainer.models.training_set import contact_of, trained_range, training_set
+from springpot.trainer.models.training_set import (
+    choose_rows,
+    contact_of,
+    trained_range,
+    training_set,
+)
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed, smoothing_samples
 

@@ -14,8 +14,8 @@ from support.malformed import DBC, can_frames
 
 from springpot.codegen.errors import DataError, SpringpotError
 from springpot.trainer.recordings import recording_file
+from springpot.trainer.recordings.formats.column_map import split_unit
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-from springpot.trainer.recordings.formats.labels import split_unit
 from springpot.trainer.recordings.journal_blocks import LAST_METADATA, SAMPLES, encode
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording, write_recording

@@ -17,8 +17,8 @@ from springpot.host.cli import exit_status
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.host.commands.recordings.plot import plot
-from springpot.trainer.recordings.alignment import estimate_skew, low_pass_delay_s
 from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.quality.alignment import estimate_skew, low_pass_delay_s
 from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.report import check_recordings

@@ -19,7 +19,7 @@ from springpot.host.wings.study.session.conduct import JOURNAL
 from springpot.host.wings.study.session.journal import read_lines
 from springpot.host.wings.study.session.switched import PlacedNotes, require_same_forces
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.recording_file import read_recording, store_recording
+from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 pytestmark = pytest.mark.realtime
 DEVICE = "sim://dragon-skin-10?hand=mid"
@@ -116,7 +116,7 @@ def test_a_device_that_ends_in_a_trial(folder: StudyFolder, tmp_path: Path) -> N
     recorded = tmp_path / "short.h5"
     above_m = np.full(900, -1e-3)
     short = Recording("short", above_m, 0 * above_m, 1e-3)
-    store_recording(recorded, short, overwrite=False)
+    write_recording(recorded, short, overwrite=False)
     status, printed = RunningStudy(folder, f"replay://{recorded}").end()
     assert status == 5, printed
     assert "no more samples" in printed

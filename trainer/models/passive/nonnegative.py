@@ -41,7 +41,8 @@ class Normal:
         terms are few, whatever the number of rows.
         """
         chosen = np.ones(len(self.vector), dtype=bool) if active is None else active
-        # Columns scaled to length 1, so that the ridge is the same share of each.
+        # Columns scaled to length 1, so that the ridge is the same share of each. Non-negative
+        # least squares then by active sets (Lawson, Hanson: Solving least squares problems, 1974).
         size = self._size
         scaled = self.matrix / np.outer(size, size)
         scaled = scaled[np.ix_(chosen, chosen)]

@@ -58,6 +58,21 @@ class PassiveChoice:
         return _penalised(kept, self.penalty, self.terms).solve()
 
 
+def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
+    """The passive part, the rows used, and its cross-validated RMSE, N; see `passive_choice`."""
+    return timed_passive(data, options)[0]
+
+
+def timed_passive(
+    data: TrainingSet, options: FitOptions
+) -> tuple[tuple[Hammerstein, int, float], float]:
+    """`fit_passive` and its seconds, once for the options that decide it."""
+    choice, chosen_s = passive_choice(data, options)
+    key = ("passive model", options.fraction, options.seed, options.poles)
+    model, model_s = data.once(key, choice.model)
+    return (model, len(choice.piece), choice.error_n), chosen_s + model_s
+
+
 def term_columns(terms: Terms, data: TrainingSet, rows: Indices) -> Samples:
     """Values of all terms at rows of all recordings, (rows, terms)."""
     return data.along(rows, lambda depth, at: columns(terms, depth, data.dt_s, at))
@@ -74,6 +89,7 @@ def passive_choice(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoic
 
 
 def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
+    # Linear in its weights, so that a row costs little: more of them than trees are fitted on.
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
     force_n = data.force_n(rows)
     families = fold_families(data, rows, options.seed)
@@ -82,6 +98,8 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
     def tried(shape: Shape) -> PassiveChoice:
         terms = standard_terms(data, shape, data.contact == "always", options.poles)
         values = term_columns(terms, data, rows)
+        # Normal equations add up over rows: each piece is made once, and every fold and penalty is
+        # a sum of pieces, (sum A'A) w = sum A'y, whatever the number of rows.
         parts = [
             normal_equations(values[piece == k], force_n[piece == k])
             for k in range(int(piece.max()) + 1)
@@ -96,6 +114,8 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
         )
         return reduce(_better, choices)
 
+    # By steps and not the lowest of all: with few recordings hundredths are chance, and a simpler
+    # shape extrapolates better.
     plain = [tried(shape) for shape in PLAIN]
     best = reduce(_better, plain)
     ramps = [choice for choice in plain if choice.terms.shape.basis == "ramps"]
@@ -120,7 +140,8 @@ def _cross_validated(
         for fold in folds.tested:
             kept, held = _apart(parts, piece, folds, fold)
             if kept and held:
-                errors.append(reduce(add, held).rmse(_penalised(kept, penalty, terms).solve()))
+                weights = _penalised(kept, penalty, terms).solve()
+                errors.append(reduce(add, held).rmse(weights))
         if errors:
             means.append(geometric_mean(errors))
     return geometric_mean(means) if means else 0.0

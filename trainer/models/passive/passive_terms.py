@@ -7,9 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.formulas import (
+    basis,
+    curve_values,
+    depth_place,
+    loss_by_depth,
+    stretched,
+)
 from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
-from springpot.codegen.stages.depth_laws import loss_by_depth, stretched
-from springpot.codegen.stages.hammerstein import basis
 from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.training_set import TrainingSet
 
@@ -121,9 +126,10 @@ def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Indices) -> Sampl
         values[:, j] = along[rows]
         for k, tau_s in enumerate(terms.tau_s[:constant], 1):
             values[:, n * k + j] = highpass(along, tau_s, dt_s)[rows]
-        for k in range(terms.n_by_depth):
-            held = highpass_by_depth(along, u, loss[:, :, k])
-            values[:, n * (1 + constant + k) + j] = held[rows]
+    for k in range(terms.n_by_depth):
+        lost = curve_values(loss[:, :, k, None], depth_place(u))[:, 0]
+        for j, along in enumerate(basis(terms.shape.basis, v), n * (1 + constant + k)):
+            values[:, j] = highpass_by_depth(along, lost)[rows]
     for k, radius_m in enumerate(terms.radius_m, 1 + poles):
         played = basis(terms.shape.basis, play(v, radius_m / terms.span_m)[rows])
         for j, behind in enumerate(played):

@@ -13,20 +13,10 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.regular_file import max_unpacked_bytes
-from springpot.trainer.recordings.reader_limits import MAX_RATIO, limit_reader
+from springpot.trainer.recordings.reader_limits import MAX_RATIO, run_reader
 
 _MAX_COLUMNS = 32
 Found = Iterator[tuple[str, str, Any]]
-
-
-def read_on_request() -> None:
-    """Read the file named by the first argument, of the kind named by the second."""
-    path, kind = Path(sys.argv[1]), sys.argv[2]
-    limit_reader(path)
-    try:
-        sys.stdout.buffer.write(arrays_as_npz(path, kind))
-    except Exception as error:  # whatever the libraries raise on a damaged file
-        sys.exit(" ".join(f"{type(error).__name__}: {error}".split())[:200])
 
 
 def arrays_as_npz(path: Path, kind: str) -> bytes:
@@ -102,4 +92,4 @@ def _columns(name: str, unit: str, value: Any) -> Iterator[tuple[str, str, Any]]
 
 
 if __name__ == "__main__":
-    read_on_request()
+    run_reader(Path(sys.argv[1]), lambda path: arrays_as_npz(path, sys.argv[2]))

@@ -10,10 +10,15 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.formats.column_map import EXAMPLE, ColumnMap, stated_rate_hz
+from springpot.trainer.recordings.formats.column_map import (
+    EXAMPLE,
+    ColumnMap,
+    guess_column,
+    split_unit,
+    stated_rate_hz,
+)
 from springpot.trainer.recordings.formats.csv_layout import wanted_columns
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.labels import guess_column, split_unit
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 from springpot.trainer.recordings.reader_limits import read_apart

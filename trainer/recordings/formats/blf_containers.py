@@ -1,4 +1,4 @@
-"""What a BLF log is checked for before its reader sees it: sizes that never end, or never fit.
+"""Checks of a BLF log before its reader sees it: sizes that never end, or never fit.
 
 A log is a row of objects with their sizes; some are containers, often compressed, of a stream of
 further objects that say their sizes too. The reader of python-can goes on by such a size, be it 0,
@@ -34,7 +34,7 @@ def require_blf(path: Path) -> None:
 
 
 def _container(path: Path, file: BinaryIO, room: int) -> bytes | None:
-    """What the next object of the file holds, nothing where it is no container; None at the end."""
+    """Content of the file's next object, empty if it is no container; None at the end."""
     begin = file.tell()
     head = file.read(_OBJECT.size)
     if len(head) < _OBJECT.size:

@@ -13,9 +13,12 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.blf_containers import require_blf
-from springpot.trainer.recordings.formats.column_map import Column, stated_rate_hz
+from springpot.trainer.recordings.formats.column_map import (
+    Column,
+    guess_column,
+    stated_rate_hz,
+)
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.labels import guess_column
 from springpot.trainer.recordings.formats.sampling import GAP, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 

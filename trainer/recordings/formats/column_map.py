@@ -1,19 +1,43 @@
-"""Which column is which: `time=COL:s,position=COL:mm,force=COL:N`."""
+"""Columns of the channels and their units, by a map, `time=COL:s,position=COL:mm,force=COL:N`.
+
+What the map leaves out is guessed from the words and units in a header.
+"""
 
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
-from springpot.codegen.errors import UsageError
-from springpot.trainer.recordings.formats.units import QUANTITIES, Quantity
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.formats.units import (
+    COMMON_UNITS,
+    QUANTITIES,
+    Quantity,
+    Unit,
+    choose_unit,
+    is_unit,
+)
 
 EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
 # A header may hold commas ("Time, s"): only a comma before the next channel's name separates.
 _NEXT_CHANNEL = re.compile(rf",(?=\s*(?:{'|'.join(QUANTITIES)})\s*=)")
-
-
 _RATE = re.compile(r"(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(k?)Hz")
+_LABELS: dict[Quantity, set[str]] = {
+    "time": {"time", "t", "timestamp"},
+    "position": {
+        *("position", "pos", "displacement", "disp", "depth", "penetration", "indentation"),
+        *("compression", "extension", "stroke", "x", "z"),
+    },
+    "force": {"force", "load", "f", "fz"},
+}
+# "Compression stress" and "Extension rate" are neither positions nor forces.
+_NOT_A_LABEL = {"stress", "strain", "rate", "speed", "velocity", "setpoint", "command"}
+_BRACKETED_UNIT = re.compile(r"(.*?)[\s_,/]*[(\[{]\s*([^()\[\]{}]+?)\s*[)\]}]")
+_SEPARATED_UNIT = re.compile(r"(.+?)\s*[,/]\s*([^,/]+)")
+_APPENDED_UNIT = re.compile(r"(.+)[\s_]([^\s_]+)")
+_MAX_HEADER = 200
+_CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 @dataclass(frozen=True)
@@ -86,3 +110,70 @@ def _parse_column(text: str, quantity: Quantity) -> Column:
     if int(header) == 0:
         raise UsageError(f"--map: {quantity}: columns are counted from 1, not 0")
     return Column(int(header), unit or None)
+
+
+def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
+    """Split "Time (s)", "Load [N]", "Time, s" or "position_mm" into label and unit.
+
+    A longer header than any channel's is a label as it is: the patterns take the square of its
+    length.
+    """
+    if len(header) > _MAX_HEADER:
+        return header, None
+    for pattern in (_BRACKETED_UNIT, _SEPARATED_UNIT):
+        if match := pattern.fullmatch(header):
+            return match[1], match[2]
+    match = _APPENDED_UNIT.fullmatch(header)
+    if match and is_unit(match[2], quantity):
+        return match[1], match[2]
+    return header, None
+
+
+def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
+    """Prefer a label that is one of the known words to one that only contains such a word."""
+    labels = [_CAMEL.sub("_", split_unit(cell, quantity)[0]).casefold().strip() for cell in row]
+    exact = [i for i, label in enumerate(labels) if label in _LABELS[quantity]]
+    if exact:
+        return exact
+    words = [set(re.split(r"[^a-z]+", label)) for label in labels]
+    return [i for i, w in enumerate(words) if w & _LABELS[quantity] and not w & _NOT_A_LABEL]
+
+
+def column_units(
+    path: Path,
+    header: list[str],
+    chosen: dict[Quantity, int],
+    columns: ColumnMap,
+    unit_row: dict[Quantity, str],
+) -> dict[Quantity, Unit]:
+    """The units of the map, which must not contradict the file's, or of the header or unit row.
+
+    header: empty where there is none. chosen: columns from 0. unit_row: the units below the header.
+    Raises DataError for a unit that is unknown or contradicts, and once for all that are missing.
+    """
+    labels = {q: header[index] if index < len(header) else "" for q, index in chosen.items()}
+    named = {q: columns.get(q) or Column(labels[q] or index + 1) for q, index in chosen.items()}
+    places = {
+        q: {
+            "map": named[q].unit,
+            "header": split_unit(labels[q], q)[1],
+            "row of units": unit_row.get(q),
+        }
+        for q in chosen
+    }
+    where = {
+        q: f"column {index + 1}{f' {labels[q]!r}' if labels[q] else ''}"
+        for q, index in chosen.items()
+    }
+    missing = [q for q in chosen if not any(places[q].values())]
+    if missing:
+        wanted = {**columns, **{q: Column(named[q].header_or_number, "UNIT") for q in missing}}
+        raise DataError(
+            f"{path}, {', '.join(where[q] for q in missing)}: no unit of {', of '.join(missing)}: "
+            f"pass --map {map_option(wanted)}, with a unit such as "
+            f"{', '.join(COMMON_UNITS[q] for q in missing)} for each UNIT"
+        )
+    return {
+        q: choose_unit(places[q], q, f"{path}, {where[q]}", str(named[q].header_or_number))
+        for q in chosen
+    }

@@ -10,16 +10,16 @@ from springpot.trainer.recordings.formats.column_map import (
     EXAMPLE,
     Column,
     ColumnMap,
+    column_units,
+    guess_column,
     stated_rate_hz,
 )
-from springpot.trainer.recordings.formats.csv_units import column_units
 from springpot.trainer.recordings.formats.decimals import (
     DecimalMark,
     decimal_mark,
     is_comma_number,
     is_number,
 )
-from springpot.trainer.recordings.formats.labels import guess_column
 from springpot.trainer.recordings.formats.units import (
     QUANTITIES,
     Quantity,
@@ -36,7 +36,7 @@ Candidates = dict[Quantity, list[int]]
 
 @dataclass(frozen=True)
 class Layout:
-    """How to read a file: cells to a row, 1-based line of the first numbers, columns from 0."""
+    """Layout of a file: cells to a row, 1-based line of the first numbers, columns from 0."""
 
     delimiter: str
     width: int

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.column_map import split_unit
 from springpot.trainer.recordings.formats.csv_layout import Layout, cells
 from springpot.trainer.recordings.formats.decimals import COMMA_TO_POINT, is_number
-from springpot.trainer.recordings.formats.labels import split_unit
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 UTF8 = "utf-8-sig"
@@ -79,7 +79,7 @@ class CsvTable:
                 ) from None
 
     def beside(self, rate_hz: float) -> str:
-        """How the column of time that is not read compares with the stated rate, as a message."""
+        """Compare the column of time that is not read with the stated rate; return a message."""
         if self.layout.unread_time is None:
             return ", its header names no column of time"
         index, label = self.layout.unread_time

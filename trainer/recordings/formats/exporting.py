@@ -11,6 +11,7 @@ from springpot.codegen.errors import UsageError
 from springpot.trainer.recordings.recording import SIGN_RULE, Recording
 
 ExportFormat = Literal["csv", "mat"]
+_RULE = {"sign_rule": SIGN_RULE}
 
 
 def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> Path:
@@ -31,7 +32,7 @@ def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> 
             else:
                 _write_mat(aside, recording)
         if form == "csv":
-            metadata = json.dumps(_metadata(recording), indent=2, sort_keys=True) + "\n"
+            metadata = json.dumps(recording.metadata() | _RULE, indent=2, sort_keys=True) + "\n"
             write_file(path.with_suffix(".json"), metadata.encode())
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}: choose another --out") from None
@@ -57,19 +58,6 @@ def _write_mat(path: Path, recording: Recording) -> None:
         "time_s": _time_s(recording),
         "position_m": recording.position_m,
         "force_N": recording.force_n,
-        "metadata": json.dumps(_metadata(recording), sort_keys=True),
+        "metadata": json.dumps(recording.metadata() | _RULE, sort_keys=True),
     }
     savemat(path, content, appendmat=False, oned_as="column", do_compression=True)
-
-
-def _metadata(recording: Recording) -> dict[str, object]:
-    return {
-        "name": recording.name,
-        "dt_s": recording.dt_s,
-        "zero": recording.zero,
-        "position_delay_s": recording.position_delay_s,
-        "force_delay_s": recording.force_delay_s,
-        "source": recording.source,
-        "sign_rule": SIGN_RULE,
-        "details": dict(recording.details),
-    }

@@ -1,4 +1,4 @@
-"""Files whose last rows are out of step: machines end a test between two samples, or otherwise.
+"""Files with last rows that are out of step: machines end a test between two samples.
 
 Rows in step stay as they are, those after are interpolated onto the same steps and reported.
 """

@@ -1,1 +1,1 @@
-"""What is wrong with a recording, and what that means for a model."""
+"""Checks of recordings, and what their findings mean for a model."""

@@ -130,7 +130,7 @@ def _clipping(recording: Recording) -> Iterator[Finding]:
 
 
 def _excursion(other: Samples, channel: str) -> float:
-    """How far the other channel goes within a run.
+    """Distance that the other channel goes within a run.
 
     A held position lets force relax one way; only a force that rises and falls shows clipping.
     """

@@ -1,4 +1,4 @@
-"""What a set of recordings covers: how deep, how fast and how long it presses, and what is next."""
+"""Coverage of a set of recordings: how deep, how fast and how long it presses, and what is next."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -81,7 +81,7 @@ class Coverage:
 
     @property
     def record_next(self) -> list[str]:
-        """What would show more of the object, most useful first."""
+        """Presses that would show more of the object, most useful first."""
         speeds = [stroke[1] for stroke in self.strokes]
         found = []
         if not speeds:

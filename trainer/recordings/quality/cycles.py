@@ -63,10 +63,12 @@ def find_cycles(recording: Recording) -> Cycles | None:
     if count < 1 or period < 8:
         return None
     used = min(len(position_m), round(count * period))
-    first = used - round((count - 1) * period) if count > 3 else 0  # the first cycle settles
+    # The first cycle settles (Mullins softening, preconditioning of tissue).
+    first = used - round((count - 1) * period) if count > 3 else 0
     x, f = position_m[first:used], force_n[first:used]
     phase: Samples = 2.0 * np.pi * frequency * np.arange(len(x), dtype=np.float64)
     x1, f1 = _tone(x, phase), _tone(f, phase)
+    # A sine of amplitude X has the variance X^2 / 2.
     if abs(x1) ** 2 / 2 < _MIN_SHARE * np.var(x) or not abs(f1):
         return None  # a ramp, or several tones
     cycles = max(1, round(len(x) / period))
@@ -90,7 +92,11 @@ def find_cycles(recording: Recording) -> Cycles | None:
 
 
 def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
-    """Cut rests at both ends: test rigs wait before and after their cycles."""
+    """Cut rests at both ends: test rigs wait before and after their cycles.
+
+    A rest ends 2 % of the travel away from its level, or at the first step of a five-hundredth of
+    the travel if that is sooner, so that a fast press is not cut.
+    """
     moved = np.flatnonzero(np.abs(np.diff(position_m)) > 2e-3 * np.ptp(position_m))
     slow = np.flatnonzero(np.abs(position_m - position_m[0]) > 0.02 * np.ptp(position_m))
     begin = int(slow[0]) if len(slow) else 0
@@ -134,6 +140,8 @@ def _frequency(position_m: Samples) -> float | None:
     """Frequency of the one tone, cycles a sample, by least squares around the spectrum's peak."""
     n = len(position_m)
     centred = position_m - position_m.mean()
+    # A Hann window, so that drift and harmonics do not leak into the peak; four times as many
+    # points as samples, so that the true frequency is within an eighth of a cycle a recording.
     spectrum = np.abs(np.fft.rfft(centred * np.hanning(n), 4 * n))
     peak = int(np.argmax(spectrum[2:])) + 2  # from half a cycle a recording on
     low, high = (peak - 4) / (4 * n), (peak + 4) / (4 * n)
@@ -141,7 +149,7 @@ def _frequency(position_m: Samples) -> float | None:
     step = max(1, min(n // 2000, int(4 * n / peak) // 16))
     thin, time = centred[::step], np.arange(n)[::step]
     tried = np.linspace(max(low, 0.2 / n), high, 11)
-    for _ in range(3):
+    for _ in range(3):  # each grid is five times finer than the one before
         left = [_residual(thin, 2.0 * np.pi * t * time) for t in tried]
         best = float(tried[int(np.argmin(left))])
         width = float(tried[1] - tried[0])
@@ -172,7 +180,7 @@ def _tone(samples: Samples, phase: Samples) -> complex:
 
 
 def _drift(samples: Samples, phase: Samples) -> Samples:
-    """What changes evenly, beside the tones: an object that relaxes loses no more for it."""
+    """Even change beside the tones: an object that relaxes loses no more energy for it."""
     basis = _basis(phase, _HARMONICS)
     found = np.linalg.lstsq(basis, samples, rcond=None)[0]
     drift: Samples = found[1] * basis[:, 1]
@@ -207,6 +215,7 @@ def _repeat(
     # What still settles can be predicted: means are apart, and only neighbours are compared.
     steady_m, steady_n = position - position.mean(axis=1, keepdims=True), force - means[:, None]
     steps_n = np.diff(at_equal_positions(steady_m, steady_n), axis=0)
+    # The difference of two cycles has twice the variance of one.
     noise_n = float(np.sqrt(np.mean(np.square(steps_n)) / 2)) / smoothed
     return noise_n, float(means[-1] - means[0])
 

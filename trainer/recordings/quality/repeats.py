@@ -48,7 +48,7 @@ def find_repeats(recordings: Sequence[Recording]) -> list[Repeats]:
 
 
 def repeat_findings(repeats: Sequence[Repeats]) -> Iterator[Finding]:
-    """Yield a finding for each group whose force drifts."""
+    """Yield a finding for each group with a drifting force."""
     for group in repeats:
         if abs(group.drift_n) > max(_DRIFT * group.peak_n, group.noise_n):
             yield warning(

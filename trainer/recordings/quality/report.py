@@ -1,18 +1,25 @@
 """The quality report of a set of recordings: findings in lines, figures in numbers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
-from springpot.trainer.recordings.alignment import Skew, estimate_skew, low_pass_delay_s
+from springpot.trainer.recordings.quality.alignment import (
+    Skew,
+    estimate_skew,
+    filter_delay_s,
+    filter_findings,
+    skew_findings,
+)
 from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
 from springpot.trainer.recordings.quality.coverage import find_coverage
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
-from springpot.trainer.recordings.quality.finding import Finding, warning
+from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.motion import (
     contact_findings,
     distinct_speeds,
@@ -20,19 +27,62 @@ from springpot.trainer.recordings.quality.motion import (
 )
 from springpot.trainer.recordings.quality.noise_floor import noise_floor
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
-from springpot.trainer.recordings.quality.signs import find_signs, sign_findings, signs_of_all
+from springpot.trainer.recordings.quality.signs import (
+    Signs,
+    find_signs,
+    sign_findings,
+    signs_of_all,
+)
 from springpot.trainer.recordings.recording import Recording
 
-_FILTERED_RAD = 0.005  # of phase at the recording's frequency: a hard silicone's loss is 0.06
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class QualityReport:
-    """Findings and, for each recording and for the set, figures as JSON values."""
+    """Findings of a set of recordings; figures, as JSON values, are computed when they are read.
 
+    cycles, signs: of each recording. repeats, skew: of the set.
+    """
+
+    checked: Sequence[Recording]
     findings: list[Finding]
-    recordings: list[dict[str, Any]]
-    figures: dict[str, Any]
+    cycles: Sequence[Cycles | None]
+    signs: Sequence[Signs]
+    repeats: Sequence[Repeats]
+    skew: Skew | None
+
+    @cached_property
+    def recordings(self) -> list[dict[str, Any]]:
+        """Figures of each recording."""
+        return [
+            {**_figures(recording, own_cycles, self.skew), "signs": own_signs.metadata()}
+            for recording, own_cycles, own_signs in zip(
+                self.checked, self.cycles, self.signs, strict=True
+            )
+        ]
+
+    @cached_property
+    def figures(self) -> dict[str, Any]:
+        """Figures of the set."""
+        floor = noise_floor(self.repeats, self.cycles, self.checked)
+        return {
+            "noise_floor_n": None if floor.source == "sensor" else floor.rms_n,
+            "sensor_noise_n": floor.rms_n if floor.source == "sensor" else None,
+            "noise_floor": floor.words,
+            "repeats": [
+                {"names": list(g.names), "noise_floor_n": g.noise_n, "drift_n": g.drift_n}
+                for g in self.repeats
+            ],
+            "distinct_speeds_mps": distinct_speeds(self.checked),
+            "coverage": find_coverage(self.checked).as_dict(),
+            "skew_s": self.skew.delay_s if self.skew else None,
+            "skew_uncertainty_s": self.skew.uncertainty_s if self.skew else None,
+            "signs": self.sign_words,
+        }
+
+    @property
+    def sign_words(self) -> str:
+        """Which way the channels point, in one line."""
+        return signs_of_all(self.signs).words
 
     @property
     def refused(self) -> bool:
@@ -65,62 +115,13 @@ def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
         findings += channel_findings(recording)
         findings += sign_findings(recording, own_signs)
         findings += contact_findings(recording)
-        findings += _filter_findings(recording, own_cycles)
+        findings += filter_findings(recording, own_cycles)
     findings += speed_findings(recordings)
     repeats = find_repeats(recordings)
     findings += repeat_findings(repeats)
     skew = estimate_skew([found for found in cycles if found])
-    findings += _skew_findings(recordings, skew)
-    details = [
-        {**_figures(recording, own_cycles, skew), "signs": own_signs.metadata()}
-        for recording, own_cycles, own_signs in zip(recordings, cycles, signs, strict=True)
-    ]
-    figures = _of_all(recordings, repeats, cycles, skew)
-    figures["signs"] = signs_of_all(signs).words
-    return QualityReport(findings, details, figures)
-
-
-def _filter_findings(recording: Recording, cycles: Cycles | None) -> Iterator[Finding]:
-    """A filter in the load cell delays force: its phase is not the material's."""
-    cutoff_hz = recording.details.get("load_cell_low_pass_hz")
-    if cutoff_hz is None:
-        return
-    order = int(recording.details.get("load_cell_low_pass_order", 1))
-    delay_s = _filter_delay_s(recording)
-    what = f"the load cell was low-passed at {cutoff_hz:g} Hz, order {order}"
-    so_what = f"force comes about {delay_s * 1e3:.3g} ms late"
-    if cycles:
-        lag_rad = 2 * np.pi * cycles.frequency_hz * delay_s
-        if lag_rad < _FILTERED_RAD:
-            return
-        so_what += f", {lag_rad:.2g} rad at {cycles.frequency_hz:.3g} Hz"
-    yield warning(
-        "filter", recording.name, what, f"{so_what}: its phase is not the material's",
-        f"state it on import, --force-delay-s {delay_s:.4g}, if position is not filtered alike",
-    )  # fmt: skip
-
-
-def _filter_delay_s(recording: Recording) -> float:
-    cutoff_hz = recording.details.get("load_cell_low_pass_hz")
-    if cutoff_hz is None:
-        return 0.0
-    order = int(recording.details.get("load_cell_low_pass_order", 1))
-    return low_pass_delay_s(order, float(cutoff_hz))
-
-
-def _skew_findings(recordings: Sequence[Recording], skew: Skew | None) -> Iterator[Finding]:
-    if skew is None or abs(skew.delay_s) <= skew.uncertainty_s:
-        return
-    stated_s = np.mean([r.force_delay_s - r.position_delay_s for r in recordings])
-    if abs(skew.delay_s - stated_s) <= skew.uncertainty_s:
-        return
-    yield warning(
-        "alignment", f"all {len(recordings)} recordings",
-        f"force seems to come {skew.delay_s * 1e3:.2g} +- {skew.uncertainty_s * 1e3:.2g} ms after "
-        "position",
-        "loss, and with it stability, would be learned wrong",
-        "state the delay on import (--force-delay-s), with --align to take it out",
-    )  # fmt: skip
+    findings += skew_findings(recordings, skew)
+    return QualityReport(recordings, findings, cycles, signs, repeats, skew)
 
 
 def _figures(recording: Recording, cycles: Cycles | None, skew: Skew | None) -> dict[str, Any]:
@@ -165,7 +166,7 @@ def _loss(recording: Recording, cycles: Cycles, skew: Skew | None) -> dict[str, 
     stated_s = recording.force_delay_s - recording.position_delay_s
     doubt_s = abs(skew.delay_s - stated_s) + skew.uncertainty_s
     if stated_s == 0.0:
-        doubt_s += _filter_delay_s(recording)
+        doubt_s += filter_delay_s(recording)
     rate = abs(cycles.skew_rad_per_s)
     lead_rad = cycles.lead_rad + rate * stated_s
     scale = cycles.energy_j / np.sin(cycles.lead_rad) if cycles.lead_rad else 0.0
@@ -174,26 +175,4 @@ def _loss(recording: Recording, cycles: Cycles, skew: Skew | None) -> dict[str, 
         "angle_uncertainty_rad": rate * doubt_s,
         "energy_j": float(scale * np.sin(lead_rad)),
         "energy_uncertainty_j": float(abs(scale) * rate * doubt_s),
-    }
-
-
-def _of_all(
-    recordings: Sequence[Recording],
-    repeats: Sequence[Repeats],
-    cycles: Sequence[Cycles | None],
-    skew: Skew | None,
-) -> dict[str, Any]:
-    floor = noise_floor(repeats, cycles, recordings)
-    return {
-        "noise_floor_n": None if floor.source == "sensor" else floor.rms_n,
-        "sensor_noise_n": floor.rms_n if floor.source == "sensor" else None,
-        "noise_floor": floor.words,
-        "repeats": [
-            {"names": list(g.names), "noise_floor_n": g.noise_n, "drift_n": g.drift_n}
-            for g in repeats
-        ],
-        "distinct_speeds_mps": distinct_speeds(recordings),
-        "coverage": find_coverage(recordings).as_dict(),
-        "skew_s": skew.delay_s if skew else None,
-        "skew_uncertainty_s": skew.uncertainty_s if skew else None,
     }

@@ -1,4 +1,4 @@
-"""What a recording says of its signs: where force is large, where it is stiff, what loops cost."""
+"""Evidence of a recording's signs: where force is large, where it is stiff, what loops cost."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +13,14 @@ _LEVELS = (0.3, 0.5, 0.7)  # of the travel: where loops may be cut
 
 
 def correlation(x: Samples, f: Samples) -> float:
-    """Of position and force, (n,) both; 0 where one is constant."""
+    """Correlation of position and force, (n,) both; 0 if one is constant."""
     if min(np.ptp(x), np.ptp(f)) == 0.0:
         return 0.0
     return float(np.corrcoef(x, f)[0, 1])
 
 
 def deeper_by_force(x: Samples, f: Samples) -> int:
-    """Which end of the travel has the larger force: 2 or 1 the upper one, 0 unknown, negative."""
+    """Vote for the end of larger force: 2 or 1 the upper one, 0 unknown, negative the lower one."""
     width = _END * float(np.ptp(x))
     low = abs(float(np.median(f[x <= x.min() + width])))
     high = abs(float(np.median(f[x >= x.max() - width])))
@@ -31,7 +31,7 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
 
 
 def deeper_by_slope(x: Samples, f: Samples) -> int:
-    """Which third of the travel is stiffer, as in `deeper_by_force`."""
+    """Vote for the stiffer third of the travel, as in `deeper_by_force`."""
     low_m, third_m = float(x.min()), float(np.ptp(x)) / 3
     low = _slope(x, f, x <= low_m + third_m)
     high = _slope(x, f, x >= low_m + 2 * third_m)
@@ -81,7 +81,10 @@ def _one_press(x: Samples, f: Samples) -> tuple[float, int]:
 
 
 def _work(x: Samples, f: Samples, begin: int, end: int) -> float:
-    """Integral of f dx, f from its first value on: what is missing to a closed path is short."""
+    """Work along the path, J, force counted from its first value.
+
+    So the small gap that is left at the end of a loop hardly matters.
+    """
     steps = np.diff(x[begin : end + 1])
     means = 0.5 * (f[begin:end] + f[begin + 1 : end + 1])
     return float(steps @ (means - f[begin]))

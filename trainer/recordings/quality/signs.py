@@ -1,4 +1,4 @@
-"""Which way each channel of a recording points, as its data say.
+"""Signs of the channels of a recording, as its data say.
 
 Signs that are both turned round make a mirrored object: position and force still rise together.
 What tells are the force of no contact, which is least outside, and the slope, which grows as more
@@ -112,7 +112,10 @@ def find_signs(recording: Recording) -> Signs:
 
 
 def signs_of_all(all_signs: Sequence[Signs]) -> Signs:
-    """Those of a set without a refusal: of the surest recording, with the energy of all loops."""
+    """Signs of a set of accepted recordings: those of the recording with the strongest evidence.
+
+    Dissipation is summed over all loops.
+    """
     surest = max(all_signs, key=lambda signs: signs.evidence)
     dissipated = [signs.dissipated_j for signs in all_signs if signs.dissipated_j is not None]
     return replace(
@@ -161,7 +164,7 @@ def sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
 
 
 def require_signs(recordings: Sequence[Recording]) -> None:
-    """Raise DataError for the first recording whose signs are none of an object."""
+    """Raise DataError for the first recording with signs that no object has."""
     for recording in recordings:
         for finding in sign_findings(recording, find_signs(recording)):
             if finding.severity == "refusal":
@@ -169,7 +172,7 @@ def require_signs(recordings: Sequence[Recording]) -> None:
 
 
 def _remedy(recording: Recording, signs: Signs) -> str:
-    """Which `--map` turns the signs round."""
+    """Option `--map` that turns the signs round."""
     by_channel = {"position": signs.position_sign, "force": signs.force_sign}
     if not signs.evidence and signs.position_sign != signs.force_sign:
         either = (shlex.quote(_turned(recording, channel)) for channel in by_channel)

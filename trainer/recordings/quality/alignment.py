@@ -6,16 +6,20 @@ off an angle proportional to frequency. With fewer than five cyclic recordings, 
 factor of four in frequency, the two look alike and nothing is estimated.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from springpot.trainer.recordings.quality.cycles import Cycles
+from springpot.trainer.recordings.quality.finding import Finding, warning
+from springpot.trainer.recordings.recording import Recording
 
 _MIN_POINTS = 5
 _MIN_SPAN = 4.0
+# A table, since `check` runs where scipy is not installed.
 _STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228)
+_FILTERED_RAD = 0.005  # of phase at the recording's frequency: a hard silicone's loss is 0.06
 # Of the loss angle against the logarithm of frequency, rad, that is allowed for: it covers 16 of 16
 # cases (four simulated silicones, each with force shifted by -1, 0, 1 and 3 ms); the worst was off
 # by 1.35 ms.
@@ -62,6 +66,50 @@ def low_pass_delay_s(order: int, cutoff_hz: float) -> float:
     angles = np.pi * (2 * np.arange(order) + order + 1) / (2 * order)
     poles = 2 * np.pi * cutoff_hz * np.exp(1j * angles)
     return float(np.sum(-1.0 / poles).real)
+
+
+def filter_findings(recording: Recording, cycles: Cycles | None) -> Iterator[Finding]:
+    """Yield a finding where a filter in the load cell delays force: no phase of the material's."""
+    if not (delay_s := filter_delay_s(recording)):
+        return
+    details = recording.details
+    order = int(details.get("load_cell_low_pass_order", 1))
+    what = f"the load cell was low-passed at {details['load_cell_low_pass_hz']:g} Hz, order {order}"
+    so_what = f"force comes about {delay_s * 1e3:.3g} ms late"
+    if cycles:
+        lag_rad = 2 * np.pi * cycles.frequency_hz * delay_s
+        if lag_rad < _FILTERED_RAD:
+            return
+        so_what += f", {lag_rad:.2g} rad at {cycles.frequency_hz:.3g} Hz"
+    yield warning(
+        "filter", recording.name, what, f"{so_what}: its phase is not the material's",
+        f"state it on import, --force-delay-s {delay_s:.4g}, if position is not filtered alike",
+    )  # fmt: skip
+
+
+def filter_delay_s(recording: Recording) -> float:
+    """Delay of force by the load cell's own low-pass, s; 0 without one."""
+    cutoff_hz = recording.details.get("load_cell_low_pass_hz")
+    if cutoff_hz is None:
+        return 0.0
+    order = int(recording.details.get("load_cell_low_pass_order", 1))
+    return low_pass_delay_s(order, float(cutoff_hz))
+
+
+def skew_findings(recordings: Sequence[Recording], skew: Skew | None) -> Iterator[Finding]:
+    """Yield a finding where force is later than stated by more than the estimate's uncertainty."""
+    if skew is None or abs(skew.delay_s) <= skew.uncertainty_s:
+        return
+    stated_s = np.mean([r.force_delay_s - r.position_delay_s for r in recordings])
+    if abs(skew.delay_s - stated_s) <= skew.uncertainty_s:
+        return
+    yield warning(
+        "alignment", f"all {len(recordings)} recordings",
+        f"force seems to come {skew.delay_s * 1e3:.2g} +- {skew.uncertainty_s * 1e3:.2g} ms after "
+        "position",
+        "loss, and with it stability, would be learned wrong",
+        "state the delay on import (--force-delay-s), with --align to take it out",
+    )  # fmt: skip
 
 
 def _student_95(freedom: int) -> float:

@@ -1,0 +1,114 @@
+"""Layout of a recording in HDF5: a 1-D data set a channel, attributes as metadata."""
+
+import io
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.errors import DataError
+from springpot.codegen.regular_file import max_unpacked_bytes
+from springpot.trainer.recordings.metadata import (
+    RECORDING_SCHEMA,
+    checked_metadata,
+    metadata_of_json,
+)
+from springpot.trainer.recordings.reader_limits import MAX_RATIO
+from springpot.trainer.recordings.recording import SIGN_RULE, Recording
+
+_CHANNEL_UNITS = {"position_m": "m", "force_n": "N"}
+_WRITTEN = ("zero", "position_delay_s", "force_delay_s")  # by every springpot
+_MORE = "channels"  # group of the channels beside these two
+_CHUNK_SAMPLES = 1 << 17
+
+
+def as_hdf5(recording: Recording) -> bytes:
+    """The file, laid out in memory: on a full disk HDF5 leaves half a file and dies on closing."""
+    memory = io.BytesIO()
+    with h5py.File(memory, "w", track_order=True) as file:
+        file.attrs["schema"] = RECORDING_SCHEMA
+        file.attrs["name"] = recording.name
+        file.attrs["dt_s"] = recording.dt_s
+        file.attrs["sign_rule"] = SIGN_RULE
+        file.attrs["zero"] = recording.zero
+        file.attrs["position_delay_s"] = recording.position_delay_s
+        file.attrs["force_delay_s"] = recording.force_delay_s
+        # HDF5 holds UTF-8: of a path that is none, the bytes as \xff, for people.
+        file.attrs["source"] = recording.source.encode("utf-8", "backslashreplace").decode()
+        file.attrs["details"] = json.dumps(dict(recording.details), sort_keys=True)
+        for channel, unit in _CHANNEL_UNITS.items():
+            _data_set(file, channel, getattr(recording, channel)).attrs["unit"] = unit
+        for channel, samples in recording.channels.items():
+            _data_set(file, f"{_MORE}/{channel}", samples)
+    return memory.getvalue()
+
+
+def _data_set(file: h5py.File, name: str, samples: Samples) -> h5py.Dataset:
+    return file.create_dataset(
+        name,
+        data=samples,
+        chunks=(min(len(samples), _CHUNK_SAMPLES),),
+        compression="gzip",
+        compression_opts=1,
+        shuffle=True,
+        fletcher32=True,
+    )
+
+
+def read_hdf5(path: Path) -> Recording:
+    """Read an HDF5 file in this process, which the library may crash or hang."""
+    try:
+        with h5py.File(path, "r") as file:
+            return _recording(path, file)
+    except DataError:
+        raise
+    # The library raises whatever it meets.
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError,
+            MemoryError) as error:  # fmt: skip
+        reason = " ".join(str(error).split())
+        raise DataError(
+            f"{path}: not a springpot recording ({reason}): make one with `springpot import`"
+        ) from None
+
+
+def _recording(path: Path, file: h5py.File) -> Recording:
+    attributes = {name: _plain(value) for name, value in file.attrs.items()}
+    attributes["details"] = metadata_of_json(str(path), attributes.get("details", ""))
+    metadata = checked_metadata(str(path), attributes, required=_WRITTEN)
+    sets = {channel: file[channel] for channel in _CHANNEL_UNITS}
+    for channel, unit in _CHANNEL_UNITS.items():
+        found = sets[channel].attrs["unit"]
+        if found != unit:
+            raise DataError(f"{path}: {channel} is in {found!r}, not {unit!r}: import again")
+    sets |= {f"{_MORE}/{channel}": file[_MORE][channel] for channel in file.get(_MORE, ())}
+    _require_samples(path, sets)
+    samples = {name: np.asarray(stored, dtype=np.float64) for name, stored in sets.items()}
+    position_m, force_n = samples.pop("position_m"), samples.pop("force_n")
+    channels = {name.removeprefix(f"{_MORE}/"): found for name, found in samples.items()}
+    return metadata.recording(str(path), position_m, force_n, channels)
+
+
+def _plain(value: Any) -> Any:
+    """An attribute's value as Python's own type."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _require_samples(path: Path, sets: Mapping[str, Any]) -> None:
+    """Numbers, and not more than the file can hold: HDF5 stores what is nowhere written as zeros.
+
+    Before any is read, since reading takes the memory.
+    """
+    for name, stored in sets.items():
+        if not isinstance(stored, h5py.Dataset) or stored.dtype.kind not in "fiu":
+            raise DataError(f"{path}: {name} is no data set of numbers: import again")
+    declared = sum(8 * math.prod(stored.shape or ()) for stored in sets.values())
+    if declared > max_unpacked_bytes(path.stat().st_size, MAX_RATIO):
+        raise DataError(
+            f"{path}: declares {declared >> 20} MiB of samples in {path.stat().st_size} bytes: "
+            "import again"
+        )
