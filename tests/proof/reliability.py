@@ -111,10 +111,10 @@ def render_mutation(results: list[Result]) -> str:
         ]
         whole = {name: sum(row[name] for row in result["rows"]) for name in counts}
         lines += [*_table(columns, [*rows, ["all", *whole.values(), _share(whole), ""]]), ""]
-        left = [row for row in result["survivors"] if not row.get("equivalent")]
+        left = [row for row in result["survivors"] if row["count"] > row["equivalent"]]
         lines += ["No test notices:\n"] if left else []
         lines += [
-            f"- `{row['file']}`, `{row['line']}` as `{row['change']}`: {row['reason']}"
+            f"- `{row['file']}`, `{row['function']}`, {row['change']}: {row['reason']}"
             for row in left
         ]
         lines += [""] if left else []

@@ -20,7 +20,8 @@ def test_a_section_without_a_result_says_so(tmp_path: Path) -> None:
 def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
     row = {"file": "a.c", "mutants": 11, "caught": 9, "equivalent": 1, "survived": 1,
            "commit": "abc"}  # fmt: skip
-    survivor = {"file": "a.c", "line": 7, "change": "x > 1", "reason": "of no matter"}
+    survivor = {"file": "a.c", "function": "f", "change": "value", "count": 2, "equivalent": 1,
+                "reason": "of no matter"}  # fmt: skip
     mutation = {"title": "Of C", "command": "x", "rows": [row], "survivors": [survivor]}
     (tmp_path / "mutation.json").write_text(json.dumps(mutation))
     scene = {"scene": "s", "kind": "rf-fd", "coupling": "off", "number": "float32", "alarms": 0,
@@ -31,7 +32,7 @@ def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
     (tmp_path / "prove.json").write_text(json.dumps(prove))
     made = page(tmp_path)
     assert "| a.c | 11 | 9 | 1 | 1 | 90.0 | abc |" in made
-    assert "- `a.c`, `7` as `x > 1`: of no matter" in made
+    assert "- `a.c`, `f`, value: of no matter" in made
     assert "| s | rf-fd | off | float32 | 0 | 2 |" in made
     assert "- no clamp: Eva" in made
 
