@@ -32,14 +32,9 @@ def test_schemes_that_there_are_are_told() -> None:
     for url, named in (("usb://x", "'usb'"), ("x", "'a device without a scheme'")):
         with pytest.raises(DeviceError) as error:
             parse_device(url)
-        assert str(error.value) == (
-            f"{url}: no driver for {named}: use sim://OBJECT, for example "
-            "sim://ecoflex-00-30?hand=mid; replay://FILE, a recording; "
-            "serial:///dev/ttyACM0?baud=921600; odrive://slcan//dev/ttyACM0?node=0, "
-            "odrive://socketcan/can0?node=0, or odrive://INTERFACE/CHANNEL?node=0 for another "
-            "interface of python-can; dhd://, the first Force Dimension device, or dhd://1, the "
-            "second"
-        )
+        told = str(error.value)
+        assert told.startswith(f"{url}: no driver for {named}: use ")
+        assert all(f"{scheme}://" in told for scheme in SCHEMES)
 
 
 @pytest.mark.parametrize("url", ["sim://", "replay://", "serial://?baud=1", "odrive://slcan",
