@@ -25,8 +25,8 @@ in the fuzzer and ends in one line for users, the project reading it in a proces
 crashes of the MAT reader are not counted, a copy of the process meets them first.
 """
 _MISRA = """**No claim of conformity**: the addon checks a part of the rules, nobody assessed the
-rest. Names without a number are cppcheck's own checks. The files of each record:
-`tests/proof/misra/deviations.toml`.
+rest. Names without a number are cppcheck's own checks. The functions of each:
+`docs/reliability/misra.json`; the reasons: `tests/proof/misra/deviations.toml`.
 """
 _HEAD = """# What was shown, and how
 
@@ -166,8 +166,7 @@ def render_misra(result: Result | None) -> str:
         title,
         f"`{result['command']}`, {result['tool']} with its MISRA addon, {result['seconds']} s: "
         f"{len(result['programs'])} programs ({', '.join(result['programs'])}). "
-        f"{len(result['wrong'])} places without a record, {len(result['rows'])} records for "
-        f"{places} places.\n",
+        f"{len(result['rows'])} reasons for {places} places.\n",
         _MISRA,
         *_table(("rule", "places", "files", "why it stays"), rows),
         "",

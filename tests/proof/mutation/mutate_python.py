@@ -23,7 +23,6 @@ _MODEL = (
     "tests/codegen/model/test_hostile_models.py::test_what_would_be_refused_is_not_written",
 )
 _RECORDING = (
-    "tests/trainer/recordings/test_recording_bytes.py",
     "tests/trainer/recordings/test_recording_file.py",
     "tests/trainer/recordings/test_recording_names.py",
     "tests/trainer/recordings/test_journal.py",

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import os
 import random
 import shutil
 import signal
@@ -160,6 +159,8 @@ def test_interrupted_by_the_keyboard(tmp_path: Path, capsys: pytest.CaptureFixtu
     journal = write_journal(tmp_path / "a.h5", 1100)
     assert "a.journal: what was recorded until now is kept there" in capsys.readouterr().err
     assert_prefix(journal, 1100)
+    (part,) = import_file(journal, None, "none", None).recordings
+    assert "recovered" in part.details
     with pytest.raises(UsageError, match=r"a\.journal: keeps a recording that was interrupted"):
         JournalWriter(tmp_path / "a.h5", "a", 1e-3, "test", {})
 
@@ -208,47 +209,6 @@ def test_a_full_file_system(tmp_path: Path) -> None:
         assert recording.duration_s > 5.0
     finally:
         subprocess.run(["umount", str(disk)], check=True)
-
-
-@pytest.mark.parametrize("cut", [1, 4, 2000, BLOCK_BYTES - 1])
-def test_a_truncated_last_block(tmp_path: Path, cut: int) -> None:
-    journal = write_journal(tmp_path / "a.h5")
-    os.truncate(journal, journal.stat().st_size - cut)
-    assert_prefix(journal, N - 254)
-    assert "are lost" in read_recording(journal).details["recovered"]
-
-
-def test_a_flipped_byte(tmp_path: Path) -> None:
-    journal = write_journal(tmp_path / "a.h5")
-    content = journal.read_bytes()
-    for position in range(0, len(content), 509):
-        flipped = bytearray(content)
-        flipped[position] ^= 0x40
-        journal.write_bytes(flipped)
-        block = position // BLOCK_BYTES
-        if block == len(content) // BLOCK_BYTES - 1:
-            assert_prefix(journal, N - PAIRS)
-            continue
-        with pytest.raises(DataError, match=r"a\.journal") as refusal:
-            read_recording(journal)
-        assert "\n" not in str(refusal.value)
-        if block == 0:
-            assert "first block" in str(refusal.value)
-            continue
-        assert "1 of 12 blocks of samples are damaged" in str(refusal.value)
-        parts = import_file(journal, None, "none", None).recordings
-        assert sum(len(part.position_m) for part in parts) == N - PAIRS
-        assert all(part.details["recovered"] for part in parts)
-
-
-def test_blocks_of_another_journal_are_damage(tmp_path: Path) -> None:
-    one, two = write_journal(tmp_path / "a.h5"), write_journal(tmp_path / "b.h5")
-    content = bytearray(one.read_bytes())
-    third = slice(2 * BLOCK_BYTES, 3 * BLOCK_BYTES)
-    content[third] = two.read_bytes()[third]
-    one.write_bytes(content)
-    with pytest.raises(DataError, match="1 of 12 blocks"):
-        read_recording(one)
 
 
 def test_two_writers(tmp_path: Path) -> None:
@@ -314,8 +274,10 @@ def test_blocks_are_as_long_as_in_the_journals_that_are_there() -> None:
     assert (METADATA, LAST_METADATA, SAMPLES) == (0, 1, 2)
 
 
-def test_a_block_with_a_right_checksum_and_a_wrong_head_is_none() -> None:
+def test_a_damaged_block_or_one_of_a_wrong_head_is_none() -> None:
     good = journal_blocks.encode(1, 2, SAMPLES, bytes(32))
+    for at in range(len(good)):
+        assert journal_blocks.decode(good[:at] + bytes([good[at] ^ 0x40]) + good[at + 1 :]) is None
     block = journal_blocks.decode(good)
     assert block.rows(2).shape == (2, 2)
     with pytest.raises(dataclasses.FrozenInstanceError):
