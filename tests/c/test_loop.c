@@ -268,7 +268,7 @@ static void silence_reaches_the_scene_two_periods_later(void)
 /* Whole periods and parts of one: no sample is lost to a thread that was kept away. */
 static void a_late_thread_loses_no_sample(void)
 {
-    for (uint64_t busy_us = 0; busy_us < 20000; busy_us += 130) {
+    for (uint64_t busy_us = 0; busy_us <= 200000; busy_us += busy_us < 20000 ? 130 : 60000) {
         samples_each(PERIOD_US);
         sim.busy_call = 100;
         sim.busy_us = busy_us;

@@ -148,7 +148,7 @@ def render_fuzz(result: Result | None) -> str:
         *(found or ["None is open. What was found before is kept as tests: "
                     "`tests/trainer/recordings/test_hostile_files.py`, "
                     "`tests/codegen/model/test_hostile_models.py`, "
-                    "`tests/host/emission/test_scene_file.py`."]),
+                    "`tests/host/emission/test_scene_keys.py`."]),
         "",
     ])  # fmt: skip
 

@@ -91,17 +91,6 @@ def assert_same_bits(c: Run, reference: Run) -> None:
 
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("shape", list(SHAPES))
-def test_same_bits_on_a_press(
-    shape_of: Callable[[str, str], Emitted], number: str, shape: str
-) -> None:
-    motion = np.concatenate([press(3.0), np.full(40, -1e-3), press(1.0)])
-    c, reference = compared(shape_of(shape, number), motion)
-    assert_same_bits(c, reference)
-    assert c.force_n.max() > 1.0
-
-
-@pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("shape", list(SHAPES))
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_same_bits_on_hostile_motion(
     shape_of: Callable[[str, str], Emitted], number: str, shape: str, seed: int
@@ -110,6 +99,7 @@ def test_same_bits_on_hostile_motion(
     assert_same_bits(c, reference)
     limit_n = make_plan(small_model(), scene()).output.max_n
     assert np.all((c.force_n >= 0) & (c.force_n <= limit_n))
+    assert c.force_n.max() > 1.0
 
 
 @pytest.mark.parametrize("number", NUMBERS)

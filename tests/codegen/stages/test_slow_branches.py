@@ -13,7 +13,6 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.reference.run import run_reference
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model
@@ -55,25 +54,6 @@ def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
     ]
     assert drops_n[1] > 5e-3
     assert abs(drops_n[0] / drops_n[1] - 1) < 2e-3
-
-
-@pytest.mark.parametrize("number", ["float32", "float64"])
-@pytest.mark.parametrize("kind", ["hammerstein", "rf-fd"])
-def test_same_bits_as_the_reference(kind: str, number: str) -> None:
-    position_m = np.concatenate([1.2 * press(2.0), press(3.0), np.full(200, 0.004)])
-    position_m[300] = np.nan
-    plan, force_n = run_c(slow_model(kind, *TICKS), position_m, number)
-    wanted = run_reference(plan, position_m.astype(plan.dtype))
-    np.testing.assert_array_equal(force_n, wanted.force_n)
-
-
-def test_a_measured_step_relaxes_alike() -> None:
-    plan = make_plan(slow_model("hammerstein", *TICKS), scene(), accept_unsafe=True)
-    with built(plan) as library:
-        planned = library.new_state().run(press(1.0))[0]
-        state = library.new_state()
-        measured = [state.step_dt(DT_S, x)[0] for x in press(1.0)]
-    assert np.abs(measured - planned).max() < 1e-5 * np.ptp(planned)
 
 
 def test_only_slow_branches_bring_doubles() -> None:

@@ -4,23 +4,16 @@ from pathlib import Path
 
 import pytest
 from support.peer import peer, wait_until
-from support.small import model_file, scene
 
 from springpot.host.cli import exit_status
-from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import Stop, empty_rows
+from springpot.host.recording.indentation import trip_error
 from springpot.host.session.c_loop import CLoop
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import expected_ticks, fault_at_end, why_stopped
 from springpot.host.session.session import Session
 
 SETTINGS = LoopSettings(period_s=0.001, seconds=2.0)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    base = tmp_path_factory.mktemp("scene")
-    return emit(scene(), model_file(base), base / "c").folder
 
 
 def test_a_device_that_sends_nothing_is_a_failure(folder: Path) -> None:
@@ -93,3 +86,11 @@ def test_a_device_that_was_not_there_is_said(
 )
 def test_ticks_that_began_are_expected(reason: Stop, elapsed_s: float, count: int) -> None:
     assert expected_ticks(LoopState(reason=reason, elapsed_s=elapsed_s), SETTINGS) == count
+
+
+def test_a_trip_names_who_was_late() -> None:
+    silent = trip_error("serial://x", LoopState(watchdog_trips=1, latched=1))
+    assert "x: silent for 20 ms while pressing" in str(silent)
+    busy = trip_error("serial://x", LoopState(watchdog_trips=1, tripped=1, late=36))
+    assert "x: switched its motor off: no force reached it for 20 ms" in str(busy)
+    assert "36 periods began late: end other programs" in str(busy)

@@ -15,7 +15,7 @@ from killing import ROOT, SURVIVED, UNCHANGED, parse_options, try_all
 from mutants_python import mutants_of_python, same_program
 from survivors import write_result
 
-_SCENE = ("tests/host/emission/test_scene_keys.py", "tests/host/emission/test_scene_file.py")
+_SCENE = ("tests/host/emission/test_scene_keys.py",)
 _MODEL = (
     "tests/codegen/model/test_model_limits.py",
     "tests/codegen/model/test_packed_arrays.py",

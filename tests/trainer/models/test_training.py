@@ -9,6 +9,7 @@ from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.forest.leaves import quantised_leaves
+from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.features.fractional import fir_derivatives
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -102,3 +103,11 @@ def test_contact_follows_the_importers_zero() -> None:
 def test_the_window_is_set_in_seconds(window_s: float) -> None:
     fit = fit_model("rf-fd", "x", training(), FitOptions(trees=2, leaf=50, window_s=window_s))
     assert len(fit.model.features.taps) == round(window_s / DT_S)
+
+
+def test_same_seed_and_recordings_give_the_same_hash() -> None:
+    first, again, other = (
+        model_hash(fit_model("rf-fd", "a", training(), FitOptions(seed=k, trees=3, leaf=30)).model)
+        for k in (3, 3, 4)
+    )
+    assert first == again != other

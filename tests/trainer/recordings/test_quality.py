@@ -255,18 +255,6 @@ def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
     )
 
 
-def test_train_runs_the_check(tmp_path: Path) -> None:
-    good = sine()
-    write_recording(tmp_path / "a.h5", replace(good, force_n=-good.force_n))
-    command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
-    result = subprocess.run(
-        [*command, "train", str(tmp_path), "--model", "rf-fd", "--out", str(tmp_path / "m.spm")],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert result.returncode == 3
-    assert "force falls as position rises" in result.stderr
-
-
 def test_pictures(tmp_path: Path) -> None:
     write_recording(tmp_path / "a.h5", sine())
     forms = ["--format", "png", "--format", "svg", "--format", "pdf"]
