@@ -26,15 +26,18 @@ def tool_version() -> str:
     ).stdout.strip()
 
 
-def places_of(programs: list[Program], workers: int) -> set[Place]:
-    """Every place where a rule is broken, each once though many programs include it."""
+def places_of(programs: list[Program], workers: int) -> list[set[Place]]:
+    """Find the places where a rule is broken, of each program."""
     with ThreadPoolExecutor(workers) as pool:
-        return set().union(*pool.map(_places, programs))
+        return list(pool.map(_places, programs))
 
 
-def by_function(places: set[Place]) -> Counter[tuple[str, str, str]]:
-    """Count the places of each rule in each function of each file."""
-    return Counter(place[:3] for place in places)
+def by_function(places: list[set[Place]]) -> Counter[tuple[str, str, str]]:
+    """Count the places of each rule in each function of each file, in the program with most."""
+    found: Counter[tuple[str, str, str]] = Counter()
+    for of_program in places:
+        found |= Counter(place[:3] for place in of_program)
+    return found
 
 
 def _places(program: Program) -> set[Place]:

@@ -89,7 +89,7 @@ def main() -> int:
         left -= {file.name for file in Path(folder).rglob("*.h")}
         places = places_of(analysed, os.cpu_count() or 1)
     if options.list:
-        for rule, file, function, line, column in sorted(places):
+        for rule, file, function, line, column in sorted(set().union(*places)):
             print(f"{rule}\t{file}:{line}:{column}\t{function}")
     found = by_function(places)
     records = tomllib.loads(RECORDS.read_text())
@@ -100,7 +100,7 @@ def main() -> int:
         print(line, file=sys.stderr)
     seconds = round(time.monotonic() - begin)
     print(
-        f"{len(records['reasons'])} rules in {len(places)} places, {len(wrong)} wrong, {seconds} s"
+        f"{len(records['reasons'])} rules, {found.total()} places, {len(wrong)} wrong, {seconds} s"
     )
     if wrong:
         return 1
