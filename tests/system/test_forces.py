@@ -2,7 +2,7 @@
 
 import pytest
 from support import golden_forces
-from support.smallest_scene import FOLDER, smallest_emission
+from support.c.smallest_scene import FOLDER, smallest_emission
 
 SLOW = {("float32", "tool"), ("float64", "off"), ("float64", "proxy")}
 
@@ -31,4 +31,4 @@ def test_the_smallest_scenes_emission_is_what_is_checked_in() -> None:
     emitted = smallest_emission()
     assert sorted(emitted) == sorted(path.name for path in FOLDER.iterdir())
     for name, text in emitted.items():
-        assert (FOLDER / name).read_text() == text, f"{name}: run support/smallest_scene.py"
+        assert (FOLDER / name).read_text() == text, f"{name}: run support/c/smallest_scene.py"

@@ -5,11 +5,11 @@ import shutil
 from pathlib import Path
 
 import pytest
-from support.documents import page_blocks
-from support.job import small_job
+from support.pages.documents import page_blocks
+from support.pages.job import small_job
+from support.pages.prepared_pages import PREPARED
+from support.pages.run_pages import run_commands, run_page
 from support.paths import ROOT
-from support.prepared_pages import PREPARED
-from support.run_pages import run_commands, run_page
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import golden_forces
-from support.hostile_models import hostile_models
+from support.files.hostile_models import hostile_models
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.field_types import MAX_NUMBER

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support import golden_forces
-from support.hostile_models import closed, opened
+from support.files.hostile_models import closed, opened
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model import model_file

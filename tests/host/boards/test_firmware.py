@@ -5,7 +5,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from support.mcu import need, target_scene
+from support.c.mcu import need, target_scene
 from support.small import model_file
 
 from springpot.codegen.errors import UsageError

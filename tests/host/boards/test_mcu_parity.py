@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.mcu import TICKS, long_motion, need, target_scene
+from support.c.mcu import TICKS, long_motion, need, target_scene
 from support.small import model_file, training
 
 from springpot.codegen.emit.golden import backward_velocity

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import ShellComplete
-from support.run_pages import MAIN
+from support.pages.run_pages import MAIN
 
 from springpot.host.cli import springpot
 from springpot.host.console.output import progress_bar

@@ -17,7 +17,7 @@ import numpy as np
 from proof.fuzz.reader import Reader
 from proof.fuzz.text_reader import read_import
 from scipy.io import savemat
-from support.malformed import TIME_S
+from support.files.malformed import TIME_S
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats import array_process, arrays

@@ -99,9 +99,7 @@ def main() -> int:
     for line in wrong:
         print(line, file=sys.stderr)
     seconds = round(time.monotonic() - begin)
-    print(
-        f"{len(records['reasons'])} rules, {found.total()} places, {len(wrong)} wrong, {seconds} s"
-    )
+    print(f"{found.total()} places of {len(records['reasons'])} rules, {len(wrong)} wrong")
     if wrong:
         return 1
     result = {

@@ -15,7 +15,7 @@ from unittest import mock
 import h5py
 import numpy as np
 import pytest
-from support.malformed import DBC, can_frames, malformed
+from support.files.malformed import DBC, can_frames, malformed
 
 from springpot.codegen.errors import DataError, SpringpotError
 from springpot.trainer.recordings import recording_file
