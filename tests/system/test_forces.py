@@ -1,7 +1,7 @@
 """Emission and its forces stay what they were: a change of either shows in the diff."""
 
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 from support.c.smallest_scene import FOLDER, smallest_emission
 
 SLOW = {("float32", "tool"), ("float64", "off"), ("float64", "proxy")}

@@ -2,8 +2,8 @@
 
 import re
 
+from support.c.golden_forces import model
 from support.c.single import plan_of
-from support.golden_forces import model
 
 from springpot.codegen.emit.files import regressor_tables, stage_tables
 from springpot.codegen.emit.glue import constants

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 from support.files.hostile_models import hostile_models
 
 from springpot.codegen.errors import DataError

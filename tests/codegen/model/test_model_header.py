@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 from support.files.hostile_models import closed, opened
 
 from springpot.codegen.errors import DataError

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model_file import read_model

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.model_file import model_bytes
-from support.golden_forces import model
+from support.c.golden_forces import model
 
 Header = dict[str, Any]
 Arrays = dict[str, np.ndarray]
