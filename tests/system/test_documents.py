@@ -18,7 +18,7 @@ from springpot.host.study.study_file import read_study
 
 TESTED = {
     "python": "test_python_examples.py",
-    "cpp": "test_chai3d.py",
+    "cpp": "test_documented_c.py",
     "c": "",
     "text": "",
     "sh": "",

@@ -129,25 +129,6 @@ def test_a_serial_device_that_falls_silent_ends_a_press():
 
 
 @pytest.mark.realtime
-def test_only_the_user_takes_back_a_trip(tmp_path):
-    """Reset reaches the device too: its motor takes forces again, ramped in."""
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
-    with peer("serial_device", "--silent-after", 0.4, "--silent-for", 0.1) as device:
-        told = []
-        with Session(tmp_path / "c", device.url, report=told.append) as session:
-            session.start()
-            wait_until(lambda: session.runner.state.latched, 5, "no trip")
-            at = session.runner.state.ticks
-            wait_until(lambda: session.runner.state.ticks > at + 300, 5, "no ticks")
-            assert session.runner.state.latched
-            session.reset()
-            wait_until(lambda: not session.runner.state.latched, 5, "no reset")
-            assert session.runner.state.resets == 1
-        assert device.wait_for("reset")
-    assert any("force zero until reset" in line for line in told)
-
-
-@pytest.mark.realtime
 def test_a_device_that_tripped_takes_forces_after_a_reset(tmp_path):
     """It switched its motor off by itself: one reset by the user, and it stays on."""
     emit(scene(), model_file(tmp_path), tmp_path / "c")
