@@ -4,11 +4,11 @@ import json
 import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from support.in_process import spring
+from support.peer import CLI
 from support.small import model_file, training
 
 from springpot.trainer.recordings.recording_file import write_recording
@@ -18,8 +18,7 @@ def run(*arguments: object, env: dict[str, str] | None = None) -> subprocess.Com
     """In a process of its own where it gets another environment."""
     if env is None:
         return spring(*arguments)
-    command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
-    return subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True,
+    return subprocess.run([*CLI, *map(str, arguments)], capture_output=True, text=True,
                           check=False, env={**os.environ, **env})  # fmt: skip
 
 

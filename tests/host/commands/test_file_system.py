@@ -4,13 +4,13 @@ import os
 import resource
 import shutil
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from support.in_process import spring
+from support.peer import CLI
 from support.small import model_file, scene, training
 
 from springpot.host.emission.emission import emit
@@ -22,10 +22,9 @@ TABLE = f"time_s,position_mm,force_N\n{ROWS}"
 
 
 def springpot(*arguments: bytes | str, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from springpot.host.cli import main; main()", *arguments]
     return subprocess.run(
-        command, capture_output=True, text=True, errors="replace", check=False, timeout=100,
-        env={**os.environ, **environment},
+        [*CLI, *arguments], capture_output=True, text=True, errors="replace", check=False,
+        timeout=100, env={**os.environ, **environment},
     )  # fmt: skip
 
 

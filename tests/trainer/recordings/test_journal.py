@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.peer import CLI
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings import journal_blocks
@@ -29,7 +30,6 @@ from springpot.trainer.recordings.recording_file import read_recording, read_rec
 
 N = 3000
 POSITION_M = np.arange(N) * 1e-6
-CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 # Records N samples, 100 at a time, and dies as its arguments say.
 CHILD = """
 import os, pathlib, resource, signal, sys
