@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from support.c import golden_forces
 from support.files.hostile_models import closed, opened
+from support.messages import refusing
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model import model_file
@@ -260,6 +261,5 @@ def test_a_part_of_ones_own_is_registered(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
     path = tmp_path / "none.spm"
-    with pytest.raises(DataError) as error:
+    with refusing(DataError, f"{path}: cannot be read (No such file or directory)"):
         read_model(path)
-    assert str(error.value) == f"{path}: cannot be read (No such file or directory)"

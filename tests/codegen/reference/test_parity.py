@@ -103,23 +103,17 @@ def test_same_bits_on_hostile_motion(
 
 
 @pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize(
+    ("seed", "ticks"),
+    [(6, 500), *(pytest.param(seed, 4000, marks=pytest.mark.slow) for seed in (1, 2, 3))],
+)
 def test_same_bits_where_the_reference_finds_the_proxy(
-    shape_of: Callable[[str, str], Emitted], number: str
+    shape_of: Callable[[str, str], Emitted], number: str, seed: int, ticks: int
 ) -> None:
-    motion = np.concatenate([press(5.0), np.full(40, -1e-3), wandering(6, 500)])
+    motion = np.concatenate([press(5.0), np.full(40, -1e-3), wandering(seed, ticks)])
     c, reference = compared(shape_of("proxy", number), motion, predicted=False)
     assert_same_bits(c, reference)
     assert c.force_n.max() > 1.0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_same_bits_on_long_hostile_motion_where_the_reference_finds_the_proxy(
-    shape_of: Callable[[str, str], Emitted], number: str, seed: int
-) -> None:
-    c, reference = compared(shape_of("proxy", number), wandering(seed), predicted=False)
-    assert_same_bits(c, reference)
 
 
 def test_hostile_motion_raises_every_note() -> None:

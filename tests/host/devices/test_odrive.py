@@ -40,13 +40,6 @@ TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
 NODE = 3
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    base = tmp_path_factory.mktemp("scene")
-    emit(scene(), model_file(base), base / "c")
-    return base / "c"
-
-
 @pytest.mark.realtime
 @pytest.mark.parametrize("firmware", ["0.5", "0.6"])
 @pytest.mark.parametrize("sign", [1, -1])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.messages import refusing
 
 from springpot.host.native.c_library import CLibrary, declarations, load
 from springpot.host.native.compiler import CompilerError, cache_folder, shared_library
@@ -64,9 +65,8 @@ def test_memory_is_zero_aligned_and_lives_as_long_as_its_pointer(tmp_path: Path)
 
 def test_a_library_of_another_machine_is_refused_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "a.so").write_bytes(b"\x7fELF of another machine")
-    with pytest.raises(CompilerError, match="cannot be loaded here") as caught:
+    with refusing(CompilerError, "cannot be loaded here"):
         CLibrary(tmp_path / "a.so", "")
-    assert "\n" not in str(caught.value)
 
 
 ANSWER = "int answer(void);\nint answer(void)\n{\n    return 42;\n}\n"

@@ -1,4 +1,4 @@
-"""What the tests of sessions share."""
+"""What the tests of the host's rooms share."""
 
 from pathlib import Path
 
