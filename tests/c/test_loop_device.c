@@ -30,6 +30,18 @@ static void what_a_device_that_is_gone_measured_is_not_measured(void)
     CHECK(isnan(self.row.measured_n) && isnan(self.motion.measured_n));
 }
 
+static void a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second(void)
+{
+    between_ticks();
+    self.config.sensed = 1;
+    CHECK(isnan(sensed_n(&self, START_NS))); /* it has not said anything */
+    sp_loop_sense(&self, 4.0);
+    CHECK(sensed_n(&self, START_NS) == 4.0 && sensed_n(&self, START_NS + 99999999) == 4.0);
+    CHECK(isnan(sensed_n(&self, START_NS + 100000000)));
+    take_sample(&self, START_NS, 0);
+    CHECK(self.row.measured_n == 4.0 && self.motion.measured_n == 4.0);
+}
+
 /* Paused, tripped, or not ready yet: the scene is not called and its force not sent. */
 static void a_device_that_is_not_at_work_gets_no_force(void)
 {
@@ -261,6 +273,7 @@ int main(void)
 {
     a_reset_comes_before_one_call();
     what_a_device_that_is_gone_measured_is_not_measured();
+    a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second();
     a_device_that_is_not_at_work_gets_no_force();
     what_is_not_at_work_is_not_limited();
     a_force_that_was_not_taken_is_not_sent();

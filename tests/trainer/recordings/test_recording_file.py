@@ -218,6 +218,7 @@ def test_an_existing_file_is_kept_where_that_is_asked(tmp_path: Path) -> None:
             {"position_m": np.zeros(1), "force_n": np.zeros(1), "channels": {}},
             "press: 1 rows: .* needs two",
         ),
+        ({"channels": {"notes": np.zeros(2)}}, r"press: notes has \(2,\) samples"),
         ({"dt_s": 0.0}, "press: a time step of 0.0 s"),
         ({"dt_s": -1e-3}, "press: a time step of -0.001 s"),
         ({"dt_s": float("inf")}, "press: a time step of inf s"),
