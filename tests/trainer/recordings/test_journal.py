@@ -224,21 +224,6 @@ def test_two_writers(tmp_path: Path) -> None:
     assert_prefix(tmp_path / "a.h5", N)
 
 
-def test_two_commands_at_once(tmp_path: Path) -> None:
-    protocol = tmp_path / "p.toml"
-    protocol.write_text("[[profile]]\namplitude_n = 5\nfrequency_hz = 2\ncycles = 4\n" * 4)
-    arguments = ["record", "--device", "sim://ecoflex-00-30", "--protocol", protocol, "--out",
-                 tmp_path / "out"]  # fmt: skip
-    both = [subprocess.Popen([*CLI, *map(str, arguments)], stdout=subprocess.DEVNULL,
-                             stderr=subprocess.PIPE, text=True) for _ in range(2)]  # fmt: skip
-    ends = [(process.communicate()[1], process.returncode) for process in both]
-    assert sorted(status for _, status in ends)[0] in (0, 2), ends
-    assert all(status in (0, 2) for _, status in ends), ends
-    assert all("Traceback" not in text for text, _ in ends)
-    for recording in read_recordings([tmp_path / "out"]):
-        assert len(recording.position_m) == 2000
-
-
 def test_another_file_of_that_name_is_not_overwritten(tmp_path: Path) -> None:
     with (
         pytest.raises(UsageError, match="kept in"),
