@@ -119,6 +119,25 @@ static void a_force_that_was_not_taken_is_not_sent(void)
     CHECK(send_force(&self, 0, &put) == 1 && put == 0 && sim.written_n[0] == 0.0);
 }
 
+static void a_force_has_the_sign_of_the_device_and_silence_releases_it(void)
+{
+    int put;
+    between_ticks();
+    self.config.reversed = 1;
+    self.row.returned_n = 2.0;
+    CHECK(send_force(&self, 0, &put) == 0 && sim.written_n[0] == -2.0 && self.sent_n == 2.0);
+    CHECK(!device.released);
+    self.latched = 1;
+    CHECK(send_force(&self, 0, &put) == 0 && device.released);
+    self.latched = 0;
+    CHECK(send_force(&self, 0, &put) == 0 && !device.released);
+    self.paused = 1;
+    CHECK(send_force(&self, 0, &put) == 1 && device.released);
+    device.released = 0;
+    stop_device(&self);
+    CHECK(device.released);
+}
+
 static void a_device_that_comes_back_is_taken_anew(void)
 {
     for (int tripped_before = 0; tripped_before <= 1; tripped_before++) {
@@ -277,6 +296,7 @@ int main(void)
     a_device_that_is_not_at_work_gets_no_force();
     what_is_not_at_work_is_not_limited();
     a_force_that_was_not_taken_is_not_sent();
+    a_force_has_the_sign_of_the_device_and_silence_releases_it();
     a_device_that_comes_back_is_taken_anew();
     a_reset_reaches_scene_and_device_once();
     a_pause_ends_with_a_reset();
