@@ -71,7 +71,7 @@ licences: $(STAMP)
 # million damaged frames, every fault of a session five times, a minute on every emulated board; every
 # reader of files, and of the wire, an hour under a fuzzer.
 soak: $(STAMP) test-c
-	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/trainer/recordings/test_import_fuzz.py tests/host/commands/test_import_command.py
+	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/trainer/recordings/test_hostile_files.py tests/host/commands/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
 	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/host/stability/test_hostile.py tests/host/stability/test_stability.py tests/codegen/stages/test_engines.py
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/host/devices/test_wire.py

@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from support.job import small_job
+from support.pages.job import small_job
 
 ROUNDS = 5
 HEAVY = (

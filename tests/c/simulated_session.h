@@ -4,7 +4,7 @@
 
 #include "simulated_clock.h"
 
-enum { CAPACITY = 2048, LATCHED = 32, FD = 7 };
+enum { CAPACITY = 2048, LATCHED = 32, FD = 7, LOST = -1 };
 #define PERIOD_NS 1000000u
 #define START_NS 5250000000u
 
@@ -25,7 +25,12 @@ static struct {
     double force_n, position_m, velocity_mps, measured_seen_n;
     double measured_n; /* where the scene finds what is measured */
     void (*in_call)(int call);
-    int calls;
+    int calls, joins;
+    uint64_t call_ns; /* how long the scene takes */
+    /* Where there are any: sample k comes then, in order, and says position k - 1; the scene gives
+     * one more. LOST ones never come. */
+    const int64_t *arrivals_us;
+    int count, at;
 } sim;
 
 static sp_loop self;
@@ -47,7 +52,17 @@ static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
 
 static int sim_join(void)
 {
+    sim.joins++;
     return 0;
+}
+
+/* Whether a sample comes by then. */
+static int arrives_by(uint64_t until_ns)
+{
+    while (sim.at < sim.count && sim.arrivals_us[sim.at] == LOST) {
+        sim.at++;
+    }
+    return sim.at < sim.count && 1000u * (uint64_t)sim.arrivals_us[sim.at] <= until_ns;
 }
 
 static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
@@ -55,6 +70,13 @@ static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
 {
     CHECK(n == 1 && waits->fd == self.link->fd && waits->events == POLLIN && mask == NULL);
     sim.polls++;
+    if (sim.arrivals_us != NULL) {
+        const uint64_t until_ns = sim_now_ns + as_ns(left);
+        const int comes = arrives_by(until_ns);
+        const uint64_t then_ns = comes ? 1000u * (uint64_t)sim.arrivals_us[sim.at] : until_ns;
+        sim_now_ns = then_ns > sim_now_ns ? then_ns : sim_now_ns;
+        return comes;
+    }
     if (sim.poll_ns <= as_ns(left)) {
         sim_now_ns += sim.poll_ns;
         return 1;
@@ -72,9 +94,17 @@ sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
 
 static int read_sim(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
 {
-    (void)link;
+    int count = 0;
     sim.reads++;
     sim.room = capacity;
+    while (sim.arrivals_us != NULL && arrives_by(now_ns)) {
+        motions[count++] = (sp_motion){
+            .position_m = sim.at++ - 1, .measured_n = (double)NAN, .arrived_ns = now_ns};
+        link->samples++;
+    }
+    if (sim.arrivals_us != NULL) {
+        return count;
+    }
     for (int i = 0; i < sim.read_gives && i < (int)capacity; i++) {
         motions[i] = sim.motion;
         motions[i].position_m += i;
@@ -101,7 +131,7 @@ static void reset_sim(sp_link *link, uint64_t now_ns)
 static int called(sp_real *force_n)
 {
     *force_n = (sp_real)sim.force_n;
-    sim_now_ns += 250000;
+    sim_now_ns += sim.call_ns;
     sim.calls++;
     if (sim.in_call != NULL) {
         sim.in_call(sim.calls);
@@ -113,6 +143,7 @@ static int step(void *state, sp_real position_m, sp_real velocity_mps, sp_real *
 {
     CHECK(state == &sim);
     sim.steps++;
+    sim.force_n = sim.arrivals_us != NULL ? (double)position_m + 1.0 : sim.force_n;
     sim.position_m = (double)position_m;
     sim.velocity_mps = (double)velocity_mps;
     sim.measured_seen_n = sim.measured_n;
@@ -165,6 +196,7 @@ static inline void begin_at_work(void)
     sim.makes_ready = 1;
     sim.read_gives = 1;
     sim.force_n = 2.0;
+    sim.call_ns = 250000;
     sim.motion = (sp_motion){.position_m = 0.25, .velocity_mps = -0.125, .measured_n = 1.5};
     device =
         (sp_link){.fd = -1, .ready = 1, .read = read_sim, .write = write_sim, .reset = reset_sim};

@@ -1,7 +1,6 @@
 #include <math.h>
 
 #include "check.h"
-#include "sp_contact.h"
 #include "sp_smooth.h"
 #include "sp_taps.h"
 #include "sp_velocity.h"
@@ -104,15 +103,6 @@ static void velocity_follows_a_sudden_stop(void)
     CHECK(fabs((double)velocity_of(track)) < 1e-3);
 }
 
-static void onset_rises_from_zero(void)
-{
-    const sp_real per_onset = (sp_real)1000;
-    CHECK(sp_contact_onset(per_onset, (sp_real)-1, (sp_real)3) == (sp_real)0);
-    CHECK(sp_contact_onset(per_onset, (sp_real)0, (sp_real)3) == (sp_real)0);
-    CHECK(sp_contact_onset(per_onset, (sp_real)0.0005, (sp_real)3) == (sp_real)1.5);
-    CHECK(sp_contact_onset(per_onset, (sp_real)0.002, (sp_real)3) == (sp_real)3);
-}
-
 static void smoothing_reaches_a_step(void)
 {
     sp_real smoothed = 0;
@@ -127,7 +117,6 @@ int main(void)
     taps_add_sixteen_sums_in_one_order();
     velocity_uses_the_whole_past_of_a_steady_motion();
     velocity_follows_a_sudden_stop();
-    onset_rises_from_zero();
     smoothing_reaches_a_step();
     return failed;
 }

@@ -1,145 +1,35 @@
 /* The loop of a PC on a simulated clock: which period gets which sample, and what is sent. */
-#include "simulated_clock.h"
+#include "simulated_session.h"
 
-enum { TICKS = 400, PERIOD_US = 1000, LOST = -1, CAPACITY = 4096, LATCHED = 32 };
+enum { TICKS = 400, PERIOD_US = 1000 };
 
-/* Sample k arrives at arrival_us[k], in order, and says position k; the scene returns k + 1. One
- * more comes first: the loop begins with the second. */
-static struct {
-    int64_t arrivals_us[4 * TICKS];
-    int count, at;
-    int joins;
-    int calls, steps, idles, resets;
-    int busy_call;    /* the call after which the thread is kept away ... */
-    uint64_t busy_us; /* ... so long */
-    double written[CAPACITY];
-    int writes;
-    double force_n;
-    sp_loop loop;
-    sp_row rows[CAPACITY];
-    uint32_t n;
-    sp_loop_state end;
-} sim;
+/* One sample comes before the first: the loop begins with the second. */
+static int64_t arrivals_us[4 * TICKS];
+static int64_t *const arrival_us = arrivals_us + 1;
+static int busy_call;    /* the call after which the thread is kept away ... */
+static uint64_t busy_us; /* ... so long */
+static uint32_t n;
+static sp_loop_state end;
 
-static int64_t *const arrival_us = sim.arrivals_us + 1;
-
-static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
-                     struct timespec *left)
+static void keep_away(int call)
 {
-    (void)clock;
-    (void)flags;
-    (void)left;
-    sim_now_ns = as_ns(until);
-    return 0;
-}
-
-static int sim_join(void)
-{
-    sim.joins++;
-    return 0;
-}
-
-sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
-{
-    CHECK((uint32_t)count < capacity);
-    return &motions[count];
-}
-
-static uint64_t arrival_ns(int k)
-{
-    return 1000u * (uint64_t)sim.arrivals_us[k];
-}
-
-static void skip_lost(void)
-{
-    while (sim.at < sim.count && sim.arrivals_us[sim.at] == LOST) {
-        sim.at++;
-    }
-}
-
-static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
-                    const sigset_t *mask)
-{
-    const uint64_t until_ns = sim_now_ns + as_ns(left);
-    (void)waits;
-    (void)n;
-    (void)mask;
-    skip_lost();
-    if (sim.at < sim.count && arrival_ns(sim.at) <= until_ns) {
-        sim_now_ns = arrival_ns(sim.at) > sim_now_ns ? arrival_ns(sim.at) : sim_now_ns;
-        return 1;
-    }
-    sim_now_ns = until_ns;
-    return 0;
-}
-
-static int read_sim(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
-{
-    int count = 0;
-    (void)capacity;
-    for (skip_lost(); sim.at < sim.count && arrival_ns(sim.at) <= now_ns; skip_lost()) {
-        motions[count++] = (sp_motion){
-            .position_m = sim.at++ - 1, .measured_n = (double)NAN, .arrived_ns = now_ns};
-        link->samples++;
-    }
-    return count;
-}
-
-static int write_sim(sp_link *link, uint64_t now_ns, double force_n)
-{
-    (void)link;
-    (void)now_ns;
-    sim.written[sim.writes++] = force_n;
-    return 0;
-}
-
-static void reset_sim(sp_link *link, uint64_t now_ns)
-{
-    (void)now_ns;
-    link->ready = 1;
-}
-
-static int called(sp_real *force_n)
-{
-    *force_n = (sp_real)sim.force_n;
-    if (++sim.calls == sim.busy_call) {
-        sim_now_ns += 1000u * sim.busy_us;
-    }
-    return 0;
-}
-
-static int step(void *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)
-{
-    (void)state;
-    (void)velocity_mps;
-    sim.steps++;
-    sim.force_n = (double)position_m + 1.0;
-    return called(force_n);
-}
-
-static int idle(void *state, sp_real dt_s, sp_real *force_n)
-{
-    (void)state;
-    CHECK(dt_s == (sp_real)1e-3);
-    sim.idles++;
-    return called(force_n);
-}
-
-static void reset(void *state)
-{
-    (void)state;
-    sim.resets++;
+    sim_now_ns += call == busy_call ? 1000u * busy_us : 0;
 }
 
 /* A device that sends at its clock; the phase of a sample to its period is what the loop makes it.
  */
 static void samples_each(double period_us)
 {
-    memset(&sim, 0, sizeof sim);
+    begin_at_work();
     sim_now_ns = 1;
+    sim.call_ns = 0;
+    sim.in_call = keep_away;
+    sim.arrivals_us = arrivals_us;
     sim.count = (int)((TICKS + 20) * PERIOD_US / period_us);
+    device.fd = FD;
+    busy_call = 0;
     for (int k = 0; k < sim.count; k++) {
-        sim.arrivals_us[k] = (int64_t)(100.0 + k * period_us);
+        arrivals_us[k] = (int64_t)(100.0 + k * period_us);
     }
 }
 
@@ -156,43 +46,27 @@ static void late(int k, int64_t by_us)
 
 static void run_loop(void)
 {
-    static sp_link link;
-    static sp_row ring[CAPACITY];
-    sp_loop_config config = {.state = &sim,
-                             .period_s = 1e-3,
-                             .seconds = 1e-6 * PERIOD_US * TICKS,
-                             .max_force_n = 1e9,
-                             .max_depth_m = 1e9,
-                             .latched_note = LATCHED,
-                             .rows = ring,
-                             .capacity = CAPACITY};
-    int (*const steps)(void *, sp_real, sp_real, sp_real *) = step;
-    int (*const idles)(void *, sp_real, sp_real *) = idle;
-    void (*const resets)(void *) = reset;
-    memcpy(&config.step, &steps, sizeof config.step);
-    memcpy(&config.idle, &idles, sizeof config.idle);
-    memcpy(&config.reset, &resets, sizeof config.reset);
-    link = (sp_link){.fd = 3, .ready = 1, .read = read_sim, .write = write_sim, .reset = reset_sim};
-    CHECK(sp_loop_start(&sim.loop, &config, &link) == 0);
-    sim.n = sp_loop_drain(&sim.loop, sim.rows, CAPACITY);
-    sp_loop_get_status(&sim.loop, &sim.end);
-    CHECK(sim.end.over && sim.end.ticks == sim.n);
-    for (uint32_t i = 1; i < sim.n; i++) {
-        CHECK(sim.rows[i].time_s >= sim.rows[i - 1].time_s);
+    sp_loop_config config = usual();
+    config.seconds = 1e-6 * PERIOD_US * TICKS;
+    config.max_force_n = config.max_depth_m = 1e9;
+    n = session(&config, &end);
+    CHECK(end.over && end.ticks == n);
+    for (uint32_t i = 1; i < n; i++) {
+        CHECK(rows[i].time_s >= rows[i - 1].time_s);
     }
 }
 
 static int is_idle(uint32_t row)
 {
-    return ((int)sim.rows[row].call & SP_CALL_IDLE) != 0;
+    return (call_of_row(row) & SP_CALL_IDLE) != 0;
 }
 
 /* Rows in which not the sample of the same number was used. */
 static int out_of_place(void)
 {
     int count = 0;
-    for (uint32_t i = 0; i < sim.n; i++) {
-        count += is_idle(i) || sim.rows[i].position_m != (double)i;
+    for (uint32_t i = 0; i < n; i++) {
+        count += is_idle(i) || rows[i].position_m != (double)i;
     }
     return count;
 }
@@ -201,8 +75,8 @@ static void each_period_gets_its_sample(void)
 {
     samples_each(PERIOD_US);
     run_loop();
-    CHECK(sim.n >= TICKS - 1 && sim.end.reason == SP_STOP_TIME);
-    CHECK(out_of_place() == 0 && sim.end.unused == 0 && sim.end.stale == 0);
+    CHECK(n >= TICKS - 1 && end.reason == SP_STOP_TIME);
+    CHECK(out_of_place() == 0 && end.unused == 0 && end.stale == 0);
 }
 
 /* By half a period to two and more: every sample is stepped once, in order, in its period's row,
@@ -214,13 +88,15 @@ static void a_late_sample_is_that_of_its_period(void)
         late(100, by_us);
         late(200, by_us);
         run_loop();
-        CHECK(out_of_place() == 0 && sim.end.unused == 0 && sim.idles == 0);
-        CHECK((uint32_t)sim.writes == sim.n + 3); /* zero three times at the end */
+        CHECK(out_of_place() == 0 && end.unused == 0 && sim.idles == 0);
+        CHECK((uint32_t)sim.writes == n + 3); /* zero three times at the end */
         /* meanwhile what came last was sent again, and the rows say so */
-        const int open = (int)sim.rows[100].call & SP_CALL_UNSENT;
-        CHECK(sim.written[100] == (by_us < 500 ? 101.0 : by_us > 600 ? 100.0 : sim.written[100]));
-        CHECK(sim.rows[100].sent_n == (open ? 100.0 : 101.0));
-        CHECK(sim.rows[100].returned_n == 101.0);
+        const int open = (int)rows[100].call & SP_CALL_UNSENT;
+        CHECK(sim.written_n[100] == (by_us < 500   ? 101.0
+                                     : by_us > 600 ? 100.0
+                                                   : sim.written_n[100]));
+        CHECK(rows[100].sent_n == (open ? 100.0 : 101.0));
+        CHECK(rows[100].returned_n == 101.0);
     }
 }
 
@@ -232,11 +108,11 @@ static void a_lost_sample_is_one_idle_period(void)
             arrival_us[100 + k] = LOST;
         }
         run_loop();
-        CHECK(out_of_place() == lost && sim.idles == lost && sim.end.unused == 0);
+        CHECK(out_of_place() == lost && sim.idles == lost && end.unused == 0);
         for (int k = 0; k < lost; k++) {
             CHECK(is_idle((uint32_t)(100 + k)));
         }
-        CHECK(sim.rows[100 + lost].position_m == 100.0 + lost);
+        CHECK(rows[100 + lost].position_m == 100.0 + lost);
     }
 }
 
@@ -247,9 +123,9 @@ static void a_burst_fills_the_open_periods(void)
     samples_each(PERIOD_US);
     late(100, 12000);
     run_loop();
-    CHECK(sim.idles == 10 && (int)sim.end.unused == 10 && out_of_place() == 10);
-    CHECK(is_idle(100) && is_idle(109) && sim.rows[110].position_m == 110.0);
-    CHECK(sim.end.reason == SP_STOP_TIME);
+    CHECK(sim.idles == 10 && (int)end.unused == 10 && out_of_place() == 10);
+    CHECK(is_idle(100) && is_idle(109) && rows[110].position_m == 110.0);
+    CHECK(end.reason == SP_STOP_TIME);
 }
 
 /* The scene hears of each period without a sample, two periods later: so late is its watchdog. */
@@ -257,37 +133,37 @@ static void silence_reaches_the_scene_two_periods_later(void)
 {
     samples_each(PERIOD_US);
     sim.count = 101;
-    sim.busy_call = 100 + 30; /* the 30th idle call */
-    sim.busy_us = 1;
+    busy_call = 100 + 30; /* the 30th idle call */
+    busy_us = 1;
     run_loop();
-    CHECK(sim.end.reason == SP_STOP_TIME && sim.n >= TICKS - 1);
-    CHECK(sim.steps == 100 && sim.idles == (int)sim.n - 100);
-    CHECK(sim.writes == (int)sim.n + 3);
+    CHECK(end.reason == SP_STOP_TIME && n >= TICKS - 1);
+    CHECK(sim.steps == 100 && sim.idles == (int)n - 100);
+    CHECK(sim.writes == (int)n + 3);
 }
 
 /* Whole periods and parts of one: no sample is lost to a thread that was kept away. */
 static void a_late_thread_loses_no_sample(void)
 {
-    for (uint64_t busy_us = 0; busy_us < 20000; busy_us += 130) {
+    for (uint64_t us = 0; us <= 200000; us += us < 20000 ? 130 : 60000) {
         samples_each(PERIOD_US);
-        sim.busy_call = 100;
-        sim.busy_us = busy_us;
+        busy_call = 100;
+        busy_us = us;
         run_loop();
-        CHECK(out_of_place() == 0 && sim.idles == 0 && sim.end.unused == 0);
+        CHECK(out_of_place() == 0 && sim.idles == 0 && end.unused == 0);
     }
 }
 
 /* Late samples and a late thread at once. */
 static void both_late(void)
 {
-    for (uint64_t busy_us = 0; busy_us < 6000; busy_us += 170) {
+    for (uint64_t us = 0; us < 6000; us += 170) {
         for (int64_t by_us = 300; by_us <= 1500; by_us += 300) {
             samples_each(PERIOD_US);
             late(101, by_us);
-            sim.busy_call = 100;
-            sim.busy_us = busy_us;
+            busy_call = 100;
+            busy_us = us;
             run_loop();
-            CHECK(out_of_place() == 0 && sim.idles == 0 && sim.end.unused == 0);
+            CHECK(out_of_place() == 0 && sim.idles == 0 && end.unused == 0);
         }
     }
 }
@@ -300,13 +176,13 @@ static void surplus_does_not_pile_up(void)
         samples_each(PERIOD_US / rates[r]);
         run_loop();
         CHECK(sim.idles == 0);
-        CHECK(sim.at - sim.steps - (int)sim.end.unused <= 2 * (int)rates[r] + 2);
-        for (uint32_t i = 0; i < sim.n; i++) {
-            CHECK(sim.rows[i].age_s < 1.5e-3);
+        CHECK(sim.at - sim.steps - (int)end.unused <= 2 * (int)rates[r] + 2);
+        for (uint32_t i = 0; i < n; i++) {
+            CHECK(rows[i].age_s < 1.5e-3);
         }
         if (rates[r] >= 2.0) { /* evenly spaced */
-            for (uint32_t i = 101; i < sim.n; i++) {
-                CHECK(sim.rows[i].position_m - sim.rows[i - 1].position_m == rates[r]);
+            for (uint32_t i = 101; i < n; i++) {
+                CHECK(rows[i].position_m - rows[i - 1].position_m == rates[r]);
             }
         }
     }
@@ -319,17 +195,17 @@ static void too_few_samples_end_it(void)
     for (unsigned e = 0; e < sizeof every / sizeof every[0]; e++) {
         samples_each(PERIOD_US * every[e]);
         run_loop();
-        CHECK(sim.end.reason == SP_STOP_RATE);
-        CHECK(sim.n < 130 && sim.written[sim.writes - 1] == 0.0);
-        CHECK((int)sim.rows[sim.n - 1].call & SP_CALL_SILENT);
-        CHECK(sim.rows[sim.n - 1].sent_n == 0.0);
+        CHECK(end.reason == SP_STOP_RATE);
+        CHECK(n < 130 && sim.written_n[sim.writes - 1] == 0.0);
+        CHECK((int)rows[n - 1].call & SP_CALL_SILENT);
+        CHECK(rows[n - 1].sent_n == 0.0);
     }
     samples_each(PERIOD_US); /* three quarters */
     for (int k = 3; k < sim.count; k += 4) {
         arrival_us[k] = LOST;
     }
     run_loop();
-    CHECK(sim.end.reason == SP_STOP_RATE);
+    CHECK(end.reason == SP_STOP_RATE);
 }
 
 /* Losses that happen, and a silence of any length, are not another rate. */
@@ -348,8 +224,8 @@ static void losses_do_not_end_it(void)
         }
     }
     run_loop();
-    CHECK(sim.end.reason == SP_STOP_TIME && lost > 0);
-    CHECK(sim.idles == lost && out_of_place() == lost && sim.end.unused == 0);
+    CHECK(end.reason == SP_STOP_TIME && lost > 0);
+    CHECK(sim.idles == lost && out_of_place() == lost && end.unused == 0);
 
     for (int length = 1; length < 150; length += 7) {
         samples_each(PERIOD_US);
@@ -357,28 +233,28 @@ static void losses_do_not_end_it(void)
             arrival_us[100 + k] = LOST;
         }
         run_loop();
-        CHECK(sim.end.reason == SP_STOP_TIME && sim.idles == length);
+        CHECK(end.reason == SP_STOP_TIME && sim.idles == length);
     }
     samples_each(PERIOD_US); /* all come, ten at once */
     for (int k = 0; k < sim.count - 1; k++) {
         arrival_us[k] += (9 - k % 10) * PERIOD_US;
     }
     run_loop();
-    CHECK(sim.end.reason == SP_STOP_TIME && sim.idles > TICKS / 2);
+    CHECK(end.reason == SP_STOP_TIME && sim.idles > TICKS / 2);
     samples_each(PERIOD_US); /* a tenth */
     for (int k = 9; k < sim.count; k += 10) {
         arrival_us[k] = LOST;
     }
     run_loop();
-    CHECK(sim.end.reason == SP_STOP_TIME);
+    CHECK(end.reason == SP_STOP_TIME);
 }
 
 static void a_loop_is_joined_once(void)
 {
     samples_each(PERIOD_US);
     run_loop();
-    CHECK(sp_loop_join(&sim.loop) == 1);
-    CHECK(sp_loop_join(&sim.loop) == 0);
+    CHECK(sp_loop_join(&self) == 1);
+    CHECK(sp_loop_join(&self) == 0);
     CHECK(sim.joins == 1);
 }
 

@@ -30,6 +30,18 @@ static void what_a_device_that_is_gone_measured_is_not_measured(void)
     CHECK(isnan(self.row.measured_n) && isnan(self.motion.measured_n));
 }
 
+static void a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second(void)
+{
+    between_ticks();
+    self.config.sensed = 1;
+    CHECK(isnan(sensed_n(&self, START_NS))); /* it has not said anything */
+    sp_loop_sense(&self, 4.0);
+    CHECK(sensed_n(&self, START_NS) == 4.0 && sensed_n(&self, START_NS + 99999999) == 4.0);
+    CHECK(isnan(sensed_n(&self, START_NS + 100000000)));
+    take_sample(&self, START_NS, 0);
+    CHECK(self.row.measured_n == 4.0 && self.motion.measured_n == 4.0);
+}
+
 /* Paused, tripped, or not ready yet: the scene is not called and its force not sent. */
 static void a_device_that_is_not_at_work_gets_no_force(void)
 {
@@ -105,6 +117,25 @@ static void a_force_that_was_not_taken_is_not_sent(void)
     self.row.returned_n = 2.0;
     self.reason = SP_STOP_DEPTH;
     CHECK(send_force(&self, 0, &put) == 1 && put == 0 && sim.written_n[0] == 0.0);
+}
+
+static void a_force_has_the_sign_of_the_device_and_silence_releases_it(void)
+{
+    int put;
+    between_ticks();
+    self.config.reversed = 1;
+    self.row.returned_n = 2.0;
+    CHECK(send_force(&self, 0, &put) == 0 && sim.written_n[0] == -2.0 && self.sent_n == 2.0);
+    CHECK(!device.released);
+    self.latched = 1;
+    CHECK(send_force(&self, 0, &put) == 0 && device.released);
+    self.latched = 0;
+    CHECK(send_force(&self, 0, &put) == 0 && !device.released);
+    self.paused = 1;
+    CHECK(send_force(&self, 0, &put) == 1 && device.released);
+    device.released = 0;
+    stop_device(&self);
+    CHECK(device.released);
 }
 
 static void a_device_that_comes_back_is_taken_anew(void)
@@ -261,9 +292,11 @@ int main(void)
 {
     a_reset_comes_before_one_call();
     what_a_device_that_is_gone_measured_is_not_measured();
+    a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second();
     a_device_that_is_not_at_work_gets_no_force();
     what_is_not_at_work_is_not_limited();
     a_force_that_was_not_taken_is_not_sent();
+    a_force_has_the_sign_of_the_device_and_silence_releases_it();
     a_device_that_comes_back_is_taken_anew();
     a_reset_reaches_scene_and_device_once();
     a_pause_ends_with_a_reset();

@@ -51,20 +51,6 @@ static void force_ramps_in_after_a_restart(void)
           notes == 0);
 }
 
-static void a_latched_force_falls_to_zero_from_either_side(void)
-{
-    for (int side = -1; side <= 1; side += 2) {
-        sp_output_state state = at_rest();
-        state.force_n = (sp_real)(side * 12);
-        for (int i = 1; i <= 9; i++) {
-            int notes = 0;
-            const sp_real force = sp_output_fall(&config, &state, (sp_real)1, &notes);
-            CHECK(force == (sp_real)(side * (i < 8 ? 12.0 - 1.5 * i : 0.0)));
-            CHECK(notes == SP_NOTE_LATCHED);
-        }
-    }
-}
-
 /* The model's force grew by 0.5 N in each of ten ticks without a sample, and stays there. */
 static void after_a_silence_the_force_comes_back_little_by_little(void)
 {
@@ -127,7 +113,6 @@ int main(void)
 {
     force_stays_within_limits();
     force_ramps_in_after_a_restart();
-    a_latched_force_falls_to_zero_from_either_side();
     after_a_silence_the_force_comes_back_little_by_little();
     without_samples_the_force_goes_on_less_and_less();
     endless_forces_after_a_silence_stay_within_limits();

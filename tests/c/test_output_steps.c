@@ -60,8 +60,9 @@ static void a_latched_force_falls_for_as_many_ticks_as_passed(void)
         CHECK(notes == (OTHER_NOTE | SP_NOTE_LATCHED));
     }
     sp_output_state pulling = {.force_n = (sp_real)-1};
-    int ignored = 0;
-    CHECK(sp_output_fall(&config, &pulling, (sp_real)1, &ignored) == (sp_real)0);
+    int notes = 0;
+    CHECK(sp_output_fall(&config, &pulling, (sp_real)1, &notes) == (sp_real)0);
+    CHECK(notes == SP_NOTE_LATCHED);
 }
 
 static void a_pulling_force_has_a_limit_of_its_own(void)

@@ -50,6 +50,8 @@ static void onset_ends_at_its_depth_and_is_zero_at_the_surface(void)
     const sp_real per_onset = (sp_real)1000;
     CHECK(sp_contact_onset(per_onset, (sp_real)0.001, (sp_real)3) == (sp_real)3);
     CHECK(sp_contact_onset(per_onset, (sp_real)0.0015, (sp_real)3) == (sp_real)3);
+    CHECK(sp_contact_onset(per_onset, (sp_real)0.0005, (sp_real)3) == (sp_real)1.5);
+    CHECK(sp_contact_onset(per_onset, (sp_real)-1, (sp_real)3) == (sp_real)0);
     CHECK(sp_contact_onset(per_onset, (sp_real)0, (sp_real)INFINITY) == (sp_real)0);
     CHECK(sp_contact_onset(per_onset, (sp_real)NAN, (sp_real)3) == (sp_real)0);
 }

@@ -9,17 +9,7 @@
 #include "sim_root.c"
 #include "sim_tissue.c"
 
-#include <stdio.h>
-
-static int failures;
-
-static void expect(int holds, const char *what)
-{
-    if (!holds) {
-        printf("test_sim_material: %s\n", what);
-        failures++;
-    }
-}
+#include "check.h"
 
 static const sim_material_config plain = {
     .branch_n = 2.0, .relaxation = 0.8, .friction_n = 0.03, .eyring_n = 0.0, .step_s = 1e-4};
@@ -39,10 +29,10 @@ static void check_closed_forms(void)
     sim_material_init(&material, &plain);
     double shapes = (pow(1.2, 1.15) + pow(1.2, 2.2)) / (1.0 - 12.0 / 35.0);
     double sudden_n = plain.branch_n * (1.0 + plain.relaxation) * shapes + plain.friction_n;
-    expect(fabs(hold(&material, 0.012, 1) / sudden_n - 1.0) < 0.02, "sudden force");
+    CHECK(fabs(hold(&material, 0.012, 1) / sudden_n - 1.0) < 0.02);
     double relaxed_n = plain.branch_n * shapes + plain.friction_n;
     double late_n = hold(&material, 0.012, 8000000); /* 800 s, eight times the slowest mode */
-    expect(fabs(late_n / relaxed_n - 1.0) < 1e-4, "relaxed force");
+    CHECK(fabs(late_n / relaxed_n - 1.0) < 1e-4);
 }
 
 static void check_free_surface(void)
@@ -50,14 +40,14 @@ static void check_free_surface(void)
     sim_material material;
     sim_material_init(&material, &plain);
     (void)hold(&material, 0.012, 20000);
-    expect(sim_material_step(&material, 0.0) == 0.0, "no force at the surface");
+    CHECK(sim_material_step(&material, 0.0) == 0.0);
     double dent_m = material.surface_m;
-    expect(dent_m > 0.001 && dent_m < 0.012, "a fast release leaves a dent");
-    expect(sim_material_step(&material, 0.5 * dent_m) == 0.0, "no force within the dent");
+    CHECK(dent_m > 0.001 && dent_m < 0.012);
+    CHECK(sim_material_step(&material, 0.5 * dent_m) == 0.0);
     (void)hold(&material, -0.01, 20000);
-    expect(material.surface_m < 0.5 * dent_m, "the dent recovers");
+    CHECK(material.surface_m < 0.5 * dent_m);
     sim_material touching = material;
-    expect(sim_material_step(&touching, material.surface_m + 0.001) > 0.0, "force below the dent");
+    CHECK(sim_material_step(&touching, material.surface_m + 0.001) > 0.0);
 }
 
 static void check_finite_at_the_table(void)
@@ -66,9 +56,8 @@ static void check_finite_at_the_table(void)
     sim_material_config stressed = plain;
     stressed.eyring_n = 2.5;
     sim_material_init(&material, &stressed);
-    expect(isfinite(hold(&material, 0.050, 10)) && hold(&material, 0.050, 10) > 100.0,
-           "finite force beyond the thickness");
-    expect(isfinite(hold(&material, 0.005, 10)), "finite force after it");
+    CHECK(isfinite(hold(&material, 0.050, 10)) && hold(&material, 0.050, 10) > 100.0);
+    CHECK(isfinite(hold(&material, 0.005, 10)));
 }
 
 static void check_two_halves(void)
@@ -82,13 +71,13 @@ static void check_two_halves(void)
     }
     for (uint32_t variant = 0; variant < 2; variant++) {
         sim_object object;
-        expect(sim_object_init(&object, 1, variant, 1.0, 0.001, 16) == SIM_OK, "init");
-        expect(sim_object_move(&object, N, position_m, whole_n) == SIM_OK, "move");
-        expect(sim_object_init(&object, 1, variant, 1.0, 0.001, 16) == SIM_OK, "init again");
+        CHECK(sim_object_init(&object, 1, variant, 1.0, 0.001, 16) == SIM_OK);
+        CHECK(sim_object_move(&object, N, position_m, whole_n) == SIM_OK);
+        CHECK(sim_object_init(&object, 1, variant, 1.0, 0.001, 16) == SIM_OK);
         (void)sim_object_move(&object, 150, position_m, halves_n);
         (void)sim_object_move(&object, N - 150, position_m + 150, halves_n + 150);
-        expect(memcmp(whole_n, halves_n, sizeof whole_n) == 0, "two halves differ from one run");
-        expect(whole_n[N / 2] > 1.0, "a press is felt");
+        CHECK(memcmp(whole_n, halves_n, sizeof whole_n) == 0);
+        CHECK(whole_n[N / 2] > 1.0);
     }
 }
 
@@ -97,19 +86,18 @@ static void check_misuse(void)
     sim_object object;
     double position_m[2] = {0.001, (double)NAN};
     double force_n[2] = {7.0, 7.0};
-    expect(sim_object_init(&object, sim_object_count(), 0, 1.0, 0.001, 16) == SIM_RANGE,
-           "object out of range");
-    expect(sim_object_init(&object, 0, 2, 1.0, 0.001, 16) == SIM_RANGE, "variant out of range");
-    expect(sim_object_init(&object, 0, 0, 0.0, 0.001, 16) == SIM_RANGE, "stiffer 0");
-    expect(sim_object_init(&object, 0, 0, 1.0, 0.0, 16) == SIM_RANGE, "no time step");
-    expect(sim_object_init(&object, 0, 0, 1.0, 0.001, 0) == SIM_RANGE, "no substeps");
-    expect(sim_object_init(NULL, 0, 0, 1.0, 0.001, 16) == SIM_NULL, "null state");
-    expect(sim_object_init(&object, 0, 0, 1.0, 0.001, 16) == SIM_OK, "init");
+    CHECK(sim_object_init(&object, sim_object_count(), 0, 1.0, 0.001, 16) == SIM_RANGE);
+    CHECK(sim_object_init(&object, 0, 2, 1.0, 0.001, 16) == SIM_RANGE);
+    CHECK(sim_object_init(&object, 0, 0, 0.0, 0.001, 16) == SIM_RANGE);
+    CHECK(sim_object_init(&object, 0, 0, 1.0, 0.0, 16) == SIM_RANGE);
+    CHECK(sim_object_init(&object, 0, 0, 1.0, 0.001, 0) == SIM_RANGE);
+    CHECK(sim_object_init(NULL, 0, 0, 1.0, 0.001, 16) == SIM_NULL);
+    CHECK(sim_object_init(&object, 0, 0, 1.0, 0.001, 16) == SIM_OK);
     sim_object before = object;
-    expect(sim_object_move(&object, 2, position_m, force_n) == SIM_RANGE, "position not finite");
-    expect(memcmp(&before, &object, sizeof object) == 0 && force_n[0] == 7.0, "state unchanged");
-    expect(sim_object_init(&object, 5, 1, 1.0, 0.001, 16) == SIM_RANGE, "silicones have variants");
-    expect(sim_object_name(sim_object_count()) == NULL, "no name beyond the last");
+    CHECK(sim_object_move(&object, 2, position_m, force_n) == SIM_RANGE);
+    CHECK(memcmp(&before, &object, sizeof object) == 0 && force_n[0] == 7.0);
+    CHECK(sim_object_init(&object, 5, 1, 1.0, 0.001, 16) == SIM_RANGE);
+    CHECK(sim_object_name(sim_object_count()) == NULL);
 }
 
 static void check_noise(void)
@@ -126,9 +114,9 @@ static void check_noise(void)
         squares += draw * draw;
         fourths += draw * draw * draw * draw;
     }
-    expect(fabs(sum / N) < 0.01, "noise has a mean");
-    expect(fabs(squares / N - 1.0) < 0.02, "noise is not of variance 1");
-    expect(fabs(fourths / N - 3.0) < 0.1, "noise is not normal");
+    CHECK(fabs(sum / N) < 0.01);
+    CHECK(fabs(squares / N - 1.0) < 0.02);
+    CHECK(fabs(fourths / N - 3.0) < 0.1);
 }
 
 int main(void)
@@ -139,5 +127,5 @@ int main(void)
     check_two_halves();
     check_misuse();
     check_noise();
-    return failures != 0;
+    return failed;
 }

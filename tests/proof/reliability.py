@@ -25,8 +25,8 @@ in the fuzzer and ends in one line for users, the project reading it in a proces
 crashes of the MAT reader are not counted, a copy of the process meets them first.
 """
 _MISRA = """**No claim of conformity**: the addon checks a part of the rules, nobody assessed the
-rest. Names without a number are cppcheck's own checks. The files of each record:
-`tests/proof/misra/deviations.toml`.
+rest. Names without a number are cppcheck's own checks. The functions of each:
+`docs/reliability/misra.json`; the reasons: `tests/proof/misra/deviations.toml`.
 """
 _HEAD = """# What was shown, and how
 
@@ -111,10 +111,10 @@ def render_mutation(results: list[Result]) -> str:
         ]
         whole = {name: sum(row[name] for row in result["rows"]) for name in counts}
         lines += [*_table(columns, [*rows, ["all", *whole.values(), _share(whole), ""]]), ""]
-        left = [row for row in result["survivors"] if not row.get("equivalent")]
+        left = [row for row in result["survivors"] if row["count"] > row["equivalent"]]
         lines += ["No test notices:\n"] if left else []
         lines += [
-            f"- `{row['file']}`, `{row['line']}` as `{row['change']}`: {row['reason']}"
+            f"- `{row['file']}`, `{row['function']}`, {row['change']}: {row['reason']}"
             for row in left
         ]
         lines += [""] if left else []
@@ -148,7 +148,7 @@ def render_fuzz(result: Result | None) -> str:
         *(found or ["None is open. What was found before is kept as tests: "
                     "`tests/trainer/recordings/test_hostile_files.py`, "
                     "`tests/codegen/model/test_hostile_models.py`, "
-                    "`tests/host/emission/test_scene_file.py`."]),
+                    "`tests/host/emission/test_scene_keys.py`."]),
         "",
     ])  # fmt: skip
 
@@ -166,8 +166,7 @@ def render_misra(result: Result | None) -> str:
         title,
         f"`{result['command']}`, {result['tool']} with its MISRA addon, {result['seconds']} s: "
         f"{len(result['programs'])} programs ({', '.join(result['programs'])}). "
-        f"{len(result['wrong'])} places without a record, {len(result['rows'])} records for "
-        f"{places} places.\n",
+        f"{len(result['rows'])} reasons for {places} places.\n",
         _MISRA,
         *_table(("rule", "places", "files", "why it stays"), rows),
         "",

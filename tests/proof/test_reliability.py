@@ -2,9 +2,11 @@
 
 import json
 import tomllib
+from collections import Counter
 from pathlib import Path
 
-from proof.misra.misra import RECORDS, RESULT, idle_records, unrecorded
+from proof.functions import functions_by_line
+from proof.misra.misra import RECORDS, RESULT, stored_places, wrong_places
 from proof.reliability import PAGE, page
 from support.paths import ROOT
 
@@ -20,7 +22,8 @@ def test_a_section_without_a_result_says_so(tmp_path: Path) -> None:
 def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
     row = {"file": "a.c", "mutants": 11, "caught": 9, "equivalent": 1, "survived": 1,
            "commit": "abc"}  # fmt: skip
-    survivor = {"file": "a.c", "line": 7, "change": "x > 1", "reason": "of no matter"}
+    survivor = {"file": "a.c", "function": "f", "change": "value", "count": 2, "equivalent": 1,
+                "reason": "of no matter"}  # fmt: skip
     mutation = {"title": "Of C", "command": "x", "rows": [row], "survivors": [survivor]}
     (tmp_path / "mutation.json").write_text(json.dumps(mutation))
     scene = {"scene": "s", "kind": "rf-fd", "coupling": "off", "number": "float32", "alarms": 0,
@@ -31,40 +34,33 @@ def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
     (tmp_path / "prove.json").write_text(json.dumps(prove))
     made = page(tmp_path)
     assert "| a.c | 11 | 9 | 1 | 1 | 90.0 | abc |" in made
-    assert "- `a.c`, `7` as `x > 1`: of no matter" in made
+    assert "- `a.c`, `f`, value: of no matter" in made
     assert "| s | rf-fd | off | float32 | 0 | 2 |" in made
     assert "- no clamp: Eva" in made
 
 
-def test_every_deviation_has_a_reason_and_files_that_exist() -> None:
-    records = tomllib.loads(RECORDS.read_text())["deviation"]
-    for record in records:
-        assert len(record["reason"]) > 20
-        kept = [file for file in record["files"] if not file.startswith("emitted/")]
-        assert all((ROOT / file).exists() for file in kept), record["rule"]
-        assert record["files"] == sorted(set(record["files"])), record["rule"]
-
-
-def test_the_stored_result_is_of_the_stored_records() -> None:
-    records = tomllib.loads(RECORDS.read_text())["deviation"]
-    result = json.loads(RESULT.read_text())
-    assert not result["wrong"]
-    stored = [{k: v for k, v in row.items() if k != "places"} for row in result["rows"]]
-    assert stored == records
+def test_the_stored_places_of_rules_are_of_the_reasons_and_of_functions_that_are_there() -> None:
+    records, result = tomllib.loads(RECORDS.read_text()), json.loads(RESULT.read_text())
+    reasons = records["reasons"]
+    assert all(len(reason) > 20 for reason in reasons.values())
+    assert {row["rule"]: row["reason"] for row in result["rows"]} == reasons
+    assert set(records["places_vary"]) <= set(reasons)
+    for _, file, function in stored_places(result):
+        if not file.startswith("emitted/"):
+            assert function in functions_by_line((ROOT / file).read_text(), is_python=False), file
 
 
 def test_places_and_records_are_compared_both_ways() -> None:
-    from collections import Counter
-
-    found = Counter({("1.1", "a.c"): 2})
-    record = {"rule": "1.1", "reason": "", "files": ["a.c"]}
-    assert not unrecorded(found, [record])
-    assert unrecorded(found, []) == [
-        "rule 1.1 is broken in a.c (2 places): mend it, or write a record"
+    place = ("1.1", "a.c", "f")
+    records = {"reasons": {"1.1": "of no matter"}, "places_vary": []}
+    found = Counter({place: 2})
+    assert wrong_places(found, records, found) == []
+    new, more = Counter({("1.1", "a.c", "g"): 1, **found}), Counter({place: 3})
+    for others in (new, more):
+        (line,) = wrong_places(others, records, found)
+        assert "rule 1.1 is broken in a.c, " in line
+        assert wrong_places(others, {**records, "places_vary": ["1.1"]}, found) == []
+    assert len(wrong_places(Counter({**found, ("2.2", "a.c", "f"): 1}), records, found)) == 1
+    assert wrong_places(Counter(), records, found) == [
+        "the reason of rule 1.1 covers nothing: take it away"
     ]
-    assert idle_records(Counter(), [record]) == [
-        "the record of rule 1.1 for a.c covers nothing: take it away"
-    ]
-    varying = {**record, "files": ["a.c", "b.c"], "places_vary": True}
-    assert not idle_records(found, [varying])
-    assert len(idle_records(Counter(), [varying])) == 2

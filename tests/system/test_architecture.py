@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from support.pages.sources import API, FLOORS, sources
 from support.paths import ROOT
-from support.sources import API, FLOORS, sources
 
 FITS = {"sklearn", "scipy", "joblib"}
 # Folders and files of a floor, lowest first. Lazy imports, and those for checkers, count too.

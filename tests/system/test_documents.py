@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 import pytest
-from support.documents import PAGES, Block, blocks, inline_commands, name_of
-from support.job import SCENE
+from support.pages.documents import PAGES, Block, blocks, inline_commands, name_of
+from support.pages.job import SCENE
+from support.pages.prepared_pages import PREPARED
 from support.paths import ROOT
-from support.prepared_pages import PREPARED
 
 from springpot.host.cli import springpot
 from springpot.host.emission.scene_file import read_scene
@@ -18,7 +18,7 @@ from springpot.host.wings.study.study_file import read_study
 
 TESTED = {
     "python": "test_python_examples.py",
-    "cpp": "test_chai3d.py",
+    "cpp": "test_documented_c.py",
     "c": "",
     "text": "",
     "sh": "",

@@ -1,7 +1,8 @@
-"""Forces stay what they were, bit for bit: every kind of model, number type and coupling."""
+"""Emission and its forces stay what they were: a change of either shows in the diff."""
 
 import pytest
-from support import golden_forces
+from support.c import golden_forces
+from support.c.smallest_scene import FOLDER, smallest_emission
 
 SLOW = {("float32", "tool"), ("float64", "off"), ("float64", "proxy")}
 
@@ -24,3 +25,10 @@ def test_forces_are_the_stored_ones(name: str, number: str, mode: str) -> None:
 def test_every_kind_of_part_has_a_stored_model() -> None:
     assert len(golden_forces.models()) >= 10
     assert len(golden_forces.stored()) == 1 + 6 * len(golden_forces.models())
+
+
+def test_the_smallest_scenes_emission_is_what_is_checked_in() -> None:
+    emitted = smallest_emission()
+    assert sorted(emitted) == sorted(path.name for path in FOLDER.iterdir())
+    for name, text in emitted.items():
+        assert (FOLDER / name).read_text() == text, f"{name}: run support/c/smallest_scene.py"

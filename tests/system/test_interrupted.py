@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from support.job import small_job
-from support.run_pages import MAIN
+from support.pages.job import small_job
+from support.pages.run_pages import MAIN
 
 pytestmark = pytest.mark.slow
 

@@ -8,9 +8,9 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from support.documents import page_blocks
+from support.pages.documents import page_blocks
+from support.pages.run_pages import MAIN, print_urls
 from support.peer import peer
-from support.run_pages import MAIN, print_urls
 
 from springpot.host.devices.drivers import parse_device
 from springpot.host.emission.scene_file import read_scene

@@ -5,8 +5,8 @@ import collections
 from collections.abc import Iterator
 from pathlib import Path
 
+from support.pages.sources import sources
 from support.paths import ROOT
-from support.sources import sources
 
 # Rooms of what comes in kinds: others ask its methods, and not which it is.
 KINDS = ["codegen/model/features.py", "codegen/model/regressors.py", "codegen/stages",

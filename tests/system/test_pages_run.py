@@ -1,15 +1,18 @@
-"""The documents run: their commands give what the page says, in its order."""
+"""The documents run: their commands give what the page says, in its order; so does the notebook."""
 
+import json
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
+import matplotlib as mpl
 import pytest
-from support.documents import page_blocks
-from support.job import small_job
+from support.pages.documents import page_blocks
+from support.pages.job import small_job
+from support.pages.prepared_pages import PREPARED
+from support.pages.run_pages import run_commands, run_page
 from support.paths import ROOT
-from support.prepared_pages import PREPARED
-from support.run_pages import run_commands, run_page
 
 
 @pytest.mark.slow
@@ -84,3 +87,27 @@ def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
     assert int(told[1]) == pytest.approx(int(bound), rel=0.02)
     printed = " ".join(run_page("how-to/microcontroller.md", tmp_path, "board").split())
     assert "what was felt is what the model says" in printed
+
+
+NOTEBOOK = json.loads((ROOT / "examples" / "mach1.ipynb").read_text())
+CODE = ["".join(cell["source"]) for cell in NOTEBOOK["cells"] if cell["cell_type"] == "code"]
+
+
+def test_it_is_stored_as_written() -> None:
+    assert len(CODE) >= 5
+    for cell in NOTEBOOK["cells"]:
+        assert not cell.get("outputs")
+
+
+@pytest.mark.slow
+def test_it_runs(tmp_path: Path, shared_data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    mpl.use("Agg")
+    shutil.copyfile(shared_data / "mach1" / "Dynamic_data.txt", "Dynamic_data.txt")
+    names: dict[str, Any] = {}
+    for source in CODE:
+        exec(compile(source, "mach1.ipynb", "exec"), names)
+    assert names["percent"] < 1.0
+    difference, measured = (axes.lines[-1].get_ydata() for axes in (names["below"], names["above"]))
+    assert abs(difference).max() < 0.05 * measured.max()
+    names["plt"].close("all")

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support import golden_forces
-from support.hostile_models import closed, opened
+from support.c import golden_forces
+from support.files.hostile_models import closed, opened
+from support.messages import refusing
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model import model_file
@@ -99,6 +100,26 @@ def test_an_array_that_is_not_contiguous_has_the_same_hash() -> None:
     model = golden_forces.model(KIND)
     features = dataclasses.replace(model.features, taps=np.asfortranarray(model.features.taps))
     assert model_hash(dataclasses.replace(model, features=features)) == model_hash(model)
+
+
+@pytest.mark.parametrize("length", [0, 5, 40, 90, 5000, -1])
+def test_a_truncated_file_is_refused(tmp_path: Path, length: int) -> None:
+    told = refused(tmp_path, model_bytes(golden_forces.model(KIND))[:length])
+    assert told.startswith(("damaged", "not a springpot model"))
+
+
+def test_any_flipped_byte_is_refused(tmp_path: Path) -> None:
+    content = model_bytes(golden_forces.model(KIND))
+    for place in [*range(120), *np.linspace(120, len(content) - 1, 50).astype(int)]:
+        flipped = bytes([content[place] ^ 0x10])
+        refused(tmp_path, content[:place] + flipped + content[place + 1 :])
+
+
+def test_a_file_of_the_schema_before_is_read_and_keeps_its_hash(tmp_path: Path) -> None:
+    content = model_bytes(golden_forces.model(KIND))
+    path = tmp_path / "x.spm"
+    path.write_bytes(content.replace(b"springpot-model 4", b"springpot-model 3", 1))
+    assert model_hash(read_model(path)) == model_hash(golden_forces.model(KIND))
 
 
 @pytest.mark.parametrize("name", golden_forces.models())
@@ -240,6 +261,5 @@ def test_a_part_of_ones_own_is_registered(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
     path = tmp_path / "none.spm"
-    with pytest.raises(DataError) as error:
+    with refusing(DataError, f"{path}: cannot be read (No such file or directory)"):
         read_model(path)
-    assert str(error.value) == f"{path}: cannot be read (No such file or directory)"

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from support.messages import refusing
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import (
@@ -57,156 +58,122 @@ def terms(branches: int, stops: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
+# part, field: the last values that it takes, the first that it does not
+NUMBERS: list[tuple[Any, str, list[Any], list[Any]]] = [
+    (MODEL, "dt_s", [1e-6, 1e2], [0.999e-6, 100.1]),
+    (MODEL, "kind", ["A", "9_.+-" + "z" * 59], ["", "-a", "a/b", "z" * 65]),
+    (RANGE, "min_m", [-100.0, 0.01], [-100.1, math.nan]),
+    (RANGE, "max_m", [100.0], [100.1]),
+    (RANGE, "min_n", [-1e4], [-1.001e4]),
+    (RANGE, "max_n", [1e4], [1.001e4]),
+    (RANGE, "max_mps", [0.0, 1e4], [-1e-9, 1.001e4]),
+    (PASSIVE, "span_m", [1e-9, 100.0], [0.0, 100.1]),
+    (PASSIVE, "origin_m", [-100.0, 100.0], [-100.1, 100.1]),
+    (PASSIVE, "n_by_depth", [2], [-1, 3]),
+    (PASSIVE, "rate_ratio", [1e-4, 1e4], [0.999e-4, 1.001e4]),
+    (PASSIVE, "stretch", [30.0], [-1e-9, 30.1]),
+    (PASSIVE, "tau_s", [], [np.array([1.0, 0.0])]),
+    (PASSIVE, "radius_m", [], [np.zeros(1)]),
+    *[(PASSIVE, name, [np.zeros_like(getattr(PASSIVE, name))],
+       [-1e-9 * np.ones_like(getattr(PASSIVE, name))])
+      for name in ("elastic_n", "branch_n", "stop_n")],
+    (FIR, "taps", [ones((1, 2)), ones((SAMPLES, 2))], [ones((0, 2)), ones((SAMPLES + 1, 2))]),
+    (FAST, "length", [4, SAMPLES], [3, SAMPLES + 1]),
+    (FAST, "tau_ticks", [], [np.zeros(3), ones(0), ones(TERMS + 1)]),
+    (RECURSIVE, "tau_s", [], [np.array([1.0, -1.0, 1.0]), ones(TERMS + 1)]),
+    (Lags((0,), False), "samples", [(0,), (0, 1, SAMPLES)],
+     [(0, 2, 2), (1, 2), (0, SAMPLES + 1), ()]),
+    (PositionVelocity(1, 0.0), "length", [1, SAMPLES], [0, SAMPLES + 1]),
+    (PositionVelocity(1, 0.0), "band_m", [0.0, 100.0], [-1e-9, 100.1]),
+    (LEAF, "weight", [1e-9], [0.0]),
+    (LEAF, "roots", [], [np.zeros(0, np.int32)]),
+    (BINS, "bins_per_unit", [np.array([1e-9, 1.0])], [np.zeros(2)]),
+    (RBF, "scale", [], [np.array([1.0, 0.0])]),
+    (RBF, "feature_min", [ones(2)], [np.array([0.0, 1.1])]),
+]  # fmt: skip
+# part, arrays of another shape than its others ask for
+SHAPES: list[tuple[Any, dict[str, Any]]] = [
+    (PASSIVE, {"elastic_n": ones(4), "tau_s": ones((2, 1)), "branch_n": ones((1, 3)),
+               "radius_m": ones((1, 1)), "stop_n": ones((2, 3))}),
+    (FIR, {"taps": ones((4, 3))}),
+    (FAST, {"tau_ticks": ones((3, 1)), "weights": ones((6, 3))}),
+    (RECURSIVE, {"weights": ones((2, 2))}),
+    (BINS, {"bins_per_unit": ones(3)}),
+    (RBF, {**dict.fromkeys(("mean", "scale", "feature_min", "feature_max"), ones(1)),
+           "centers": ones((3, 1)), "weights_n": ones(2), "tail_n": ones(2)}),
+]  # fmt: skip
+# Of several fields; what the refusal begins with.
 TAKEN: list[tuple[Any, dict[str, Any]]] = [
-    (MODEL, {"dt_s": 1e-6}),
-    (MODEL, {"dt_s": 1e2}),
-    (MODEL, {"kind": "A"}),
-    (MODEL, {"kind": "9_.+-" + "z" * 59}),
     (MODEL, {"hammerstein_adds": True}),
     (MODEL, {"hammerstein": None}),
     (MODEL, {"features": None, "regressor": None, "hammerstein_adds": True}),
     (MODEL, {"provenance": {"material": LAW}, "hammerstein": None}),
-    (RANGE, {"min_m": -100.0, "max_m": 100.0}),
-    (RANGE, {"min_n": -1e4, "max_n": 1e4}),
-    (RANGE, {"max_mps": 1e4}),
-    (RANGE, {"max_mps": 0.0}),
-    (RANGE, {"min_m": 0.01}),
-    (PASSIVE, {"span_m": 100.0}),
-    (PASSIVE, {"span_m": 1e-9}),
-    (PASSIVE, {"origin_m": 100.0}),
-    (PASSIVE, {"origin_m": -100.0}),
-    (PASSIVE, {"n_by_depth": 2}),
-    (PASSIVE, {"rate_ratio": 1e4}),
-    (PASSIVE, {"rate_ratio": 1e-4}),
-    (PASSIVE, {"stretch": 30.0}),
-    (PASSIVE, {"elastic_n": np.zeros(3)}),
     (PASSIVE, terms(TERMS, TERMS)),
     (PASSIVE, terms(0, 0)),
-    (FIR, {"taps": ones((SAMPLES, 2))}),
-    (FIR, {"taps": ones((1, 2))}),
     (bank(FIR, (0.0, 1.0)), {}),
     (bank(FIR, (0.5,)), {}),
     (bank(FIR, (0.5,) * TERMS), {}),
-    (FAST, {"length": 4}),
-    (FAST, {"length": SAMPLES}),
     (FAST, {"weights": ones((5, 2)), "length": 3}),  # one direct tap
     (FAST, {"tau_ticks": ones(TERMS), "weights": ones((TERMS + 2, 2))}),
     (RECURSIVE, {"tau_s": ones(TERMS), "weights": ones((TERMS, 2))}),
     (RECURSIVE, {"tau_s": ones(1), "weights": ones((1, 2))}),
-    (Lags((0,), False), {}),
-    (Lags((0, 1, SAMPLES), False), {}),
-    (PositionVelocity(1, 0.0), {}),
-    (PositionVelocity(SAMPLES, 100.0), {}),
-    (LEAF, {"weight": 1e-9}),
     (LEAF, {"quantisation": BINS}),
-    (BINS, {"bins_per_unit": np.array([1e-9, 1.0])}),
-    (RBF, {"feature_min": ones(2)}),
     (RBF, {"centers": ones((1, 2)), "weights_n": ones(1)}),
 ]
-
 REFUSED: list[tuple[Any, dict[str, Any], str]] = [
-    (MODEL, {"dt_s": 0.999e-6}, "dt_s: 9.99e-07 s is no time step"),
-    (MODEL, {"dt_s": 100.1}, "dt_s: 100.1 s is no time step"),
-    (MODEL, {"kind": ""}, "kind: '' is no name of a kind"),
-    (MODEL, {"kind": "-a"}, "kind: '-a' is no name of a kind"),
-    (MODEL, {"kind": "a/b"}, "kind: 'a/b' is no name of a kind"),
-    (MODEL, {"kind": "z" * 65}, "kind: "),
-    (MODEL, {"features": None}, "features, regressor: one without the other"),
-    (MODEL, {"regressor": None}, "features, regressor: one without the other"),
-    (MODEL, {"features": None, "regressor": None}, "regressor, hammerstein: no force"),
-    (MODEL, {"hammerstein": None, "hammerstein_adds": True}, "hammerstein_adds: nothing to add"),
+    (MODEL, {"features": None}, "features, regressor: "),
+    (MODEL, {"regressor": None}, "features, regressor: "),
+    (MODEL, {"features": None, "regressor": None}, "regressor, hammerstein: "),
+    (MODEL, {"hammerstein": None, "hammerstein_adds": True}, "hammerstein_adds: "),
     (MODEL, {"kind": "springpot", "hammerstein": None, "provenance": {"material": LAW}},
-     "provenance.material: of no passive model"),
+     "provenance.material: "),
     (MODEL, {"provenance": {"seed": -1}}, "provenance"),
-    (MODEL, {"trained": dataclasses.replace(RANGE, min_m=1.0)}, "trained.min_m, max_m: 1 to 0.01"),
+    (MODEL, {"trained": dataclasses.replace(RANGE, min_m=1.0)}, "trained.min_m, max_m: "),
     (MODEL, {"features": dataclasses.replace(FIR, taps=ones((0, 2)))}, "features.taps: "),
-    (MODEL, {"regressor": dataclasses.replace(LEAF, weight=0.0)}, "regressor.weight: 0 is not"),
-    (MODEL, {"hammerstein": dataclasses.replace(PASSIVE, span_m=0.0)}, "hammerstein.span_m: 0 m"),
-    (RANGE, {"min_m": -100.1}, "min_m, max_m: -100.1 to 0.01 is no range within -100 .. 100"),
-    (RANGE, {"max_m": 100.1}, "min_m, max_m: 0 to 100.1 is no range within -100 .. 100"),
-    (RANGE, {"min_n": -1.001e4}, "min_n, max_n: -10010 to 3 is no range within -10000 .. 10000"),
-    (RANGE, {"max_n": 1.001e4}, "min_n, max_n: 0 to 10010 is no range within -10000 .. 10000"),
-    (RANGE, {"max_mps": 1.001e4}, "max_mps: 0 to 10010 is no range within -10000 .. 10000"),
-    (RANGE, {"max_mps": -1e-9}, "max_mps: 0 to -1e-09 is no range"),
-    (RANGE, {"min_m": math.nan}, "min_m, max_m: nan"),
-    (PASSIVE, {"span_m": 0.0}, "span_m: 0 m is no depth above 0"),
-    (PASSIVE, {"span_m": 100.1}, "span_m: 100.1 m is no depth above 0"),
-    (PASSIVE, {"origin_m": 100.1}, "origin_m: 100.1 m"),
-    (PASSIVE, {"origin_m": -100.1}, "origin_m: -100.1 m"),
-    (PASSIVE, {"elastic_n": ones(4)}, "elastic_n: shape (4,), not (3,)"),
+    (MODEL, {"regressor": dataclasses.replace(LEAF, weight=0.0)}, "regressor.weight: "),
+    (MODEL, {"hammerstein": dataclasses.replace(PASSIVE, span_m=0.0)}, "hammerstein.span_m: "),
     (PASSIVE, {"basis": "ramps"}, "elastic_n: shape (3,), not (8,)"),
-    (PASSIVE, {"tau_s": ones((2, 1))}, "tau_s: shape (2, 1), not (2,)"),
-    (PASSIVE, {"branch_n": ones((1, 3))}, "branch_n: shape (1, 3), not (2, 3)"),
-    (PASSIVE, {"radius_m": ones((1, 1))}, "radius_m: shape (1, 1), not (1,)"),
-    (PASSIVE, {"stop_n": ones((2, 3))}, "stop_n: shape (2, 3), not (1, 3)"),
-    (PASSIVE, terms(TERMS + 1, 0), "tau_s, radius_m: more than 1000"),
-    (PASSIVE, terms(0, TERMS + 1), "tau_s, radius_m: more than 1000"),
-    (PASSIVE, {"tau_s": np.array([1.0, 0.0])}, "tau_s: 0 is not above 0"),
-    (PASSIVE, {"radius_m": np.zeros(1)}, "radius_m: 0 is not above 0"),
-    (PASSIVE, {"n_by_depth": 3}, "n_by_depth: 3 branches"),
-    (PASSIVE, {"n_by_depth": -1}, "n_by_depth: -1 branches"),
-    (PASSIVE, {"rate_ratio": 1.001e4}, "rate_ratio: 10010 is not within 1/10000 .. 10000"),
-    (PASSIVE, {"rate_ratio": 0.999e-4}, "rate_ratio: 9.99e-05 is not within 1/10000 .. 10000"),
-    (PASSIVE, {"stretch": 30.1}, "stretch: 30.1 is not within 0 .. 30"),
-    (PASSIVE, {"stretch": -1e-9}, "stretch: -1e-09 is not within 0 .. 30"),
-    *[
-        (PASSIVE, {name: -1e-9 * np.ones_like(getattr(PASSIVE, name))},
-         f"{name}: -1e-09 is negative: it would not be passive")
-        for name in ("elastic_n", "branch_n", "stop_n")
-    ],
-    (FIR, {"taps": ones((0, 2))}, "taps: (0,) samples"),
-    (FIR, {"taps": ones((SAMPLES + 1, 2))}, "taps: (1000001,) samples"),
-    (FIR, {"taps": ones((4, 3))}, "taps: shape (4, 3), not (4, 2)"),
-    *[(bank(part, ()), {}, "orders: () are not within 0 .. 1") for part in (FIR, FAST, RECURSIVE)],
+    (PASSIVE, terms(TERMS + 1, 0), "tau_s, radius_m: "),
+    (PASSIVE, terms(0, TERMS + 1), "tau_s, radius_m: "),
+    *[(bank(part, ()), {}, "orders: ()") for part in (FIR, FAST, RECURSIVE)],
     (bank(FIR, (0.5,) * (TERMS + 1)), {}, "orders: (0.5, 0.5, "),
-    (bank(FIR, (0.5, 1.001)), {}, "orders: (0.5, 1.001) are not within 0 .. 1"),
-    (bank(FIR, (-0.001, 0.5)), {}, "orders: (-0.001, 0.5) are not within 0 .. 1"),
-    (FAST, {"tau_ticks": ones((3, 1))}, "tau_ticks: shape (3, 1), not (3,)"),
-    (FAST, {"tau_ticks": np.zeros(3)}, "tau_ticks: 0 is not above 0"),
-    (FAST, {"tau_ticks": ones(0)}, "tau_ticks: 0 poles"),
-    (FAST, {"tau_ticks": ones(TERMS + 1)}, "tau_ticks: 1001 poles"),
+    (bank(FIR, (0.5, 1.001)), {}, "orders: (0.5, 1.001)"),
+    (bank(FIR, (-0.001, 0.5)), {}, "orders: (-0.001, 0.5)"),
     (FAST, {"tau_ticks": ones(5)}, "weights: 6 rows for 5 poles"),
-    (FAST, {"weights": ones((6, 3))}, "weights: shape (6, 3), not (6, 2)"),
-    (FAST, {"length": 3}, "length: 3 samples"),
-    (FAST, {"length": SAMPLES + 1}, "length: 1000001 samples"),
-    (RECURSIVE, {"tau_s": ones(TERMS + 1)}, "tau_s: 1001 poles"),
-    (RECURSIVE, {"tau_s": np.array([1.0, -1.0, 1.0])}, "tau_s: -1 is not above 0"),
-    (RECURSIVE, {"weights": ones((2, 2))}, "weights: shape (2, 2), not (3, 2)"),
-    (Lags((0, 2, 2), False), {}, "samples: (0, 2, 2) do not ascend from 0 to at most 1000000"),
-    (Lags((1, 2), False), {}, "samples: (1, 2) do not ascend from 0"),
-    (Lags((0, SAMPLES + 1), False), {}, "samples: (0, 1000001) do not ascend from 0"),
-    (Lags((), False), {}, "samples: () do not ascend from 0"),
-    (PositionVelocity(0, 0.0), {}, "length: 0 steps"),
-    (PositionVelocity(SAMPLES + 1, 0.0), {}, "length: 1000001 steps"),
-    (PositionVelocity(1, -1e-9), {}, "band_m: -1e-09 m"),
-    (PositionVelocity(1, 100.1), {}, "band_m: 100.1 m"),
-    (LEAF, {"weight": 0.0}, "weight: 0 is not above 0"),
-    (LEAF, {"roots": np.zeros(0, np.int32)}, "roots: no list of trees"),
-    (LEAF, {"quantisation": Quantisation(np.zeros(1), ones(2))},
-     "quantisation.feature_min: shape (1,), not (2,)"),
-    (BINS, {"bins_per_unit": ones(3)}, "bins_per_unit: shape (3,), not (2,)"),
-    (BINS, {"bins_per_unit": np.zeros(2)}, "bins_per_unit: 0 is not above 0"),
-    *[(RBF, {name: ones(1)}, f"{name}: shape (1,), not (2,)")
-      for name in ("mean", "scale", "feature_min", "feature_max")],
-    (RBF, {"scale": np.array([1.0, 0.0])}, "scale: 0 is not above 0"),
-    (RBF, {"feature_min": np.array([0.0, 1.1])}, "feature_min: above feature_max"),
-    (RBF, {"centers": ones((0, 2)), "weights_n": ones(0)}, "centers: none"),
-    (RBF, {"centers": ones((3, 1))}, "centers: shape (3, 1), not (3, 2)"),
-    (RBF, {"weights_n": ones(2)}, "weights_n: shape (2,), not (3,)"),
-    (RBF, {"tail_n": ones(2)}, "tail_n: shape (2,), not (3,)"),
+    (LEAF, {"quantisation": Quantisation(np.zeros(1), ones(2))}, "quantisation.feature_min: shape"),
+    (RBF, {"centers": ones((0, 2)), "weights_n": ones(0)}, "centers: "),
 ]  # fmt: skip
 
 
+def require_refused(part: Any, changes: dict[str, Any], *told: str) -> None:
+    with refusing(DataError, *told):
+        require_valid(dataclasses.replace(part, **changes), 2)
+
+
+@pytest.mark.parametrize(("part", "field", "taken", "beyond"), NUMBERS)
+def test_a_field_at_its_border_is_taken_and_beyond_it_refused(
+    part: Any, field: str, taken: list[Any], beyond: list[Any]
+) -> None:
+    for value in taken:
+        require_valid(dataclasses.replace(part, **{field: value}), 2)
+    for value in beyond:
+        require_refused(part, {field: value}, field, ": ")
+
+
+@pytest.mark.parametrize(("part", "arrays"), SHAPES)
+def test_an_array_of_another_shape_is_refused(part: Any, arrays: dict[str, Any]) -> None:
+    for field, array in arrays.items():
+        require_refused(part, {field: array}, f"{field}: shape {array.shape}, not (")
+
+
 @pytest.mark.parametrize(("part", "changes"), TAKEN)
-def test_a_part_at_its_border_is_taken(part: Any, changes: dict[str, Any]) -> None:
+def test_parts_that_fit_together_are_taken(part: Any, changes: dict[str, Any]) -> None:
     require_valid(dataclasses.replace(part, **changes), 2)
 
 
 @pytest.mark.parametrize(("part", "changes", "told"), REFUSED)
-def test_a_part_beyond_its_border_is_refused(part: Any, changes: dict[str, Any], told: str) -> None:
-    with pytest.raises(DataError) as error:
-        require_valid(dataclasses.replace(part, **changes), 2)
-    assert str(error.value).startswith(told)
+def test_parts_that_do_not_are_refused(part: Any, changes: dict[str, Any], told: str) -> None:
+    require_refused(part, changes, told)
 
 
 @dataclass(frozen=True)
@@ -288,9 +255,8 @@ def test_fields_of_their_types_are_taken() -> None:
 @pytest.mark.parametrize(("name", "value", "told"), DOES_NOT)
 def test_a_field_of_another_type_is_told(name: str, value: Any, told: str) -> None:
     plain = {field: values[0] for field, values in FITS.items()}
-    with pytest.raises(DataError) as error:
+    with refusing(DataError, f"outer.{name}: {told}"):
         require_types(Outer, {**plain, name: value}, "outer")
-    assert str(error.value) == f"outer.{name}: {told}"
 
 
 def test_fields_that_are_missing_or_unknown_are_told() -> None:

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 from support.small import DT_S, scene
 
 from springpot.codegen.arrays import Samples

@@ -1,7 +1,8 @@
-"""A stretched depth, and branches whose rate depends on the depth: C, reference and trainer."""
+"""Branches whose rate depends on the depth, or that relax over hours: C, reference and trainer."""
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,3 +115,51 @@ def test_a_stretched_depth_rises_and_ends_at_one(stretch: float) -> None:
     assert np.all(v[u <= 0] == 0.0)
     assert np.all(np.diff(v[u >= 0]) > 0)
     assert stretched(np.array([1.0]), stretch)[0] == pytest.approx(1.0, abs=1e-12)
+
+
+TICKS = (4e6, 2.4e7)
+
+
+@cache
+def slow_model(kind: str, *ticks: float) -> Model:
+    """A fitted model whose passive part has these time constants, after a fast one."""
+    model = (
+        small_model() if kind == "rf-fd" else fit_model(kind, "x", training(), FitOptions()).model
+    )
+    passive = model.hammerstein
+    assert passive is not None
+    weight = np.full_like(passive.elastic_n, 0.2)
+    tau_s = np.array([ticks[0] * DT_S, 0.05, *(t * DT_S for t in ticks[1:])])
+    slow = replace(passive, tau_s=tau_s, branch_n=np.tile(weight, (len(tau_s), 1)))
+    return replace(model, hammerstein=slow)
+
+
+def run_c(model: Model, position_m: np.ndarray, number: str) -> tuple[Any, np.ndarray]:
+    plan = make_plan(model, scene(number=number), accept_unsafe=True)
+    with built(plan) as library:
+        assert library.selftest() == 0
+        assert library.state_bytes == state_bytes(plan)
+        given_m = position_m.astype(plan.dtype)
+        return plan, Replay(library).run(given_m, backward_velocity(given_m, DT_S))[0]
+
+
+@pytest.mark.parametrize("ticks", TICKS)
+def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
+    model = slow_model("hammerstein", ticks, ticks)
+    held_m = np.concatenate([press(1.0)[:500], np.full(400_000, press(1.0)[499])])
+    drops_n = [
+        float(force_n[5000]) - float(force_n[-1])
+        for force_n in (run_c(model, held_m, number)[1] for number in ("float32", "float64"))
+    ]
+    assert drops_n[1] > 5e-3
+    assert abs(drops_n[0] / drops_n[1] - 1) < 2e-3
+
+
+def test_only_slow_branches_bring_doubles() -> None:
+    names = {
+        limit: set(
+            emit_files(make_plan(slow_model("hammerstein", limit), scene(), accept_unsafe=True))
+        )
+        for limit in (0.99e5, 1.01e5)
+    }
+    assert names[1.01e5] - names[0.99e5] == {"sp_slow_poles.h"}

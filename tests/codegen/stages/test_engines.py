@@ -1,4 +1,4 @@
-"""Engines of the fractional filters: what each imitates, how closely, and for how long."""
+"""Engines of the fractional filters and radial functions: what each imitates, and how closely."""
 
 import dataclasses
 import os
@@ -10,6 +10,8 @@ from support.small import DT_S, model_file, press, scene, training
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import FastFirBank, FirBank
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.fast_fir import fast_fir_stage
 from springpot.codegen.stages.fir import fir_stage
 from springpot.host.emission.emission import emit
@@ -95,3 +97,17 @@ def test_orders_that_no_split_uses_are_left_out() -> None:
     whole = fast_fir_stage(fast, COLUMNS, DT_S, np.float64).reference(depth, np.array([0]))
     part = fast_fir_stage(fast, np.array([2, 7]), DT_S, np.float64).reference(depth, np.array([0]))
     np.testing.assert_array_equal(part, whole[:, [2, 7]])
+
+
+@pytest.mark.parametrize("n_centers", [100, 300])
+def test_float32_adds_less_than_a_fifth_of_a_millinewton_rms(n_centers: int) -> None:
+    """Undamped it was 2 mN with 100 centers, 50 mN with 300."""
+    model = fit_model("rbf-fd", "x", training(), FitOptions(n_centers=n_centers)).model
+    recording = training()[5]
+    forces = [
+        run_reference(make_plan(model, scene(number=number), True), recording.position_m).force_n
+        for number in ("float32", "float64")
+    ]
+    noise_n = np.asarray(forces[0], dtype=np.float64) - forces[1]
+    assert np.sqrt(np.mean(noise_n**2)) < 2e-4
+    assert np.abs(noise_n).max() < 2e-3

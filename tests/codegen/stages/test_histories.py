@@ -3,7 +3,7 @@
 from functools import cache
 
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 

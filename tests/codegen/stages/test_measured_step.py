@@ -7,7 +7,7 @@ from typing import Any
 import cffi
 import numpy as np
 import pytest
-from support.caputo import caputo_derivative
+from support.c.caputo import caputo_derivative
 from support.paths import C_TESTS
 from support.small import DT_S, model_file, press, scene, training
 

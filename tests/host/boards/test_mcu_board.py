@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.mcu import (
+from support.c.mcu import (
     SLOW_DT_S,
     Relay,
     emulated,

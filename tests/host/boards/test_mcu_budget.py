@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.mcu import long_motion, need, target_scene
+from support.c.mcu import long_motion, need, target_scene
 from support.peer import CLI
 from support.small import model_file, press, recording, training
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.mcu import need
-from support.single import every_plan, write_single
+from support.c.mcu import need
+from support.c.single import every_plan, write_single
 
 from springpot.codegen.plan.units import state_bytes
 from springpot.host.boards import emulator

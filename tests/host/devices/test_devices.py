@@ -1,12 +1,7 @@
 """Devices that cannot be used: one line each, that says what, where and what to do."""
 
-import dataclasses
-import os
 import re
-import subprocess
-import sys
 import time
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,7 +10,6 @@ from support.peer import peer, wait_until
 from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
-from springpot.host.devices import serial_port
 from springpot.host.devices.device import DeviceRequirements, at_most
 from springpot.host.devices.drivers import open_device, parse_device
 from springpot.host.devices.serial_device import SerialDevice
@@ -41,121 +35,7 @@ def refused(
     return str(caught.value)
 
 
-def test_a_board_with_another_model():
-    with peer("serial_device", "--model", "cd" * 32) as device:
-        told = refused(device.url)
-    assert "the board renders model cdcdcdcdcdcd, the scene is abababababab" in told
-
-
-def test_another_layout_of_messages():
-    with peer("serial_device", "--layout", 7) as device:
-        assert "laid out otherwise (00000007" in refused(device.url)
-
-
-def test_another_protocol_version(tmp_path):
-    """A device of the next version: its frames are whole, and no damage."""
-    script = (
-        "import sys; sys.path.insert(0, sys.argv[1]); sys.argv = sys.argv[1:]\n"
-        "import springpot.host.devices.wire as wire\n"
-        "right = wire.constant\n"
-        "wire.constant = lambda name: 2 if name == 'VERSION' else right(name)\n"
-        "import serial_device as device\n"
-        "take = wire.Receiver._frame\n"
-        "def frame(self, chunk):\n"
-        "    wire.constant = right\n"
-        "    found = take(self, chunk)\n"
-        "    wire.constant = lambda name: 2 if name == 'VERSION' else right(name)\n"
-        "    return found\n"
-        "wire.Receiver._frame = frame\n"
-        "device.main()\n"
-    )
-    from support.peer import PEERS, Peer
-
-    process = subprocess.Popen([sys.executable, "-c", script, str(PEERS)], text=True,
-                               stdout=subprocess.PIPE)  # fmt: skip
-    try:
-        told = refused(Peer(process).url)
-    finally:
-        process.terminate()
-        process.wait()
-        process.stdout.close()
-    assert "speaks protocol version 2, this springpot version 1" in told
-
-
-def test_a_port_in_use_names_the_process(tmp_path):
-    with peer("serial_device") as device:
-        port = device.url.removeprefix("serial://").split("?")[0]
-        script = f"import os, time; os.open({port!r}, os.O_RDWR); print('open'); time.sleep(60)"
-        other = subprocess.Popen([sys.executable, "-u", "-c", script], stdout=subprocess.PIPE)
-        try:
-            other.stdout.readline()
-            told = refused(device.url)
-        finally:
-            other.kill()
-            other.communicate()
-    assert f"(process {other.pid}): end that program first" in told
-    assert "in use by python" in told
-
-
-def test_no_port_and_no_permission(tmp_path, monkeypatch):
-    assert "no such port: plug" in refused(f"serial://{tmp_path}/ttyX")
-    port = tmp_path / "ttyY"
-    port.touch()
-    monkeypatch.setattr(os, "access", lambda *_: False)
-    assert "permission denied: join the port's group" in refused(f"serial://{port}")
-
-
-def test_the_latency_timer_of_an_adapter(tmp_path, monkeypatch):
-    monkeypatch.setattr(serial_port, "USB_SERIAL", tmp_path)
-    with peer("serial_device") as device:
-        port = os.path.realpath(device.url.removeprefix("serial://").split("?")[0])
-        timer = tmp_path / Path(port).name / "latency_timer"
-        timer.parent.mkdir()
-        timer.write_text("16\n")
-        told = refused(device.url)
-        assert "latency timer is 16 ms, 62 exchanges a second: `echo 1 | sudo tee" in told
-        timer.write_text("1\n")
-        opened = open_device(device.url, REQUIREMENTS)
-        opened.stop()
-        opened.close()
-
-
-def test_a_line_too_slow_for_the_rate():
-    told = refused("serial:///dev/none?baud=115200")
-    assert "115200 baud carry 443 frames a second, 1000 Hz need 260000 baud" in told
-    assert "raise ?baud=" in told
-
-
-def test_a_device_that_answers_nothing(tmp_path):
-    script = (
-        "import os, pty, time; m, s = pty.openpty(); name = os.ttyname(s); os.close(s)\n"
-        "print(name); time.sleep(60)"
-    )
-    process = subprocess.Popen([sys.executable, "-u", "-c", script], text=True,
-                               stdout=subprocess.PIPE)  # fmt: skip
-    try:
-        told = refused(f"serial://{process.stdout.readline().strip()}")
-    finally:
-        process.kill()
-        process.communicate()
-    assert "no answer in 2 s" in told
-
-
-def test_a_device_that_gives_less_force_or_another_rate():
-    with peer("serial_device", "--max-n", 8, "--max-hz", 500) as device:
-        assert "gives at most 8 N and the scene up to 12 N: set guard.max_force_n = 8" in refused(
-            device.url
-        )
-        told = refused(device.url, DeviceRequirements(1000, 0.02, 5.0))
-    assert "refuses that rate (1000 Hz" in told
-
-
-def test_the_limit_that_a_refusal_names_is_taken():
-    with peer("serial_device", "--max-n", 8.123456) as device:
-        assert "set guard.max_force_n = 8.12" in refused(device.url)
-        opened = open_device(device.url, dataclasses.replace(REQUIREMENTS, max_n=8.12))
-        opened.stop()
-        opened.close()
+def test_a_limit_is_named_rounded_down():
     assert [at_most(x) for x in (0.0, 9.999, 12.3, 1234.0, 0.0123499)] == [
         "0", "9.99", "12.3", "1230", "0.0123"]  # fmt: skip
 
@@ -170,16 +50,6 @@ def test_a_device_without_a_watchdog_in_time_is_refused(options, found):
         told = refused(device.url)
         assert device.wait_for("stop")["force_n"] == 0
     assert re.search(f"the device trips {found}, at most 0.2 s are taken: its firmware", told)
-
-
-def test_no_device_is_asked_for_a_slower_watchdog():
-    """A scene may wait a second for a sample: the motor keeps no force for so long."""
-    with peer("serial_device") as device:
-        opened = open_device(device.url, dataclasses.replace(REQUIREMENTS, watchdog_s=1.0))
-        assert device.wait_for("start")["watchdog_ms"] == pytest.approx(150)
-        assert len(device.named("proved")) + len(device.named("tripped")) >= 1
-        opened.stop()
-        opened.close()
 
 
 def test_stop_is_new_however_many_forces_the_loop_sent():
@@ -255,25 +125,6 @@ def test_a_serial_device_that_falls_silent_ends_a_press():
         open_press_device(device.url, limits=Limits(9.0)).press(np.full(3000, 2.0))
     with pytest.raises(UsageError, match="cannot be pressed"):
         open_press_device("replay://x.h5")
-
-
-@pytest.mark.realtime
-def test_only_the_user_takes_back_a_trip(tmp_path):
-    """Reset reaches the device too: its motor takes forces again, ramped in."""
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
-    with peer("serial_device", "--silent-after", 0.4, "--silent-for", 0.1) as device:
-        told = []
-        with Session(tmp_path / "c", device.url, report=told.append) as session:
-            session.start()
-            wait_until(lambda: session.runner.state.latched, 5, "no trip")
-            at = session.runner.state.ticks
-            wait_until(lambda: session.runner.state.ticks > at + 300, 5, "no ticks")
-            assert session.runner.state.latched
-            session.reset()
-            wait_until(lambda: not session.runner.state.latched, 5, "no reset")
-            assert session.runner.state.resets == 1
-        assert device.wait_for("reset")
-    assert any("force zero until reset" in line for line in told)
 
 
 @pytest.mark.realtime

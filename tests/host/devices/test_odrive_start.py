@@ -7,6 +7,7 @@ import types
 from dataclasses import dataclass, field
 
 import pytest
+from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices import odrive, odrive_device, sample_rate
@@ -204,7 +205,7 @@ def test_a_drive_that_is_heard_is_not_waited_for(drive_on) -> None:
 @pytest.mark.parametrize(
     ("others", "told"),
     [
-        ((), "the bus is silent: check power, wiring, termination and ?bitrate="),
+        ((), "?bitrate="),
         ((7, 3, 7), "heard nodes [3, 7]: use ?node="),
     ],
 )
@@ -213,9 +214,8 @@ def test_a_drive_that_is_not_heard_for_two_seconds(drive_on, others, told: str) 
     simulated = SimulatedDrive(others=frames, beats=False)
     drive = drive_on(simulated, "")
     assert Drive(simulated, NODE, "odrive://x", DriveLimits(40.0, 5.0)).family == ""
-    with pytest.raises(DeviceError) as error:
+    with refusing(DeviceError, "odrive://x: no heartbeat of node 5", told):
         drive.make_ready()
-    assert str(error.value) == f"odrive://x: no heartbeat of node 5: {told}"
     assert simulated.now_s == pytest.approx(102.0, abs=1e-3)
 
 
@@ -232,9 +232,8 @@ def test_a_drive_that_is_not_heard_for_two_seconds(drive_on, others, told: str) 
 def test_a_drive_that_is_not_armed_in_two_seconds(drive_on, options, found: str) -> None:
     simulated = SimulatedDrive(**options)
     drive = drive_on(simulated)
-    with pytest.raises(DeviceError) as error:
+    with refusing(DeviceError, "node 5", found, "calibrate"):
         drive.arm()
-    assert f"node 5 does not go to closed loop ({found}): calibrate it" in str(error.value)
     assert simulated.now_s == pytest.approx(102.0, abs=0.01)
     assert simulated.sent[:5] == ARMING
     fed = simulated.sent[5:]
@@ -245,9 +244,8 @@ def test_a_drive_that_is_not_armed_in_two_seconds(drive_on, options, found: str)
 def test_a_watchdog_that_never_bites_is_refused_at_once(drive_on) -> None:
     simulated = SimulatedDrive(watchdog_s=math.inf)
     drive = drive_on(simulated)
-    with pytest.raises(DeviceError) as error:
+    with refusing(DeviceError, "node 5", "never", "0.2 s"):
         drive._prove_watchdog()
-    assert "node 5 keeps its torque without commands (never, at most 0.2 s" in str(error.value)
     assert simulated.sent[-2:] == RESTING
     assert [frame[0] for frame in simulated.sent].count(CLEAR) == 1
     assert simulated.now_s - 100 == pytest.approx(0.1 + 1.5, abs=0.02)
@@ -256,9 +254,8 @@ def test_a_watchdog_that_never_bites_is_refused_at_once(drive_on) -> None:
 def test_a_slow_watchdog_is_refused_after_three_proofs(drive_on) -> None:
     simulated = SimulatedDrive(watchdog_s=0.33)
     drive = drive_on(simulated)
-    with pytest.raises(DeviceError) as error:
+    with refusing(DeviceError, "node 5", "0.41 s", "0.2 s"):
         drive._prove_watchdog()
-    assert "keeps its torque without commands (0.41 s, at most 0.2 s" in str(error.value)
     assert simulated.sent[-2:] == RESTING
     assert [frame[0] for frame in simulated.sent].count(CLEAR) == 3
 
@@ -308,9 +305,9 @@ def test_a_transmission_is_that_of_the_address_or_the_scene() -> None:
 @pytest.mark.parametrize(
     ("query", "told"),
     [
-        ("max_torque_nm=0.4&nm_per_a=0.04", "m_per_turn is not known: set device.m_per_turn"),
-        ("m_per_turn=0.05&nm_per_a=0.04", "max_torque_nm is not known: set device.max_torque_nm"),
-        ("m_per_turn=0.05&max_torque_nm=0.4", "nm_per_a is not known: set device.nm_per_a"),
+        ("max_torque_nm=0.4&nm_per_a=0.04", "m_per_turn"),
+        ("m_per_turn=0.05&nm_per_a=0.04", "max_torque_nm"),
+        ("m_per_turn=0.05&max_torque_nm=0.4", "nm_per_a"),
         (f"{ALL}&m_per_turn=100.1", "m_per_turn=100.1: give a number between 0 and 100"),
         (f"{ALL}&max_torque_nm=10001", "max_torque_nm=10001: give a number between 0 and 10000"),
         (f"{ALL}&nm_per_a=10001", "nm_per_a=10001: give a number between 0 and 10000"),
@@ -349,10 +346,8 @@ def test_a_motor_gives_the_scenes_force_to_a_millionth() -> None:
 
 def test_a_bus_carries_two_frames_a_tick() -> None:
     require_fast_bus("x", 270_000, 1000)
-    with pytest.raises(DeviceError) as error:
+    with refusing(DeviceError, "x: 269.999 kbit/s", "1000 Hz", "270 kbit/s"):
         require_fast_bus("x", 269_999, 1000)
-    told = "x: 269.999 kbit/s carry 1000 exchanges a second, 1000 Hz need 270 kbit/s: set drive"
-    assert str(error.value).startswith(told)
 
 
 @pytest.mark.parametrize(
@@ -362,10 +357,9 @@ def test_a_bus_carries_two_frames_a_tick() -> None:
         ("node=-1", "node=-1: give a number between 0 and 63"),
         ("bitrate=9999", "bitrate=9999: give a number between 10000 and 1e.06"),
         ("bitrate=1000001", "bitrate=1000001: give a number between 10000 and 1e.06"),
-        ("speed=1", "no setting 'speed': use node, bitrate, port, m_per_turn, sign, zero_turns, "
-         "max_torque_nm, nm_per_a, surface_mm"),
+        ("speed=1", "no setting 'speed'"),
     ],
-)  # fmt: skip
+)
 def test_settings_of_a_drive_are_checked_before_its_port_is_opened(query: str, told: str) -> None:
     with pytest.raises(UsageError, match=told):
         OdriveDevice(parse_device(f"odrive://slcan//dev/none?{ALL}&{query}"), NEEDS)
@@ -438,18 +432,16 @@ def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(
 @pytest.mark.parametrize(
     ("family", "rate_hz", "told"),
     [
-        ("0.5", 500, "sends 250 samples a second, the scene runs at 500 Hz: set "
-         "`odrv0.axis0.config.can.encoder_rate_ms = 2` and save, or render a scene of its rate"),
-        ("0.6", 500, "set `odrv0.axis0.config.can.encoder_msg_rate_ms = 2` and save"),
-        ("0.6", 1000, "encoder_msg_rate_ms = 1` and save"),
-        ("0.6", 1001, "a drive sends at most 1000 a second: set runtime.rate_hz"),
+        ("0.5", 500, "encoder_rate_ms = 2`"),
+        ("0.6", 500, "encoder_msg_rate_ms = 2`"),
+        ("0.6", 1000, "encoder_msg_rate_ms = 1`"),
+        ("0.6", 1001, "1000 a second: set runtime.rate_hz"),
     ],
-)  # fmt: skip
+)
 def test_a_drive_of_too_few_estimates_is_refused(opened, family, rate_hz, told: str) -> None:
     simulated = SimulatedDrive(family, estimates_hz=250.0)
-    with pytest.raises(DeviceError) as error:
+    with refusing(DeviceError, "samples a second", f"{rate_hz} Hz", told):
         opened(simulated, dataclasses.replace(NEEDS, rate_hz=rate_hz))
-    assert told in str(error.value).replace("sends 249 ", "sends 250 ")
     assert simulated.closed == 1
 
 

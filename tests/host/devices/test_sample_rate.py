@@ -1,7 +1,5 @@
 """A device that sends at another rate than the scene's: refused before it is armed, or stopped."""
 
-import types
-
 import pytest
 from support.peer import peer, wait_until
 from support.small import model_file, scene
@@ -9,14 +7,10 @@ from support.small import model_file, scene
 from springpot.codegen.errors import DeviceError
 from springpot.host.cli import exit_status
 from springpot.host.devices import sample_rate
-from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import open_device
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import Stop
 from springpot.host.session.session import Session
-
-REQUIREMENTS = DeviceRequirements(rate_hz=1000, watchdog_s=0.02, max_n=12.0)
 
 
 @pytest.fixture
@@ -38,7 +32,7 @@ def count_of(monkeypatch):
     return make
 
 
-@pytest.mark.parametrize("rates_hz", [(1000,), (910,), (3000,), (500, 1000), (0, 0, 990)])
+@pytest.mark.parametrize("rates_hz", [(1000,), (900,), (3000,), (500, 1000), (0, 0, 990)])
 def test_enough_samples(count_of, rates_hz):
     count, windows_s = count_of(*rates_hz)
     require_sample_rate("x", 1000, count, "do this")
@@ -65,26 +59,6 @@ def test_a_silent_device_is_the_sessions_matter(count_of):
     require_sample_rate("x", 1000, count, "do this")
 
 
-@pytest.mark.parametrize(
-    ("firmware", "key"), [("0.5", "encoder_rate_ms"), ("0.6", "encoder_msg_rate_ms")]
-)
-def test_a_drive_at_its_default_rate(firmware, key):
-    with peer("slcan_odrive", "--rate-hz", 100, "--firmware", firmware) as drive:
-        with pytest.raises(DeviceError) as caught:
-            open_device(drive.url, REQUIREMENTS)
-        assert not drive.named("zero")  # no torque came
-    assert "samples a second, the scene runs at 1000 Hz: " in str(caught.value)
-    assert f"set `odrv0.axis0.config.can.{key} = 1` and save" in str(caught.value)
-    assert exit_status(caught.value) == 5
-
-
-def test_a_serial_device_of_another_rate():
-    with peer("serial_device", "--rate-hz", 500) as device:
-        with pytest.raises(DeviceError, match="set its firmware to 1000 Hz, or render a scene"):
-            open_device(device.url, REQUIREMENTS)
-        assert device.wait_for("stop")["force_n"] == 0
-
-
 def test_a_rate_that_falls_in_a_session(tmp_path):
     emit(scene(), model_file(tmp_path), tmp_path / "c")
     with peer("serial_device", "--thin-after", 0.4) as device:
@@ -97,10 +71,3 @@ def test_a_rate_that_falls_in_a_session(tmp_path):
     assert "set its firmware to 1000 Hz" in session.line
     assert session.error is not None
     assert exit_status(session.error) == 5
-
-
-def test_nine_tenths_are_enough(monkeypatch):
-    times = iter([0.0, 0.1])
-    clock = types.SimpleNamespace(monotonic=lambda: next(times))
-    monkeypatch.setattr(sample_rate, "time", clock)
-    require_sample_rate("x", 1000, lambda until_s: 90, "")

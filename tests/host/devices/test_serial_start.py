@@ -10,6 +10,7 @@ import pytest
 import serial
 from cobs import cobs
 from google_crc32c import value as crc32c
+from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices import sample_rate, serial_device
@@ -146,12 +147,10 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> Opened:
     return made
 
 
-def refused(opened: Opened, simulated: SimulatedDevice, needs=NEEDS) -> str:
-    with pytest.raises(DeviceError) as error:
+def require_refused(opened: Opened, simulated: SimulatedDevice, *parts: str, needs=NEEDS) -> None:
+    with refusing(DeviceError, "serial:///dev/none: ", *parts):
         opened(simulated, needs)
     assert simulated.closed == 1
-    assert "\n" not in str(error.value)
-    return str(error.value).removeprefix("serial:///dev/none: ")
 
 
 def test_a_device_is_asked_started_and_proved(opened: Opened) -> None:
@@ -213,35 +212,30 @@ def test_what_is_not_heard_is_said_again_every_50_ms(opened: Opened) -> None:
 
 def test_a_device_that_says_nothing_for_two_seconds(opened: Opened) -> None:
     simulated = SimulatedDevice(deaf={"ask": 1000})
-    told = refused(opened, simulated)
-    assert told == "no answer in 2 s: is it a springpot device, and running?"
+    require_refused(opened, simulated, "no answer in 2 s")
     assert simulated.now_s == pytest.approx(52.0, abs=2e-3)
     assert simulated.names == ["ask"] * len(simulated.heard)
     assert len(simulated.heard) == pytest.approx(40, abs=1)
 
 
-@pytest.mark.parametrize(("damaged", "is_told"), [(3, False), (4, True)])
-def test_a_line_of_damaged_frames(opened: Opened, damaged: int, is_told: bool) -> None:
+@pytest.mark.parametrize(("damaged", "told"), [(3, "no answer"), (4, "damaged frames")])
+def test_a_line_of_damaged_frames(opened: Opened, damaged: int, told: str) -> None:
     simulated = SimulatedDevice(deaf={"ask": 1000}, sent=b"\3xx\0" * damaged)
-    told = refused(opened, simulated)
-    expected = "only damaged frames come: check ?baud= and the cable"
-    assert (told == expected) == is_told
+    require_refused(opened, simulated, told)
 
 
 def test_a_device_of_another_protocol(opened: Opened) -> None:
-    told = refused(opened, SimulatedDevice(version=9))
-    assert told.startswith("speaks protocol version 9, this springpot version 1: flash")
+    require_refused(opened, SimulatedDevice(version=9), "version 9", "version 1", "flash")
     other = layout() ^ 1
-    told = refused(opened, SimulatedDevice(layout=other))
-    assert told.startswith(f"its messages are laid out otherwise ({other:08x}, here {layout():08x}")
+    require_refused(opened, SimulatedDevice(layout=other), f"{other:08x}", f"{layout():08x}")
 
 
 def test_a_board_of_another_scene(opened: Opened) -> None:
     board = SimulatedDevice("RENDERS", model=HASH)
-    told = refused(opened, board, DeviceRequirements(1000, 0.15, 10.0, hash="ab" * 32))
-    assert told.startswith("the board renders model 000102030405, the scene is abababababab: flash")
-    told = refused(opened, SimulatedDevice("RENDERS", model=HASH))
-    assert told.startswith("the board renders model 000102030405, the scene is none: flash")
+    other = DeviceRequirements(1000, 0.15, 10.0, hash="ab" * 32)
+    require_refused(opened, board, "000102030405", "abababababab", "flash", needs=other)
+    board = SimulatedDevice("RENDERS", model=HASH)
+    require_refused(opened, board, "000102030405", "none", "flash")
 
 
 def test_a_device_gives_the_scenes_force_to_a_millionth(opened: Opened) -> None:
@@ -249,8 +243,7 @@ def test_a_device_gives_the_scenes_force_to_a_millionth(opened: Opened) -> None:
     exact = next(n for n in range(1, 100) if n / (1 - 1e-6) * (1 - 1e-6) == n)
     opened(SimulatedDevice(max_n=exact), DeviceRequirements(1000, 0.15, exact / (1 - 1e-6)))
     needs = DeviceRequirements(1000, 0.15, 12.0 * (1 + 1.2e-6))
-    told = refused(opened, SimulatedDevice(max_n=12.0), needs)
-    assert told == "gives at most 12 N and the scene up to 12 N: set guard.max_force_n = 12"
+    require_refused(opened, SimulatedDevice(), "12 N", "guard.max_force_n = 12", needs=needs)
 
 
 @pytest.mark.parametrize(
@@ -258,14 +251,12 @@ def test_a_device_gives_the_scenes_force_to_a_millionth(opened: Opened) -> None:
     [(1, "that action"), (2, "that rate"), (3, "that watchdog"), (4, "a command")],
 )
 def test_a_command_that_is_refused(opened: Opened, refuses: int, what: str) -> None:
-    told = refused(opened, SimulatedDevice(refuses=refuses))
-    assert told.startswith(f"the device refuses {what} (1000 Hz, watchdog 150 ms): change")
+    require_refused(opened, SimulatedDevice(refuses=refuses), what, "1000 Hz", "150 ms")
 
 
 def test_a_command_that_is_never_acknowledged(opened: Opened) -> None:
     simulated = SimulatedDevice(deaf={"command": 1000})
-    told = refused(opened, simulated)
-    assert told == "START was not acknowledged within 2 s: restart the device"
+    require_refused(opened, simulated, "START", "2 s", "restart")
     assert simulated.now_s == pytest.approx(52.0, abs=5e-3)
 
 
@@ -295,9 +286,8 @@ def test_a_watchdog_is_proved_three_times_at_most(
         opened(simulated)
         assert simulated.names[2:] == ["force", "RESET"] * proofs
         return
-    told = refused(opened, simulated)
     found = "never" if math.isinf(trips_s) else "after 0.25 s"
-    assert told.startswith(f"without forces from here the device trips {found}, at most 0.2 s are")
+    require_refused(opened, simulated, found, "0.2 s")
     assert simulated.names[2:] == ["force", "RESET"] * proofs + ["ask", "STOP"]
     if math.isinf(trips_s):
         forced_s, reset_s = (when for _, _, when in simulated.heard[2:4])
@@ -306,9 +296,7 @@ def test_a_watchdog_is_proved_three_times_at_most(
 
 def test_a_device_of_too_few_samples_is_stopped(opened: Opened) -> None:
     simulated = SimulatedDevice(rate_hz=500.0)
-    told = refused(opened, simulated)
-    assert told.startswith(("sends 499 samples a second, the", "sends 500 samples a second, the"))
-    assert "set its firmware to 1000 Hz, or render a scene of its rate" in told
+    require_refused(opened, simulated, "samples a second", "1000 Hz", "firmware", "1000 Hz")
     assert simulated.names[-2:] == ["ask", "STOP"]
 
 
@@ -326,11 +314,10 @@ def test_a_line_carries_one_frame_a_tick(opened: Opened) -> None:
     longest = max(messages()[name].wire_bytes for name in ("sample", "force"))
     assert longest == messages()["sample"].wire_bytes == 26
     require_fast_line("x", 260_000, 1000, longest)
-    with pytest.raises(DeviceError) as error:
+    with refusing(DeviceError, "x: ", "259999 baud", "1000 Hz", "260000"):
         require_fast_line("x", 259_999, 1000, longest)
-    assert str(error.value).startswith("x: 259999 baud carry 1000 frames a second, 1000 Hz need 26")
     opened(SimulatedDevice(rate_hz=3500.0), DeviceRequirements(3500, 0.15, 10.0))
-    with pytest.raises(DeviceError, match="921600 baud carry 3545 frames a second, 3600 Hz need"):
+    with pytest.raises(DeviceError, match=r"921600 baud.*3545.*3600 Hz"):
         opened(SimulatedDevice(), DeviceRequirements(3600, 0.15, 10.0))
 
 
@@ -339,7 +326,7 @@ def test_a_line_carries_one_frame_a_tick(opened: Opened) -> None:
     [
         ("baud=1199", "baud=1199: give a number between 1200 and 1.2e.07"),
         ("baud=12000001", "baud=12000001: give a number between 1200 and 1.2e.07"),
-        ("speed=1", "no setting 'speed': use baud, surface_mm, feed"),
+        ("speed=1", "no setting 'speed'"),
     ],
 )
 def test_settings_are_checked_before_the_port_is_opened(query: str, told: str) -> None:

@@ -28,24 +28,18 @@ def tight(folder: Path) -> tuple[Scene, Path, int]:
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
 
 
-@pytest.fixture
-def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few reductions to build: one that fits is among them."""
+def build_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Try few reductions: one that fits is among them."""
     monkeypatch.setattr(prune, "_TREES", (1.0, 0.5, 0.2))
     monkeypatch.setattr(prune, "_LEAVES", (1, 8))
 
 
-def test_a_reduction_that_fits_is_named_and_then_applied(tmp_path: Path, few: None) -> None:
-    chosen, model, flash_bytes = tight(tmp_path)
-    with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
-        emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
-    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
-    assert fitted.footprint is not None
-    assert fitted.footprint.flash_bytes <= flash_bytes
-
-
-@pytest.mark.slow
-def test_of_all_reductions_the_best_keeps_to_the_budget(tmp_path: Path) -> None:
+@pytest.mark.parametrize("reductions", ["few", pytest.param("all", marks=pytest.mark.slow)])
+def test_a_reduction_that_fits_is_named_and_then_applied(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reductions: str
+) -> None:
+    if reductions == "few":
+        build_few(monkeypatch)
     chosen, model, flash_bytes = tight(tmp_path)
     with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
         emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
@@ -62,8 +56,9 @@ def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
 
 
 def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(
-    tmp_path: Path, few: None
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    build_few(monkeypatch)
     chosen, model, _ = tight(tmp_path)
     unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
     fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [EVALUATION], fit=True)

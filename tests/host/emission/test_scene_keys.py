@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.messages import refusing
 
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Scene
 from springpot.host.emission.scene_file import (
     checked_scene,
+    model_path,
     read_scene,
     scene_from_json,
     scene_to_json,
@@ -109,9 +111,8 @@ def test_a_key_that_there_is_none_of_is_told_with_those_that_there_are(section: 
     name = f"{section}.colour" if section else "colour"
     place = getattr(PLAIN, section) if section else PLAIN
     known = ", ".join(field.name for field in dataclasses.fields(place))
-    with pytest.raises(UsageError) as error:
+    with refusing(UsageError, f"scene.toml: {name}: no such key: known here are {known}"):
         scene_from_json(with_key(name, 1), "scene.toml")
-    assert str(error.value) == f"scene.toml: {name}: no such key: known here are {known}"
 
 
 @pytest.mark.parametrize("section", ["", *SECTIONS])
@@ -188,3 +189,35 @@ def test_a_scene_of_python_is_checked_as_a_file_is(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match=r"^scene: .*: give numbers, strings and booleans"):
             call(dataclasses.replace(PLAIN, name=b"x"))  # type: ignore[arg-type]  # refused, that is the test
     assert not list(tmp_path.iterdir())
+
+
+HEAD = 'schema = 1\nname = "x"\nmodel = "x.spm"\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("schema = 1\nname = 'x'", "model: missing: add this key"),
+        (HEAD + "[runtime]\nrate = 1000", "runtime.rate: no such key: known here are rate_hz"),
+        (HEAD + "[runtime]\nnumber = 'double'", "runtime.number: .*'float32' or 'float64'"),
+        (HEAD + "[coupling]\nmass_kg = nan", "coupling.mass_kg"),
+        (HEAD + "[runtime", "not a scene"),
+        (HEAD + "x = " + "[" * 5000, "not a scene"),
+        # a dotted key takes the TOML reader the square of its length, in time and memory
+        ("schema = 1\n" + "a." * 31_000 + "b = 1\n", "larger than 16 KiB"),
+    ],
+)
+def test_a_wrong_file_is_refused_in_one_line(tmp_path: Path, text: str, told: str) -> None:
+    (tmp_path / "scene.toml").write_text(text)
+    with pytest.raises(UsageError, match=rf"scene\.toml.*{told}") as refusal:
+        read_scene(tmp_path / "scene.toml")
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"none\.toml: cannot be read"):
+        read_scene(tmp_path / "none.toml")
+    with pytest.raises(DataError, match=r"`model` of .*scene.toml names it"):
+        model_path(PLAIN, tmp_path / "scene.toml")
+    (tmp_path / "x.spm").touch()
+    assert model_path(PLAIN, tmp_path / "scene.toml") == tmp_path / "x.spm"

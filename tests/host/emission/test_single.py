@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import golden_forces
+from support.c import golden_forces
+from support.c.single import every_plan, plan_of, write_single
 from support.in_process import spring
-from support.single import every_plan, plan_of, write_single
 from support.small import model_file, press, recording, scene
 
 from springpot.codegen.errors import UsageError

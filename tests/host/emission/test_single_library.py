@@ -8,9 +8,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from support import golden_forces
+from support.c import golden_forces
+from support.c.single import plan_of, write_single
 from support.paths import TESTS
-from support.single import plan_of, write_single
 
 from springpot.codegen.plan.plan import Plan
 

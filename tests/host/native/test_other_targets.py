@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model_file import read_model
@@ -86,9 +86,3 @@ def test_the_same_forces_for_other_targets(
     for target, (compiler, *options) in TARGETS.items():
         if not missing(target) and (number == "float32" or target in DOUBLES):
             assert run(built(sources, tmp_path / "other", compiler, *options)) == wanted, target
-
-
-@pytest.mark.parametrize("target", list(TARGETS))
-def test_which_targets_run_here(target: str) -> None:
-    if why := missing(target):
-        pytest.skip(why)

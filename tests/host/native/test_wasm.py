@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support import golden_forces
 from support.bench_folder import asked, small
-from support.cross_tools import path_without
+from support.c import golden_forces
+from support.c.cross_tools import path_without
 from support.small import press, recording
 
 from springpot.codegen.emit.files import emit_files

@@ -3,21 +3,12 @@
 import numpy as np
 import pytest
 from support.peer import Peer, peer
-from support.small import model_file, scene
 
 from springpot.codegen.reference.notes import LATCHED
-from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import NONE, UNSENT
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    base = tmp_path_factory.mktemp("scene")
-    emit(scene(), model_file(base), base / "c")
-    return base / "c"
 
 
 def felt(folder, tmp_path, device: Peer, seconds: float = 1.6, settings: str = ""):

@@ -14,23 +14,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.peer import CLI, Peer, peer, wait_until
-from support.small import model_file, scene
 
 from springpot.codegen.reference.notes import LATCHED
-from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import NONE, RESET, SILENT
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
 HELD = ("serial_device", "dhd_device")  # by a hand that presses
 ROUNDS = int(os.environ.get("SPRINGPOT_ROUNDS", "1"))
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    base = tmp_path_factory.mktemp("scene")
-    emit(scene(), model_file(base), base / "c")
-    return base / "c"
 
 
 class Host:

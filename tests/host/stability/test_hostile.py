@@ -5,7 +5,7 @@ import os
 
 import numpy as np
 import pytest
-from support.rounding import ForceRounding, MotionRange
+from support.c.rounding import ForceRounding, MotionRange
 from support.small import DEPTH_M, DT_S, press, scene, training
 
 from springpot.codegen.model.model import Hammerstein, Model, TrainedRange

@@ -1,19 +1,24 @@
-"""What outcomes mean: grades, the order of cases, and the words of the command line."""
+"""What outcomes and stated figures mean: grades, the order of cases, the words for people."""
 
 import itertools
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
+from support.small import model_file
 
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE
-from springpot.codegen.scene import Device
+from springpot.codegen.model.model_file import read_model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import Coupling, Device, Guard, Scene
 from springpot.host.commands.scenes.stability import stability_rows
 from springpot.host.simulation.hand_loop import Trace
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability, recommendation
 from springpot.host.stability.closed_loop import Losses, Outcome
+from springpot.host.stability.device_advice import device_advice
 from springpot.host.stability.judgement import Grade, judge, judged_cases
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
@@ -144,3 +149,29 @@ def test_all_cases_are_drawn_on_one_scale() -> None:
 def test_text_in_dark_cells_is_light() -> None:
     assert figures.ink_on(0.95) == figures.ink_on(-0.95) == "white"
     assert figures.ink_on(0.1) == figures.ink_on(0.0) != "white"
+
+
+TOOL = Coupling(mode="tool", stiffness_npm=2000.0, damping_nspm=4.0)
+
+
+@pytest.mark.parametrize(
+    ("stated", "coupling", "says"),
+    [
+        ({}, Coupling(), []),
+        ({"max_force_n": 12.0}, Coupling(), []),
+        ({"max_force_n": 8.0}, Coupling(), ["may reach 12 N and its device gives 8 N"]),
+        ({"velocity_noise_mps": 0.006}, TOOL, []),
+        ({"velocity_noise_mps": 0.006}, Coupling(), []),
+        ({"velocity_noise_mps": 0.006, "velocity": "device"}, TOOL, ["puts 0.024 N of noise"]),
+    ],
+)
+def test_what_stated_figures_mean(
+    tmp_path: Path, stated: dict[str, Any], coupling: Coupling, says: list[str]
+) -> None:
+    scene = Scene(schema=1, name="pad", model="model.spm", coupling=coupling,
+                  guard=Guard(max_force_n=12.0), device=Device(**stated))  # fmt: skip
+    plan = make_plan(read_model(model_file(tmp_path)), scene)
+    advice = list(device_advice(plan))
+    assert len(advice) == len(says)
+    for words, said in zip(advice, says, strict=True):
+        assert said in words

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support import golden_forces
+from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 

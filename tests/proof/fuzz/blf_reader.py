@@ -5,7 +5,7 @@ from pathlib import Path
 
 from proof.fuzz.reader import Reader
 from proof.fuzz.text_reader import read_import
-from support.malformed import can_frames
+from support.files.malformed import can_frames
 
 
 def seeds() -> Iterator[tuple[str, bytes]]:

@@ -12,11 +12,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from unittest import mock
 
+import h5py
 import numpy as np
 from proof.fuzz.reader import Reader
 from proof.fuzz.text_reader import read_import
 from scipy.io import savemat
-from support.malformed import TIME_S, stored_arrays
+from support.files.malformed import TIME_S
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats import array_process, arrays
@@ -35,7 +36,11 @@ def seeds() -> Iterator[tuple[str, bytes]]:
         memory = io.BytesIO()
         savemat(memory, content)
         yield name, memory.getvalue()
-    yield "hdf5", stored_arrays("h5")
+    memory = io.BytesIO()
+    with h5py.File(memory, "w") as file:
+        for name, values in columns.items():
+            file.create_dataset(name, data=values, fletcher32=True)
+    yield "hdf5", memory.getvalue()
 
 
 def read(content: bytes, folder: Path) -> None:

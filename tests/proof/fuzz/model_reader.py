@@ -8,7 +8,7 @@ from pathlib import Path
 
 from proof.fuzz.reader import Reader
 from proof.fuzz.sections import joined, split
-from support import golden_forces
+from support.c import golden_forces
 from support.small import small_model
 
 from springpot.codegen.model.model_file import MODEL_MAGIC, MODEL_SCHEMA, model_bytes, read_model

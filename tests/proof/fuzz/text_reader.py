@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from proof.fuzz.reader import Reader
-from support.malformed import DBC, TIME_S, can_frames
+from support.files.malformed import DBC, TIME_S, can_frames
 
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 

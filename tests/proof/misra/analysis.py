@@ -5,12 +5,14 @@ import shutil
 import subprocess
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 
+from proof.functions import functions_by_line
 from proof.misra.programs import RUNTIME, Program
 
 _LINE = re.compile(r"(?P<file>[^\t]+)\t(?P<line>\d+)\t(?P<column>\d+)\t(?P<id>\S+)")
-Place = tuple[str, str, int, int]  # rule, file, line, column
+Place = tuple[str, str, str, int, int]  # rule, file, function, line, column
 
 
 def missing_tool() -> str | None:
@@ -24,15 +26,18 @@ def tool_version() -> str:
     ).stdout.strip()
 
 
-def places_of(programs: list[Program], workers: int) -> set[Place]:
-    """Every place where a rule is broken, each once though many programs include it."""
+def places_of(programs: list[Program], workers: int) -> list[set[Place]]:
+    """Find the places where a rule is broken, of each program."""
     with ThreadPoolExecutor(workers) as pool:
-        return set().union(*pool.map(_places, programs))
+        return list(pool.map(_places, programs))
 
 
-def by_rule_and_file(places: set[Place]) -> Counter[tuple[str, str]]:
-    """How many places each rule has in each file."""
-    return Counter((rule, file) for rule, file, _, _ in places)
+def by_function(places: list[set[Place]]) -> Counter[tuple[str, str, str]]:
+    """Count the places of each rule in each function of each file, in the program with most."""
+    found: Counter[tuple[str, str, str]] = Counter()
+    for of_program in places:
+        found |= Counter(place[:3] for place in of_program)
+    return found
 
 
 def _places(program: Program) -> set[Place]:
@@ -48,8 +53,14 @@ def _places(program: Program) -> set[Place]:
         if match is None or result.returncode:
             raise SystemExit(f"cppcheck on {program.name}: {line}")
         rule = match["id"].removeprefix("misra-c2012-")
-        found.add((rule, _home(Path(match["file"])), int(match["line"]), int(match["column"])))
+        file, number = Path(match["file"]), int(match["line"])
+        found.add((rule, _home(file), _functions(file)[number - 1], number, int(match["column"])))
     return found
+
+
+@cache
+def _functions(file: Path) -> list[str]:
+    return functions_by_line(file.read_text(), is_python=False)
 
 
 def _home(file: Path) -> str:

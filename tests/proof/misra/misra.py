@@ -1,11 +1,12 @@
 """`make misra`: rules of MISRA C:2012 that cppcheck's addon checks, over runtime_c and emitted C.
 
-    python tests/proof/misra/misra.py [--json docs/reliability/misra.json] [--list]
+    python tests/proof/misra/misra.py [--json docs/reliability/misra.json] [--list] [--record]
 
-Fails where a rule is broken and deviations.toml has no record of it for that file, and where a
-record covers nothing. This is no claim of conformity: the addon checks some of the rules, rules
-about the whole of a project by none of them.
---list: print every place, to write a record from or to mend.
+Fails if a rule is broken without a reason in deviations.toml, or in a function more often than the
+stored result has it, and if a reason covers nothing. This is no claim of conformity: the addon
+checks some of the rules, and no rule about a whole project.
+--list: print every place, to mend it or to record it.
+--record: store what is found as what may be found, after a change of the C that was looked at.
 """
 
 import argparse
@@ -21,55 +22,62 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
-from proof.misra.analysis import by_rule_and_file, missing_tool, places_of, tool_version
+from proof.misra.analysis import by_function, missing_tool, places_of, tool_version
 from proof.misra.programs import PORT, RUNTIME, programs
 from support.paths import ROOT
 
 RECORDS = Path(__file__).parent / "deviations.toml"
 RESULT = ROOT / "docs" / "reliability" / "misra.json"
-Found = Counter[tuple[str, str]]
+Found = Counter[tuple[str, str, str]]  # places by rule, file and function
 
 
-def unrecorded(found: Found, records: list[dict[str, Any]]) -> list[str]:
-    """Each rule that is broken in a file without a record, one line each."""
-    covered = {(record["rule"], file) for record in records for file in record["files"]}
-    return [
-        f"rule {rule} is broken in {file} ({count} places): mend it, or write a record"
-        for (rule, file), count in sorted(found.items())
-        if (rule, file) not in covered
+def stored_places(result: dict[str, Any]) -> Found:
+    """Read what a stored result has found."""
+    return Counter(
+        {
+            (row["rule"], file, function): count
+            for row in result["rows"]
+            for file, functions in row["files"].items()
+            for function, count in functions.items()
+        }
+    )
+
+
+def wrong_places(found: Found, records: dict[str, Any], stored: Found) -> list[str]:
+    """Say in a line each: a rule without a reason, a new place, and a reason without a place."""
+    reasons, rules = records["reasons"], {rule for rule, _, _ in found}
+    wrong = [f"rule {rule} is broken: mend it, or write a reason" for rule in rules - set(reasons)]
+    wrong += [
+        f"rule {rule} is broken in {file}, {function} ({count} places, {stored[place]} recorded): "
+        "mend it, or --record it"
+        for place, count in found.items()
+        for rule, file, function in [place]
+        if rule in reasons and rule not in records["places_vary"] and count > stored[place]
     ]
+    wrong += [f"the reason of rule {rule} covers nothing: take it away" for rule in reasons
+              if rule not in rules]  # fmt: skip
+    return sorted(wrong)
 
 
-def idle_records(found: Found, records: list[dict[str, Any]]) -> list[str]:
-    """Each record of a file where its rule is kept, one line each.
-
-    Where the addon's places vary from run to run, a record is idle when none of its files has one.
-    """
-    return [
-        f"the record of rule {record['rule']} for {file} covers nothing: take it away"
-        for record in records
-        for file in record["files"]
-        if (record["rule"], file) not in found
-        and not (
-            record.get("places_vary")
-            and any((record["rule"], name) in found for name in record["files"])
-        )
-    ]
-
-
-def rows(found: Found, records: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Each record with the number of places that it covers."""
-    return [
-        {**record, "places": sum(found[record["rule"], file] for file in record["files"])}
-        for record in records
-    ]
+def rows(found: Found, reasons: dict[str, str]) -> list[dict[str, Any]]:
+    """List each rule with its reason and its places: how many in which function of which file."""
+    made = []
+    for rule, reason in reasons.items():
+        files: dict[str, dict[str, int]] = {}
+        for place in sorted(found):
+            if place[0] == rule:
+                files.setdefault(place[1], {})[place[2]] = found[place]
+        places = sum(sum(functions.values()) for functions in files.values())
+        made.append({"rule": rule, "reason": reason, "places": places, "files": files})
+    return made
 
 
 def main() -> int:
-    """Analyse, compare, write; the number of lines that are wrong is none, or the status is 1."""
+    """Analyse, compare, store; return 1 if something is wrong."""
     parser = argparse.ArgumentParser(description="cppcheck's MISRA addon, with deviations")
     parser.add_argument("--json", type=Path, default=RESULT, help="where the result goes")
     parser.add_argument("--list", action="store_true", help="print every place")
+    parser.add_argument("--record", action="store_true", help="take all places for recorded")
     options = parser.parse_args()
     if problem := missing_tool():
         print(problem, file=sys.stderr)
@@ -81,31 +89,36 @@ def main() -> int:
         left -= {file.name for file in Path(folder).rglob("*.h")}
         places = places_of(analysed, os.cpu_count() or 1)
     if options.list:
-        for rule, file, line, column in sorted(places):
-            print(f"{rule}\t{file}:{line}:{column}")
-    found = by_rule_and_file(places)
-    records = tomllib.loads(RECORDS.read_text())["deviation"]
-    wrong = unrecorded(found, records) + idle_records(found, records)
+        for rule, file, function, line, column in sorted(set().union(*places)):
+            print(f"{rule}\t{file}:{line}:{column}\t{function}")
+    found = by_function(places)
+    records = tomllib.loads(RECORDS.read_text())
+    stored = found if options.record else stored_places(json.loads(RESULT.read_text()))
+    wrong = wrong_places(found, records, stored)
     wrong += [f"no scene includes {name}: give one in programs.py" for name in sorted(left)]
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True,
-                            capture_output=True, check=False).stdout.strip()  # fmt: skip
+    for line in wrong:
+        print(line, file=sys.stderr)
+    seconds = round(time.monotonic() - begin)
+    print(f"{found.total()} places of {len(records['reasons'])} rules, {len(wrong)} wrong")
+    if wrong:
+        return 1
     result = {
         "command": "make misra",
         "tool": tool_version(),
-        "commit": commit,
-        "seconds": round(time.monotonic() - begin),
+        "commit": _commit(),
+        "seconds": seconds,
         "programs": [program.name for program in analysed],
-        "files": len([*(RUNTIME / "src").iterdir(), *PORT.rglob("*.[ch]")]),
-        "rows": rows(found, records),
-        "wrong": wrong,
+        "c_files": len([*(RUNTIME / "src").iterdir(), *PORT.rglob("*.[ch]")]),
+        "rows": rows(found, records["reasons"]),
     }
     options.json.parent.mkdir(parents=True, exist_ok=True)
     options.json.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n")
-    for line in wrong:
-        print(line, file=sys.stderr)
-    kept = sum(row["places"] for row in result["rows"])
-    print(f"{len(records)} records for {kept} places, {len(wrong)} wrong, {result['seconds']} s")
-    return 1 if wrong else 0
+    return 0
+
+
+def _commit() -> str:
+    return subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True,
+                          capture_output=True, check=False).stdout.strip()  # fmt: skip
 
 
 if __name__ == "__main__":

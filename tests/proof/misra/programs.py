@@ -6,7 +6,7 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from support import golden_forces
+from support.c import golden_forces
 from support.paths import ROOT
 
 from springpot.codegen import stages

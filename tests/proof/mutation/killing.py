@@ -11,16 +11,20 @@ import os
 import queue
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from mutant import Mutant
 
 ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tests"))
+from proof.functions import functions_by_line  # noqa: E402
+
 SURVIVED = "survived"
 UNCHANGED = "no other program"  # the same machine code or bytecode, or none: not counted
 
@@ -35,6 +39,7 @@ class Tried:
     line: str
     change: str  # the line as it was changed
     by: str
+    place: str = ""  # function.kind of the change: what reasons go by
 
     @property
     def key(self) -> tuple[str, str, int, str]:
@@ -95,7 +100,7 @@ def try_all(
             finally:
                 place.write_text(text)
                 copies.put(copy)
-            return Tried(**{**asdict(task.tried), "by": by})
+            return replace(task.tried, by=by)
 
         left_files = {task.tried.file for task in left}
         for file in filter(left_files.__contains__, files):
@@ -108,7 +113,7 @@ def try_all(
                 print(f"{row.file}:{row.number}: {row.line}\n    -> {row.change}", flush=True)
             if done % 100 == 0:
                 print(f"{done} of {len(left)}", flush=True)
-    return [before[task.tried.key] for task in tasks]
+    return [replace(task.tried, by=before[task.tried.key].by) for task in tasks]
 
 
 def _require_sound(copies: "queue.Queue[Path]", file: str, attempt: Attempt) -> None:
@@ -124,9 +129,12 @@ def _tasks(file: str, mutants_of: Callable[[str], Iterator[Mutant]]) -> list[_Ta
     text = (ROOT / file).read_text()
     digest = hashlib.sha256(text.encode()).hexdigest()[:16]
     tasks = []
+    functions = functions_by_line(text, is_python=Path(file).suffix == ".py")
     for mutant in mutants_of(text):
         line, change = mutant.lines(text)
-        tried = Tried(file, digest, mutant.line_number(text), line, change, SURVIVED)
+        number = mutant.line_number(text)
+        place = f"{functions[number - 1]}.{mutant.kind(text)}"
+        tried = Tried(file, digest, number, line, change, SURVIVED, place)
         tasks.append(_Task(tried, mutant))
     return list({task.tried.key: task for task in tasks}.values())
 

@@ -22,6 +22,11 @@ OTHER_OPERATORS = {
     "^": ("|",),
 }
 
+_COMPARISONS = {"<", "<=", ">", ">=", "==", "!=", "is", "is not", "in", "not in"}
+_OPERATORS = {"&&", "||", "!", "~", "+=", "-=", "*=", "|=", "^=", "++", "--",
+              "and", "or", "not", "**", "//", *OTHER_OPERATORS}  # fmt: skip
+_NO_STATEMENT = {";", "...", "break", "continue"}
+
 
 @dataclass(frozen=True)
 class Mutant:
@@ -30,6 +35,15 @@ class Mutant:
     start: int
     end: int
     new: str
+
+    def kind(self, text: str) -> str:
+        """Name what is changed: a comparison, an operator, a statement or a value."""
+        old = " ".join(text[self.start : self.end].split())
+        if old in _COMPARISONS:
+            return "comparison"
+        if old in _OPERATORS:
+            return "operator"
+        return "statement" if self.new in _NO_STATEMENT else "value"
 
     def apply(self, text: str) -> str:
         return text[: self.start] + self.new + text[self.end :]

@@ -25,7 +25,7 @@ _LOOP = ("test_loop", "test_loop_end", "test_loop_device", "test_loop_periods")
 PROGRAMS = {
     "runtime_c/src/sp_guard.h": ("test_guard", "test_patterns"),
     "runtime_c/src/sp_output.h": ("test_output", "test_output_steps", "test_patterns"),
-    "runtime_c/src/sp_contact.h": ("test_filters", "test_range"),
+    "runtime_c/src/sp_contact.h": ("test_range",),
     "runtime_c/src/sp_range.h": ("test_range",),
     "runtime_c/port/wire/sp_wire.c": ("test_wire",),
     "runtime_c/port/posix/sp_loop_tick.c": _LOOP,

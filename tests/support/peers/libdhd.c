@@ -256,19 +256,16 @@ int dhdGetDeviceID(void)
 
 const char *dhdGetSystemName(signed char id)
 {
-    (void)id;
     return "omega.3 (simulated)";
 }
 
 int dhdClose(signed char id)
 {
-    (void)id;
     return page == NULL ? fail(NO_DEVICE) : 0;
 }
 
 int dhdGetStatus(int *status, signed char id)
 {
-    (void)id;
     if (call() < 0) {
         return -1;
     }
@@ -283,7 +280,6 @@ int dhdGetStatus(int *status, signed char id)
 
 int dhdGetButton(int index, signed char id)
 {
-    (void)id;
     return call() < 0 ? -1 : index == 0 && page[BUTTON] != 0;
 }
 
@@ -297,7 +293,6 @@ static int answer(double *x, double *y, double *z, const double *three)
 
 int dhdGetPosition(double *x, double *y, double *z, signed char id)
 {
-    (void)id;
     if (call() < 0) {
         return -1;
     }
@@ -309,13 +304,11 @@ int dhdGetPosition(double *x, double *y, double *z, signed char id)
 
 int dhdGetLinearVelocity(double *x, double *y, double *z, signed char id)
 {
-    (void)id;
     return call() < 0 ? -1 : answer(x, y, z, seen + 3);
 }
 
 int dhdSetForce(double x, double y, double z, signed char id)
 {
-    (void)id;
     if (call() < 0) {
         return -1;
     }
@@ -337,7 +330,6 @@ int dhdSetForce(double x, double y, double z, signed char id)
 
 int dhdEnableForce(unsigned char on, signed char id)
 {
-    (void)id;
     if (call() < 0) {
         return -1;
     }
@@ -352,21 +344,17 @@ int dhdEnableForce(unsigned char on, signed char id)
 
 int dhdSetEffectorMass(double mass, signed char id)
 {
-    (void)id;
     page[MASS_KG] = mass;
     return call();
 }
 
 int dhdSetGravityCompensation(int on, signed char id)
 {
-    (void)on;
-    (void)id;
     return call();
 }
 
 int dhdSetMaxForce(double limit, signed char id)
 {
-    (void)id;
     page[MAX_FORCE_N] = limit;
     return call();
 }
@@ -385,7 +373,6 @@ int dhdDisableExpertMode(void)
 
 int dhdSetWatchdog(unsigned char duration, signed char id)
 {
-    (void)id;
     if (!expert) {
         return fail(NO_EXPERT);
     }
@@ -403,20 +390,14 @@ int dhdErrorGetLast(void)
 
 const char *dhdErrorGetStr(int error)
 {
-    switch (error) {
-    case NO_ERROR:
-        return "no error";
-    case COM:
-        return "communication error";
-    case NO_DEVICE:
-        return "no device found";
-    case NOT_IMPLEMENTED:
-        return "feature not available";
-    case NO_EXPERT:
-        return "expert mode disabled";
-    case IN_USE_ERROR:
-        return "device already in use";
-    default:
-        return "error";
-    }
+    static const char *const words[] = {
+        [NO_ERROR] = "no error",
+        [COM] = "communication error",
+        [NO_DEVICE] = "no device found",
+        [NOT_IMPLEMENTED] = "feature not available",
+        [NO_EXPERT] = "expert mode disabled",
+        [IN_USE_ERROR] = "device already in use",
+    };
+    const int known = error >= 0 && error <= IN_USE_ERROR && words[error] != NULL;
+    return known ? words[error] : "error";
 }

@@ -1,6 +1,7 @@
-"""What a fit takes from its recordings: rows, range, contact, scale, smoothing."""
+"""What a fit takes from its recordings: rows, range, contact, scale, smoothing, memory."""
 
 import dataclasses
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.forest.leaves import quantised_leaves
+from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.features.fractional import fir_derivatives
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -106,3 +108,45 @@ def test_contact_follows_the_importers_zero() -> None:
 def test_the_window_is_set_in_seconds(window_s: float) -> None:
     fit = fit_model("rf-fd", "x", training(), FitOptions(trees=2, leaf=50, window_s=window_s))
     assert len(fit.model.features.taps) == round(window_s / DT_S)
+
+
+def test_same_seed_and_recordings_give_the_same_hash() -> None:
+    first, again, other = (
+        model_hash(fit_model("rf-fd", "a", training(), FitOptions(seed=k, trees=3, leaf=30)).model)
+        for k in (3, 3, 4)
+    )
+    assert first == again != other
+
+
+NUMBERS = 8  # a sample, beside its position and force: ten hours at 1 kHz are then 2.9e9 bytes
+
+
+def long_recording(samples: int) -> Recording:
+    depth_m = np.resize(press(1.0), samples)
+    force_n = np.resize(recording("one", press(1.0)).force_n, samples)
+    rng = np.random.default_rng(samples)
+    return Recording("long", depth_m + rng.normal(0, 1e-6, samples), force_n, DT_S)
+
+
+def peak_bytes(kind: str, samples: int) -> int:
+    long = long_recording(samples)
+    tracemalloc.start()
+    fit_model(kind, "long", [long], FitOptions(trees=2, leaf=50))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return peak
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "rbf-pv",
+        pytest.param("rf-fd", marks=pytest.mark.slow),
+        pytest.param("hybrid", marks=pytest.mark.slow),
+    ],
+)
+def test_memory_grows_with_few_numbers_a_sample(kind):
+    """Two lengths, so that what the capped rows take falls out of the difference."""
+    few, many = 60_000, 110_000
+    held = (peak_bytes(kind, many) - peak_bytes(kind, few)) / (many - few)
+    assert held < 8 * NUMBERS, f"{held:.0f} bytes a sample"

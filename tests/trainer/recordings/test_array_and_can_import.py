@@ -140,6 +140,9 @@ def test_can_logs(tmp_path: Path, name: str) -> None:
     (tmp_path / "rig.dbc").write_text(DBC)
     frames(tmp_path / name)
     assert_samples(load(tmp_path / name, dbc=tmp_path / "rig.dbc"), 6e-7)
+    (tmp_path / f"cut{name}").write_bytes((tmp_path / name).read_bytes()[:-70])
+    with pytest.raises(DataError, match=f"cut{name}"):
+        load(tmp_path / f"cut{name}", dbc=tmp_path / "rig.dbc")
     with pytest.raises(UsageError, match="pass --dbc FILE"):
         load(tmp_path / name)
     (tmp_path / "rig.dbc").write_text(DBC.replace("291", "293"))

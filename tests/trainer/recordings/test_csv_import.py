@@ -163,7 +163,6 @@ def test_text_in_other_columns_and_blank_lines_are_fine(tmp_path: Path) -> None:
         ("time_s,position_m,force_N\n", "0 rows of numbers"),
         ("", "the file is empty"),
         (GOOD.replace("force_N", "force"), "column 3 'force': no unit of force"),
-        (GOOD.replace("_N", " (furlong)"), "column 3 'force (furlong)': 'furlong' is not a unit"),
         (GOOD.replace("force_N", "stress_Pa"), "found no column of force in row 1"),
         (GOOD.split("\n", 1)[1], "found no column of time or of position or of force"),
         (GOOD.replace("time_s", "load_N"), "found no column of time"),
@@ -178,7 +177,6 @@ def test_text_in_other_columns_and_blank_lines_are_fine(tmp_path: Path) -> None:
             GOOD.replace("force_N", "force_mn"),
             "--map force=force_mn:UNIT, with",
         ),
-        (GOOD.replace("_N", " (kg)"), "'kg' is not a unit of force (did you mean kgf?)"),
         (
             GOOD.replace(",", ";").replace(".", ",").replace("0,002;0,2", "0,002;1.0,2"),
             "row 4, column 2: '1.0,2' is not a number with a decimal comma",

@@ -1,6 +1,11 @@
-"""Inputs that a fuzzer found, in short: each hung, took the memory or ended in a traceback once."""
+"""Malformed files: one line that names file and row; no traceback, no silent repair.
+
+Some were found by a fuzzer: each hung, took the memory or ended in a traceback once. `make soak`
+raises the number of those that are drawn by SPRINGPOT_FUZZ.
+"""
 
 import json
+import os
 import struct
 import zlib
 from pathlib import Path
@@ -10,7 +15,7 @@ from unittest import mock
 import h5py
 import numpy as np
 import pytest
-from support.malformed import DBC, can_frames
+from support.files.malformed import DBC, can_frames, malformed
 
 from springpot.codegen.errors import DataError, SpringpotError
 from springpot.trainer.recordings import recording_file
@@ -20,6 +25,8 @@ from springpot.trainer.recordings.journal_blocks import LAST_METADATA, SAMPLES, 
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
+COUNT = int(os.environ.get("SPRINGPOT_FUZZ", "100"))
+GROUP = 25
 METADATA = {"schema": 1, "name": "a", "dt_s": 0.001, "source": "", "details": {}, "block_s": 0.2}
 ROWS = "\n".join(f"{k / 100},{k},{k}" for k in range(9))
 HEADER = "time_s,position_mm,force_N"
@@ -188,3 +195,15 @@ def test_a_message_is_one_line_whatever_it_quotes() -> None:
     assert len(line) <= 2000
     assert line.startswith("file: x")
     assert line.endswith("x: correct it")
+
+
+@pytest.mark.parametrize("group", range(-(-COUNT // GROUP)))
+def test_malformed_rows_are_named(tmp_path: Path, group: int) -> None:
+    (tmp_path / "rig.dbc").write_text(DBC)
+    for seed in range(group * GROUP, (group + 1) * GROUP):
+        case = malformed(np.random.default_rng(seed))
+        (tmp_path / case.name).write_bytes(case.content)
+        options = ImportOptions(dbc=tmp_path / "rig.dbc" if case.options.get("dbc") else None)
+        line = refusal(tmp_path / case.name, options)
+        assert len(line) < 1000, case.what
+        assert not case.row or f", row {case.row}" in line, f"{case.what}: {line}"

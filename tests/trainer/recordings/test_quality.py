@@ -1,8 +1,6 @@
 """The quality report: each fault is found, said in one line, and not found where it is not."""
 
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from math import gamma
 from pathlib import Path
@@ -10,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from support.in_process import spring
 from support.small import training
 
 from springpot.codegen.errors import DataError
@@ -60,11 +59,9 @@ def test_a_simulated_object_has_no_findings(tmp_path: Path) -> None:
         f"[[profile]]\namplitude_n = {n}\nfrequency_hz = {hz}\n" for n in (4, 9) for hz in (1, 4)
     )
     protocol.write_text("".join(tables))
-    command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
     out = str(tmp_path / "out")
-    url = "sim://dragon-skin-10"
-    subprocess.run([*command, "record", "--device", url, "--protocol", str(protocol), "--out", out],
-                   check=True, capture_output=True)  # fmt: skip
+    device = ("--device", "sim://dragon-skin-10")
+    assert spring("record", *device, "--protocol", protocol, "--out", out).returncode == 0
     result = CliRunner().invoke(check_, [out, "--json"])
     assert result.exit_code == 0
     assert json.loads(result.stdout)["findings"] == []
@@ -253,18 +250,6 @@ def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
     assert {"kind", "severity", "where", "what", "so_what", "to_do", "line"} == set(
         answer["findings"][0]
     )
-
-
-def test_train_runs_the_check(tmp_path: Path) -> None:
-    good = sine()
-    write_recording(tmp_path / "a.h5", replace(good, force_n=-good.force_n))
-    command = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
-    result = subprocess.run(
-        [*command, "train", str(tmp_path), "--model", "rf-fd", "--out", str(tmp_path / "m.spm")],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert result.returncode == 3
-    assert "force falls as position rises" in result.stderr
 
 
 def test_pictures(tmp_path: Path) -> None:

@@ -1,5 +1,9 @@
-"""Recordings as HDF5 files: what is written is read, and damage is never read as data."""
+"""Recordings as HDF5 files: what is written is read, damage is never read as data."""
 
+import dataclasses
+import hashlib
+import json
+import os
 from pathlib import Path
 
 import h5py
@@ -9,33 +13,66 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings import recording_file
+from springpot.trainer.recordings.recording import SIGN_RULE, Recording
 from springpot.trainer.recordings.recording_file import (
+    has_checksum,
     read_recording,
     read_recordings,
+    recording_files,
+    store_recording,
     write_recording,
 )
 from springpot.trainer.recordings.recording_name import safe_recording_name
 
-FIXED = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+MARK = b"springpot sha256"
+PRESS = Recording(
+    name="press",
+    position_m=np.array([0.0, 1e-3, 3e-3]),
+    force_n=np.array([0.0, 0.5, 1.5]),
+    dt_s=0.25,
+    zero="min",
+    position_delay_s=0.125,
+    force_delay_s=0.375,
+    source="a.csv",
+    details={"cycles": 20, "by": {"hand": True}},
+    channels={"input_m": np.array([1.0, 2.0, 3.0]), "notes": np.array([4.0, 5.0, 6.0])},
+)
 
 
-def example(name: str = "press") -> Recording:
-    position_m = np.linspace(0.0, 0.01, 50)
-    return Recording(
-        name, position_m, 300.0 * position_m, 1e-3, "first", 1e-4, 2e-4, "a.csv", {"cycles": 20}
-    )
+def stored(folder: Path, recording: Recording = PRESS) -> Path:
+    path = folder / "press.h5"
+    write_recording(path, recording)
+    return path
 
 
-def refusal(path: Path) -> str:
-    with pytest.raises(DataError) as error:
+def refused(path: Path, told: str) -> None:
+    with pytest.raises(DataError, match=told) as error:
         read_recording(path)
     assert str(path) in str(error.value)
     assert "\n" not in str(error.value)
-    return str(error.value)
 
 
-@FIXED
+def edited(path: Path) -> h5py.File:
+    """The file for changes, as other software makes them: that cuts its checksum off."""
+    return h5py.File(path, "r+")
+
+
+def test_every_field_comes_back(tmp_path: Path) -> None:
+    found = read_recording(stored(tmp_path))
+    for field in dataclasses.fields(Recording):
+        expected, value = getattr(PRESS, field.name), getattr(found, field.name)
+        if field.name == "channels":
+            assert list(value) == list(expected)
+            assert all(np.array_equal(value[name], expected[name]) for name in expected)
+        elif isinstance(expected, np.ndarray):
+            assert value.dtype == np.float64
+            assert np.array_equal(value, expected)
+        else:
+            assert value == expected, field.name
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(
     st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=2, max_size=40),
     st.floats(1e-6, 10.0),
@@ -57,86 +94,230 @@ def test_round_trip(
     assert [file.name for file in tmp_path.iterdir()] == ["a.h5"]
 
 
-def test_other_software_reads_and_may_edit_it(tmp_path: Path) -> None:
-    file = tmp_path / "a.h5"
-    write_recording(file, example())
-    with h5py.File(file, "r+") as opened:
-        assert opened["position_m"].shape == (50,)
-        assert opened["force_n"].attrs["unit"] == "N"
-        opened.attrs["comment"] = "second press"
-    assert read_recording(file).content_hash == example().content_hash
+def test_what_is_not_said_is_nothing() -> None:
+    plain = Recording("press", PRESS.position_m, PRESS.force_n, 0.25)
+    assert (plain.zero, plain.position_delay_s, plain.force_delay_s) == ("none", 0.0, 0.0)
+    assert (plain.source, dict(plain.details), dict(plain.channels)) == ("", {}, {})
+    assert (plain.rate_hz, plain.duration_s) == (4.0, 0.75)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        plain.dt_s = 1.0  # type: ignore[misc]
+    assert plain != Recording("press", PRESS.position_m, PRESS.force_n, 0.25)  # by identity
 
 
-@FIXED
-@given(st.data())
-def test_a_flipped_byte_is_refused(tmp_path: Path, data: st.DataObject) -> None:
-    file = tmp_path / "a.h5"
-    write_recording(file, example())
-    content = bytearray(file.read_bytes())
-    checksum = len(content) - 48  # a flip in the checksum's own mark leaves a whole HDF5 file
-    content[data.draw(st.integers(0, checksum - 1))] ^= data.draw(st.integers(1, 255))
-    file.write_bytes(content)
-    assert "damaged" in refusal(file)
+def test_the_content_hash_is_that_of_what_a_fit_sees() -> None:
+    values = np.concatenate([[0.25], PRESS.position_m, PRESS.force_n]).astype("<f8")
+    assert PRESS.content_hash == hashlib.sha256(values.tobytes()).hexdigest()
 
 
-@settings(FIXED, max_examples=20)  # each is read in a process of its own
-@given(st.data())
-def test_a_truncated_file_is_refused(tmp_path: Path, data: st.DataObject) -> None:
-    file = tmp_path / "a.h5"
-    write_recording(file, example())
-    content = file.read_bytes()
-    hdf5_bytes = len(content) - 48
-    file.write_bytes(content[: data.draw(st.integers(0, hdf5_bytes - 1))])
-    assert "not a springpot recording" in refusal(file)
+def test_the_file_says_units_signs_and_schema(tmp_path: Path) -> None:
+    with h5py.File(stored(tmp_path), "r") as file:
+        assert dict(file.attrs) == {
+            "schema": 1,
+            "name": "press",
+            "dt_s": 0.25,
+            "sign_rule": SIGN_RULE,
+            "zero": "min",
+            "position_delay_s": 0.125,
+            "force_delay_s": 0.375,
+            "source": "a.csv",
+            "details": json.dumps({"by": {"hand": True}, "cycles": 20}),
+        }
+        assert list(file.attrs)[:2] == ["schema", "name"]  # in the order written
+        assert list(file) == ["position_m", "force_n", "channels"]
+        assert list(file["channels"]) == ["input_m", "notes"]
+        assert file["position_m"].attrs["unit"] == "m"
+        assert file["force_n"].attrs["unit"] == "N"
+        for data in (file["position_m"], file["channels/notes"]):
+            assert (data.compression, data.compression_opts) == ("gzip", 1)
+            assert data.shuffle and data.fletcher32 and data.chunks == (3,)
 
 
-def test_damaged_samples_without_a_seal_are_refused(tmp_path: Path) -> None:
-    file = tmp_path / "a.h5"
-    write_recording(file, example())
-    with h5py.File(file, "r+") as opened:
-        chunk = opened["force_n"].id.get_chunk_info(0)
-        opened.attrs["comment"] = "cuts the checksum off"
-    content = bytearray(file.read_bytes())
+def test_long_channels_are_stored_in_blocks_and_checked_whole(tmp_path: Path) -> None:
+    long = np.zeros((1 << 17) + 5)
+    noise = np.frombuffer(np.random.default_rng(1).bytes(8 * len(long)), np.uint64) / 2.0**64
+    path = stored(tmp_path, Recording("long", noise, long, 1e-3))
+    with h5py.File(path, "r") as file:
+        assert file["position_m"].chunks == (1 << 17,)
+    content = bytearray(path.read_bytes())
+    assert len(content) > 1 << 19
+    assert np.array_equal(read_recording(path).position_m, noise)
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+    refused(path, "damaged")
+
+
+def test_a_source_that_is_no_text_is_kept_for_people(tmp_path: Path) -> None:
+    recording = dataclasses.replace(PRESS, source="caf\udce9.csv")
+    assert read_recording(stored(tmp_path, recording)).source == r"caf\udce9.csv"
+
+
+def test_behind_the_file_stands_its_checksum(tmp_path: Path) -> None:
+    path = stored(tmp_path)
+    content = path.read_bytes()
+    body, mark, digest = content[:-48], content[-48:-32], content[-32:]
+    assert mark == MARK and digest == hashlib.sha256(body).digest()
+    assert has_checksum(path)
+    for place in (len(content) - 1, len(content) - 32, 0, len(body) - 1):
+        damaged = bytearray(content)
+        damaged[place] ^= 1
+        path.write_bytes(damaged)
+        refused(path, "damaged, its bytes differ from those written")
+    path.write_bytes(body)  # as a program that edits it leaves it
+    assert not has_checksum(path)
+    assert read_recording(path).name == "press"
+    for short in (b"", b"x", MARK, content[-48:], b"time_s\n0\n", body[:8], body[: len(body) // 2],
+                  body[:-1]):  # fmt: skip
+        path.write_bytes(short)
+        assert has_checksum(path) == (short[:16] == MARK and len(short) <= 48)
+        refused(path, "not a springpot recording .*: make one with `springpot import`")
+
+
+def test_damaged_samples_without_a_checksum_are_refused(tmp_path: Path) -> None:
+    path = stored(tmp_path)
+    with edited(path) as file:
+        chunk = file["force_n"].id.get_chunk_info(0)
+        file.attrs["comment"] = "cuts the checksum off"
+    content = bytearray(path.read_bytes())
     content[chunk.byte_offset + chunk.size // 2] ^= 0x10
-    file.write_bytes(content)
-    assert "not a springpot recording" in refusal(file)
+    path.write_bytes(content)
+    refused(path, "not a springpot recording")
 
 
-def test_a_later_schema_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "a.h5"
-    write_recording(file, example())
-    with h5py.File(file, "r+") as opened:
-        opened.attrs["schema"] = 2
-    assert "recording schema 2" in refusal(file)
-    assert "upgrade springpot" in refusal(file)
+def test_the_checksum_covers_every_byte_of_a_file_of_any_length(tmp_path: Path) -> None:
+    path = tmp_path / "x.h5"
+    for length in (1, (1 << 20) + 1):  # a block of reading and one byte
+        body = bytes(length)
+        path.write_bytes(body + MARK + hashlib.sha256(body).digest())
+        refused(path, r"not a springpot recording \(.{10,}\)")  # undamaged, and none
+        path.write_bytes(body[:-1] + b"x" + MARK + hashlib.sha256(body).digest())
+        refused(path, "damaged")
 
 
-def test_another_unit_or_a_missing_channel_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "a.h5"
-    write_recording(file, example())
-    with h5py.File(file, "r+") as opened:
-        opened["position_m"].attrs["unit"] = "mm"
-    assert "position_m is in 'mm', not 'm'" in refusal(file)
-    with h5py.File(file, "r+") as opened:
-        del opened["position_m"]
-    assert "not a springpot recording" in refusal(file)
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.h5")
+    refused(tmp_path / "pipe.h5", "a pipe or device, not a file")
+
+
+def test_an_existing_file_is_kept_where_that_is_asked(tmp_path: Path) -> None:
+    path = stored(tmp_path)
+    other = dataclasses.replace(PRESS, source="b.csv")
+    with pytest.raises(FileExistsError):
+        store_recording(path, other, overwrite=False)
+    assert read_recording(path).source == "a.csv"
+    write_recording(path, other)
+    assert read_recording(path).source == "b.csv"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"time_s,position_m,force_N\n0,0,0\n", b"\x89HDF\r\n\x1a\n"]
+    ("changes", "told"),
+    [
+        ({"position_m": np.zeros(4)}, r"press: position has \(4,\) samples and force \(3,\)"),
+        ({"position_m": np.zeros((3, 1)), "force_n": np.zeros((3, 1))}, "give two 1-D channels"),
+        (
+            {"position_m": np.zeros(1), "force_n": np.zeros(1), "channels": {}},
+            "press: 1 rows: .* needs two",
+        ),
+        ({"channels": {"notes": np.zeros(2)}}, r"press: notes has \(2,\) samples"),
+        ({"dt_s": 0.0}, "press: a time step of 0.0 s"),
+        ({"dt_s": -1e-3}, "press: a time step of -0.001 s"),
+        ({"dt_s": float("inf")}, "press: a time step of inf s"),
+        ({"dt_s": float("nan")}, "press: a time step of nan s"),
+        (
+            {"position_m": np.array([0.0, 1.0, np.nan])},
+            r"press: position is not finite at row 2 \(1 rows",
+        ),
+        (
+            {"force_n": np.array([0.0, np.inf, -np.inf])},
+            r"press: force is not finite at row 1 \(2 rows",
+        ),
+        ({"name": "a/b"}, "a recording named"),
+    ],
 )
-def test_no_hdf5_is_refused(tmp_path: Path, content: bytes) -> None:
-    file = tmp_path / "a.h5"
-    file.write_bytes(content)
-    assert "make one with `springpot import`" in refusal(file)
+def test_what_is_no_recording_is_refused(changes: dict[str, object], told: str) -> None:
+    with pytest.raises(DataError, match=told):
+        dataclasses.replace(PRESS, **changes)  # type: ignore[arg-type]
 
 
-def test_folders_are_read_in_the_order_of_names(tmp_path: Path) -> None:
-    for name in ("b", "a", "c"):
-        write_recording(tmp_path / f"{name}.h5", example(name))
-    names = [recording.name for recording in read_recordings([tmp_path, tmp_path / "b.h5"])]
-    assert names == ["a", "b", "c", "b"]
-    assert "no such file" in refusal(tmp_path / "d.h5")
-    (tmp_path / "empty").mkdir()
+def test_two_samples_are_a_recording() -> None:
+    assert Recording("two", np.zeros(2), np.ones(2), 1e-9).duration_s == 2e-9
+
+
+def test_another_unit_or_a_newer_schema_is_refused(tmp_path: Path) -> None:
+    for channel, unit in (("position_m", "mm"), ("force_n", "kgf")):
+        path = stored(tmp_path)
+        with edited(path) as file:
+            file[channel].attrs["unit"] = unit
+        refused(path, f"{channel} is in '{unit}', not '.*': import again")
+    path = stored(tmp_path)
+    with edited(path) as file:
+        file.attrs["schema"] = 2
+    refused(path, "recording schema 2, this springpot reads up to 1: upgrade")
+    with h5py.File(path, "r+") as file:
+        file.attrs["schema"] = 0
+    assert read_recording(path).name == "press"
+
+
+def test_a_stored_name_is_checked_and_told_with_its_file(tmp_path: Path) -> None:
+    path = stored(tmp_path)
+    with edited(path) as file:
+        file.attrs["name"] = "../x"
+    refused(path, rf"^{path}: a recording named '\.\./x'")
+
+
+@pytest.mark.parametrize("gone", ["schema", "name", "dt_s", "zero", "position_delay_s",
+                                  "force_delay_s", "source", "details"])  # fmt: skip
+def test_a_file_without_a_field_is_refused(tmp_path: Path, gone: str) -> None:
+    path = stored(tmp_path)
+    with edited(path) as file:
+        del file.attrs[gone]
+    refused(path, "not a springpot recording .*: make one")
+
+
+def test_channels_of_another_number_type_are_read_as_doubles(tmp_path: Path) -> None:
+    path = stored(tmp_path)
+    with edited(path) as file:
+        for name in ("position_m", "force_n", "channels/notes"):
+            values, unit = file[name][:], file[name].attrs.get("unit")
+            del file[name]
+            file.create_dataset(name, data=values.astype(np.float32))
+            if unit is not None:
+                file[name].attrs["unit"] = unit
+    found = read_recording(path)
+    for samples in (found.position_m, found.force_n, found.channels["notes"]):
+        assert samples.dtype == np.float64
+
+
+def test_a_file_without_further_channels_has_none(tmp_path: Path) -> None:
+    path = stored(tmp_path)
+    with edited(path) as file:
+        del file["channels"]
+    assert dict(read_recording(path).channels) == {}
+
+
+def test_what_is_not_there_is_named(tmp_path: Path) -> None:
+    for name in ("none.h5", "none.journal", "none.txt"):
+        refused(tmp_path / name, "no such file")
     with pytest.raises(DataError, match=r"no \.h5 file in this folder"):
-        read_recordings([tmp_path / "empty"])
+        recording_files([tmp_path])
+    (tmp_path / "a.h5").mkdir()
+    refused(tmp_path / "a.h5", "cannot be read .Is a directory")
+
+
+def test_what_is_still_being_recorded_is_not_read(tmp_path: Path, monkeypatch) -> None:
+    journal = tmp_path / "a.journal"
+    journal.touch()
+    monkeypatch.setattr(recording_file, "is_being_recorded", lambda path: path == journal)
+    refused(journal, "still being recorded: wait until that ends")
+    with pytest.raises(DataError, match="still being recorded"):
+        read_recording(tmp_path / "a.h5")
+
+
+def test_files_and_folders_are_taken_in_order(tmp_path: Path) -> None:
+    for name in ("b", "a"):
+        write_recording(tmp_path / f"{name}.h5", dataclasses.replace(PRESS, name=name))
+    other = tmp_path / "c.txt"
+    other.touch()
+    assert recording_files([other, tmp_path]) == [other, tmp_path / "a.h5", tmp_path / "b.h5"]
+    found = read_recordings([tmp_path, tmp_path / "b.h5"])
+    assert [recording.name for recording in found] == ["a", "b", "b"]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.mislabelled import Mislabelled, mislabelled, motion, true_force_n
+from support.files.mislabelled import Mislabelled, mislabelled, motion, true_force_n
 
 from springpot.codegen.errors import DataError, SpringpotError
 from springpot.host.commands.recordings.import_ import import_

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.caputo import caputo_derivative
+from support.c.caputo import caputo_derivative
 from support.small import model_file, press, small_model
 
 from springpot.codegen.errors import DataError, UsageError

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.pages.run_pages import MAIN
 from support.peer import peer
-from support.run_pages import MAIN
 from support.small_study import SOFT, planned, real_study, scene_stimulus, study_text
 from support.study_participant import ScriptedParticipant
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from support.bench_folder import CANDIDATES, asked, small
-from support.cross_tools import path_with, path_without
+from support.c.cross_tools import path_with, path_without
 
 from springpot.codegen.errors import BudgetError, UsageError
 from springpot.host.cli import springpot

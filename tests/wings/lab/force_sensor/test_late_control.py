@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.pressed_tool import PressedTool
+from support.c.pressed_tool import PressedTool
 
 from springpot.codegen.arrays import Samples
 from springpot.host.native.loop_library import loop_library

@@ -1,6 +1,6 @@
 """Hashes of the C's forces and notes for stored models: the same whatever else changes.
 
-`cd tests && python -m support.golden_forces` writes them again, after a change that is meant to
+`cd tests && python -m support.c.golden_forces` writes them again, after a change that is meant to
 change forces.
 """
 

@@ -1,15 +1,16 @@
-"""Generated C, ports and protocol are free of warnings for every compiler and target."""
+"""Firmware is free of warnings, and what its user wrote into its folder is never lost."""
 
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
-from support.mcu import need, target_scene
-from support.small import model_file, scene
+from support.c.mcu import need, target_scene
+from support.small import model_file
 
+from springpot.codegen.errors import UsageError
 from springpot.host.boards.boards import BOARDS, compiler_of
-from springpot.host.boards.firmware import build_batch, build_firmware
+from springpot.host.boards.firmware import TRANSDUCER, build_batch, build_firmware
 from springpot.host.emission.emission import emit
 from springpot.runtime_c.paths import flags
 
@@ -54,12 +55,37 @@ def test_clang_of_the_target(tmp_path: Path, board: str) -> None:
     assert result.returncode == 0, result.stderr[:3000]
 
 
-def test_a_warning_would_fail(tmp_path: Path) -> None:
-    need("mps2-an386")
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
-    tools = compiler_of(BOARDS["mps2-an386"])
-    source = tmp_path / "c" / "sp_scene.c"
-    source.write_text(source.read_text() + "\nint sp_narrow(double x) { return (int)(float)x; }\n")
-    command = [*tools.compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), *tools.flags, "-c",
-               str(source), "-o", str(tmp_path / "x.o")]  # fmt: skip
-    assert subprocess.run(command, capture_output=True, check=False).returncode != 0
+pytestmark = [pytest.mark.board, pytest.mark.slow]
+BOARD = "mps2-an386"
+
+
+def test_the_users_files_stand(tmp_path: Path) -> None:
+    need(BOARD)
+    emit(target_scene("cortex-m4f"), model_file(tmp_path), tmp_path / "c")
+    out = tmp_path / "firmware"
+
+    def build() -> bytes:
+        return build_firmware(tmp_path / "c", BOARDS[BOARD], out).read_bytes()
+
+    plain = build()
+    assert build() == plain
+    own = (out / TRANSDUCER).read_text().replace("return 0;", "*position_m = 1e-3f; return 1;")
+    (out / TRANSDUCER).write_text(own)
+    changed = build()
+    assert changed != plain
+    assert (out / TRANSDUCER).read_text() == own
+    assert build() == changed
+    (out / "sp_port.c").write_text("/* mine */\n" + (out / "sp_port.c").read_text())
+    with pytest.raises(UsageError, match=r"sp_port.c: not as springpot emitted it: move your"):
+        build()
+    assert (out / "sp_port.c").read_text().startswith("/* mine */")
+
+
+def test_a_folder_of_other_things_is_left_alone(tmp_path: Path) -> None:
+    need(BOARD)
+    emit(target_scene("cortex-m4f"), model_file(tmp_path), tmp_path / "c")
+    (tmp_path / "recordings").mkdir()
+    (tmp_path / "recordings" / "a.h5").touch()
+    with pytest.raises(UsageError, match="holds files that springpot did not emit"):
+        build_firmware(tmp_path / "c", BOARDS[BOARD], tmp_path / "recordings")
+    assert len(list((tmp_path / "recordings").iterdir())) == 1

@@ -14,7 +14,7 @@ from springpot.codegen.emit.single import emit_single
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
-from support import golden_forces
+from support.c import golden_forces
 from support.small import small_model
 
 # Made of units that others have too.

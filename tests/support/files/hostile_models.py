@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.model_file import model_bytes
-from support.golden_forces import model
+from support.c.golden_forces import model
 
 Header = dict[str, Any]
 Arrays = dict[str, np.ndarray]
@@ -57,9 +57,8 @@ def hostile_models() -> Iterator[HostileModel]:
                  "boosted-recursive", "springpot"):  # fmt: skip
         yield from _changed_fields(name)
         yield from _changed_arrays(name)
-    yield from _hammerstein()
     yield from _trees()
-    yield from _shapes_and_ranges()
+    yield from _words_and_provenance()
     yield from _archives()
 
 
@@ -155,31 +154,6 @@ def _remove(header: Header, path: str) -> None:
     del header[last]
 
 
-def _hammerstein() -> Iterator[HostileModel]:
-    """What would give energy back, or divide by zero."""
-    for array in ("elastic_n", "branch_n"):
-        yield _put("springpot", f"hammerstein.{array}", 0, -1.0)
-    for value in (0.0, -0.01):
-        yield _put("springpot", "hammerstein.tau_s", 1, value)
-        yield _set("springpot", "hammerstein.span_m", value)
-        yield _put("boosted-recursive", "features.tau_s", 1, value)
-        yield _put("rbf-fd-fast", "features.tau_ticks", 1, value)
-        yield _put("rbf-fd", "regressor.scale", 1, value)
-        yield _put("rf-fd-quantised", "regressor.quantisation.bins_per_unit", 1, value)
-    yield _set("springpot", "hammerstein.basis", "sines")
-    yield _set("springpot", "hammerstein.basis", "ramps")  # of other shapes
-    for radius_m, stop_n in ((-1e-3, 1.0), (0.0, 1.0), (1e-3, -1.0)):
-        stops = {
-            "model.hammerstein.radius_m": np.array([radius_m]),
-            "model.hammerstein.stop_n": np.full((1, 3), stop_n),
-        }
-        yield _changed(
-            "springpot", f"stop {radius_m} m {stop_n} N", lambda _, a, s=stops: a.update(s)
-        )
-    yield _set("springpot", "hammerstein", None)
-    yield _set("springpot", "hammerstein_adds", False)
-
-
 def _trees() -> Iterator[HostileModel]:
     arrays = opened("rf-fd")[1]
     feature = arrays["model.regressor.feature"]
@@ -241,43 +215,24 @@ _MATERIALS: tuple[Any, ...] = (
 )  # fmt: skip
 
 
-def _shapes_and_ranges() -> Iterator[HostileModel]:
-    for name, path, value in (
-        ("rf-fd", "contact", "junk"), ("rf-fd", "kind", "x; rm -rf ~"), ("rf-fd", "kind", ""),
-        ("rf-fd", "kind", "../../x"), ("rf-fd", "name", "a\nb"), ("rf-fd", "name", "\ud800"),
-        ("rf-fd", "name", "x" * 5000), ("rf-fd", "name", "\x1b[31m"),
-        ("rf-fd", "dt_s", 0.0), ("rf-fd", "dt_s", -1e-3), ("rf-fd", "dt_s", 1e-12),
-        ("rf-fd", "trained.max_m", -1.0), ("rf-fd", "trained.max_mps", -1.0),
-        ("rf-fd", "trained.max_n", 1e9), ("rf-fd", "trained.min_n", 1e3),
-        ("rf-fd", "features", None), ("rf-fd", "regressor", None),
-        ("rf-fd", "features.orders", {"tuple": [0.05] * 9}),
-        ("rf-fd", "features.orders", {"tuple": [0.05] * 9 + [1.5]}),
-        ("rf-fd", "features.orders", {"tuple": [0.05] * 9 + ["0.5"]}),
-        ("rf-fd", "features.orders", {"tuple": "0123456789"}),
-        ("rbf-fd-fast", "features.length", 0), ("rbf-fd-fast", "features.length", 10**12),
-        ("rbf-pv", "features.length", 0), ("rbf-pv", "features.length", 10**12),
-        ("rbf-pv", "features.band_m", -1.0),
-        ("hybrid", "features.samples", {"tuple": []}),
-        ("hybrid", "features.samples", {"tuple": [0, 1, 2, 6, 14, 35, 85, 206, 10**12]}),
-        ("hybrid", "features.samples", {"tuple": [0, 1, 2, 6, 14, 35, 85, 206, 205]}),
-        ("hybrid", "features.samples", {"tuple": [-1, 1, 2, 6, 14, 35, 85, 206, 500]}),
-        ("rf-fd", "provenance", []), ("rf-fd", "provenance", {"seed": "0"}),
-        ("rf-fd", "provenance", {"rows_total": -1}), ("rf-fd", "provenance", {"rows": True}),
-        ("rf-fd", "provenance", {"smooth_s": "0.025"}), ("rf-fd", "provenance", {"smooth_s": -1}),
-        ("rf-fd", "provenance", {"recordings": ["press"]}),
-        ("rf-fd", "provenance", {"recordings": {"press": {}}}),
-        ("rf-fd", "provenance", {"importance": {"0": 1}}),
-        ("rf-fd", "provenance", {"importance": ["1"]}),
-        *(("rf-fd", "provenance", {"material": material}) for material in _MATERIALS),
-        ("rf-fd", "provenance", {"not_identified": "order"}),
-        ("rf-fd", "provenance", {"residual_percent": "1 %"}),
-        ("rf-fd", "provenance", {"covered_hz": [2.0, 0.1]}),
-        ("rf-fd", "provenance", {"measured": [{"frequency_hz": None}]}), ("rf-fd", "surprise", 1.0),
-        ("rf-fd", "part", "TrainedRange"), ("rf-fd", "part", "os"),
+def _words_and_provenance() -> Iterator[HostileModel]:
+    for path, value in (
+        ("contact", "junk"), ("kind", "x; rm -rf ~"), ("name", "\ud800"), ("name", "\x1b[31m"),
+        ("provenance", []), ("provenance", {"seed": "0"}),
+        ("provenance", {"rows_total": -1}), ("provenance", {"rows": True}),
+        ("provenance", {"smooth_s": "0.025"}), ("provenance", {"smooth_s": -1}),
+        ("provenance", {"recordings": ["press"]}),
+        ("provenance", {"recordings": {"press": {}}}),
+        ("provenance", {"importance": {"0": 1}}),
+        ("provenance", {"importance": ["1"]}),
+        *(("provenance", {"material": material}) for material in _MATERIALS),
+        ("provenance", {"not_identified": "order"}),
+        ("provenance", {"residual_percent": "1 %"}),
+        ("provenance", {"covered_hz": [2.0, 0.1]}),
+        ("provenance", {"measured": [{"frequency_hz": None}]}), ("surprise", 1.0),
+        ("part", "TrainedRange"), ("part", "os"),
     ):  # fmt: skip
-        yield _set(name, path, value)
-    yield _put("rbf-fd", "regressor.feature_min", 0, 1e3)
-    yield _put("rf-fd", "regressor.threshold", 0, float("nan"))
+        yield _set("rf-fd", path, value)
     yield _changed("rf-fd", "an array too many", lambda _, a: a.update(extra=np.zeros(3)))
 
 
@@ -294,23 +249,12 @@ def _archives() -> Iterator[HostileModel]:
     ):  # fmt: skip
         yield HostileModel(f"header: {what}", closed(header, arrays))
     header, arrays = opened("rf-fd")
-    text = json.dumps(header).encode()
     files = {f"{name}.npy": _npy(values) for name, values in arrays.items()}
-    files["header.npy"] = _npy(np.frombuffer(text, np.uint8))
+    files["header.npy"] = _npy(np.frombuffer(json.dumps(header).encode(), np.uint8))
     taps = "model.features.taps.npy"
-    for what, shape in (
-        ("40 GiB", "(5368709120,)"), ("2 ** 70", "(1180591620717411303424,)"), ("less", "(3,)"),
-        ("negative", "(-1,)"), ("nested", "(" * 900),
-    ):  # fmt: skip
+    for what, shape in (("40 GiB", "(5368709120,)"), ("2 ** 70", "(1180591620717411303424,)")):
         lie = _npy_header("<f8", shape) + bytes(171 * 80)
         yield HostileModel(f"an array that declares {what}", signed(_zip(files | {taps: lie})))
-    for dtype in ("|O", "|V0", "<U0", "<M8"):
-        lie = _npy_header(dtype, "(1710,)") + bytes(171 * 80)
-        yield HostileModel(f"an array of {dtype}", signed(_zip(files | {taps: lie})))
-    yield HostileModel("no array at all", signed(_zip(files | {taps: b"x" * 200})))
-    yield HostileModel("lzma", signed(_zip(files, zipfile.ZIP_LZMA)))
-    many = files | {f"{k}.npy": files[taps] for k in range(300)}
-    yield HostileModel("300 arrays", signed(_zip(many)))
     honest = _zip(files)
     yield HostileModel("40 GiB declared by the archive", signed(_with_size(honest, taps, 40 << 30)))
     yield HostileModel("a length too short", signed(_with_size(honest, taps, 5000)))
@@ -327,9 +271,9 @@ def _npy_header(dtype: str, shape: str) -> bytes:
     return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text
 
 
-def _zip(files: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
+def _zip(files: dict[str, bytes]) -> bytes:
     memory = io.BytesIO()
-    with zipfile.ZipFile(memory, "w", method) as archive:
+    with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
             archive.writestr(name, content)
     return memory.getvalue()

@@ -9,7 +9,7 @@ from scipy.io import savemat
 
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
-from support.job import small_job
+from support.pages.job import small_job
 from support.small import DT_S, press, soft_force
 
 

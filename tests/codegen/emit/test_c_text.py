@@ -1,14 +1,75 @@
-"""Constants are initialised by position: in the order of the C struct, whose members they name."""
+"""Text of C: what nothing calls is left out, constants stand in the order of their struct."""
 
 import re
 
-from support.golden_forces import model
-from support.single import plan_of
+from support.c.golden_forces import model
+from support.c.single import plan_of
 
+from springpot.codegen.emit.c_blocks import top_level_blocks, without_unused
 from springpot.codegen.emit.files import regressor_tables, stage_tables
 from springpot.codegen.emit.glue import constants
 from springpot.codegen.literals import members_text
 from springpot.runtime_c.paths import SOURCE
+
+TEXT = """/* A unit { that
+ * speaks of braces. */
+
+enum { WIDTH = 4 };
+
+/* Called by `used`. */
+static inline int inner(int x)
+{
+    const char *text = "}";
+
+    return x + WIDTH + text[0];
+}
+
+static inline int used(int x)
+{
+    return inner(x);
+}
+
+/* Calls itself a friend of lonely, which nothing else does. */
+static inline int lonely_caller(void)
+{
+    return lonely(1);
+}
+
+SP_RARE int lonely(int x)
+{
+    return used(x);
+}
+
+static inline int chosen(void)
+{
+#if WIDTH
+    return 1;
+#endif
+}
+
+int public_name(int x)
+{
+    return used(x);
+}"""
+
+
+def test_blocks_end_at_blank_lines_outside_braces() -> None:
+    blocks = top_level_blocks(TEXT)
+    assert len(blocks) == 8
+    assert "\n\n".join(blocks) == TEXT
+
+
+def test_what_nothing_calls_is_left_out_with_what_only_it_calls() -> None:
+    kept = without_unused(top_level_blocks(TEXT))
+    text = "\n\n".join(kept)
+    assert "lonely" not in text
+    assert [name in text for name in ("inner(int", "used(int", "public_name", "WIDTH = 4")] == [
+        True
+    ] * 4
+    assert "chosen" in text, "directives may choose it"
+    without_public = without_unused([block for block in kept if "public_name" not in block])
+    assert not [block for block in without_public if "inner" in block or "used" in block]
+
 
 _CONSTANT = re.compile(r"^static const (\w+) \w+ = \{\n((?:    .*/\* \w+ \*/\n)+)\};", re.MULTILINE)
 STRUCTS = {

@@ -8,7 +8,7 @@ import sys
 from contextlib import ExitStack
 from pathlib import Path
 
-from support.documents import Block, page_blocks
+from support.pages.documents import Block, page_blocks
 from support.paths import ROOT, TESTS
 
 MAIN = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
