@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.pages.sources import API
 from support.paths import ROOT, TESTS
 from support.small import press, scene, small_model
-from support.sources import API
 
 import springpot
 

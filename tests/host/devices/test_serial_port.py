@@ -12,7 +12,7 @@ import pytest
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices import doctor, serial_port
+from springpot.host.devices import serial_port
 from springpot.host.devices.serial_port import (
     latency_timer,
     open_port,
@@ -20,6 +20,7 @@ from springpot.host.devices.serial_port import (
     require_fast_line,
     used_by,
 )
+from springpot.host.doctor import machine_check as doctor
 
 
 def refused(place: object) -> str:

@@ -20,7 +20,6 @@ from springpot.trainer.recordings.recording_file import (
     read_recording,
     read_recordings,
     recording_files,
-    store_recording,
     write_recording,
 )
 from springpot.trainer.recordings.recording_name import safe_recording_name
@@ -202,7 +201,7 @@ def test_an_existing_file_is_kept_where_that_is_asked(tmp_path: Path) -> None:
     path = stored(tmp_path)
     other = dataclasses.replace(PRESS, source="b.csv")
     with pytest.raises(FileExistsError):
-        store_recording(path, other, overwrite=False)
+        write_recording(path, other, overwrite=False)
     assert read_recording(path).source == "a.csv"
     write_recording(path, other)
     assert read_recording(path).source == "b.csv"
