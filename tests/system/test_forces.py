@@ -1,8 +1,9 @@
 """Emission and its forces stay what they were: a change of either shows in the diff."""
 
+import numpy as np
 import pytest
 from support.c import golden_forces
-from support.c.smallest_scene import FOLDER, smallest_emission
+from support.c.golden_scenes import FOLDER, SCENES, emission
 
 SLOW = {("float32", "tool"), ("float64", "off"), ("float64", "proxy")}
 
@@ -16,10 +17,27 @@ SLOW = {("float32", "tool"), ("float64", "off"), ("float64", "proxy")}
 )
 @pytest.mark.parametrize("name", golden_forces.models())
 def test_forces_are_the_stored_ones(name: str, number: str, mode: str) -> None:
-    if golden_forces.exp_hash() != golden_forces.stored_exp_hash():
-        pytest.skip("numpy rounds exponentials otherwise on this processor")
     key = f"{name} {number} {mode}"
-    assert golden_forces.force_hash(name, number, mode) == golden_forces.stored()[key]
+    force_n, notes = golden_forces.replayed(name, number, mode)
+    if golden_forces.exp_hash() == golden_forces.stored_exp_hash():
+        same = golden_forces.force_hash(force_n, notes) == golden_forces.stored()[key]
+        assert same, golden_forces.first_difference(key, force_n, notes)
+        return
+    # Decays have other last bits on this processor: forces are the stored ones but for rounding.
+    stored_n, stored_notes = golden_forces.stored_forces(key)
+    allowed_n = (1e-4 if number == "float32" else 1e-9) * np.abs(stored_n).max()
+    apart = np.flatnonzero((np.abs(force_n - stored_n) > allowed_n) | (notes != stored_notes))
+    assert len(apart) <= 1e-3 * len(notes), golden_forces.first_difference(key, force_n, notes)
+
+
+@pytest.mark.parametrize("key", ["hammerstein float32 proxy", "rf-fd float64 off"])
+def test_stored_forces_are_those_of_the_hashes_and_a_change_is_named(key: str) -> None:
+    force_n, notes = golden_forces.stored_forces(key)
+    assert golden_forces.force_hash(force_n, notes) == golden_forces.stored()[key]
+    force_n[1234] = np.nextafter(force_n[1234], np.inf)
+    said = golden_forces.first_difference(key, force_n, notes)
+    assert f"{key}, tick 1234 of" in said
+    assert repr(force_n[1234]) in said
 
 
 def test_every_kind_of_part_has_a_stored_model() -> None:
@@ -27,8 +45,12 @@ def test_every_kind_of_part_has_a_stored_model() -> None:
     assert len(golden_forces.stored()) == 1 + 6 * len(golden_forces.models())
 
 
-def test_the_smallest_scenes_emission_is_what_is_checked_in() -> None:
-    emitted = smallest_emission()
-    assert sorted(emitted) == sorted(path.name for path in FOLDER.iterdir())
+@pytest.mark.parametrize("scene", SCENES)
+def test_an_emission_is_what_is_checked_in(scene: str) -> None:
+    if scene != "smallest_scene" and golden_forces.exp_hash() != golden_forces.stored_exp_hash():
+        pytest.skip("decays are printed with other last digits on this processor")
+    emitted = emission(scene)
+    assert sorted(emitted) == sorted(path.name for path in (FOLDER / scene).iterdir())
     for name, text in emitted.items():
-        assert (FOLDER / name).read_text() == text, f"{name}: run support/c/smallest_scene.py"
+        stored = (FOLDER / scene / name).read_text()
+        assert stored == text, f"{scene}/{name}: run `python -m support.c.golden_scenes`"

@@ -1,6 +1,8 @@
-"""Every public name of `import springpot`, for autodoc."""
+"""Every public name of `import springpot` and of its public modules, for autodoc."""
 
 import inspect
+from importlib import import_module
+from pathlib import Path
 
 import springpot
 
@@ -27,6 +29,32 @@ def python_name_list() -> str:
             lines += [*(f"   :{option}" for option in _OPTIONS[kind]), ""]
         lines.append("```")
     return "\n".join(lines)
+
+
+def public_modules() -> list[str]:
+    """Public modules of springpot: those that say what they offer and are not springpot's home."""
+    homes = ("__init__", "files", "lazy_names", "loaded", "steps")
+    files = Path(springpot.__file__).parent.glob("*.py")
+    return sorted(file.stem for file in files if file.stem not in homes)
+
+
+def public_module_list() -> str:
+    """Markdown: a section a public module, with its example and a line for each name."""
+    lines: list[str] = []
+    for name in public_modules():
+        module = import_module(f"springpot.{name}")
+        title, _, example = inspect.cleandoc(module.__doc__ or "").partition("\n")
+        lines += ["", f"## springpot.{name}", "", title, "", "```pycon", example.strip(), "```", ""]
+        lines += [
+            f"- `{public}`{_first_line(getattr(module, public))}" for public in module.__all__
+        ]
+    return "\n".join(lines)
+
+
+def _first_line(found: object) -> str:
+    """The first sentence of what a class or function says; a constant says nothing."""
+    said = inspect.getdoc(found) if inspect.isroutine(found) or inspect.isclass(found) else None
+    return f": {said.splitlines()[0]}" if said else ""
 
 
 def _kind(found: object) -> str:

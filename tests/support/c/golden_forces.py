@@ -1,14 +1,12 @@
-"""Hashes of the C's forces and notes for stored models: the same whatever else changes.
+"""The C's forces and notes for stored models, and hashes of them: the same whatever else changes.
 
 `cd tests && python -m support.c.golden_forces` writes them again, after a change that is meant to
-change forces.
+change forces; golden_models.py makes the models.
 """
 
 import hashlib
 import json
-from collections.abc import Iterator
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 
@@ -22,7 +20,7 @@ from springpot.host.native.trial_build import built
 from support.paths import TESTS
 
 FOLDER = TESTS / "golden" / "forces"
-HASHES = FOLDER / "forces.json"
+HASHES, FORCES = FOLDER / "forces.json", FOLDER / "forces.npz"
 SETTINGS = tuple(product(("float32", "float64"), ("off", "tool", "proxy")))
 _EXP = "numpy's exponentials"
 
@@ -63,13 +61,35 @@ def scene(name: str, number: str, mode: str) -> Scene:
     )
 
 
-def force_hash(name: str, number: str, mode: str) -> str:
-    """SHA-256 of the forces and notes of one model in one scene, built here."""
+def replayed(name: str, number: str, mode: str) -> tuple[np.ndarray, np.ndarray]:
+    """Forces, N, and notes of one model in one scene, built here; each (n,)."""
     plan = make_plan(model(name), scene(name, number, mode), accept_unsafe=True)
     position = motion_m().astype(plan.dtype)
     with built(plan) as library:
-        force_n, notes = Replay(library).run(position, backward_velocity(position, plan.dt_s))
+        return Replay(library).run(position, backward_velocity(position, plan.dt_s))
+
+
+def force_hash(force_n: np.ndarray, notes: np.ndarray) -> str:
+    """SHA-256 of forces and notes."""
     return hashlib.sha256(force_n.tobytes() + notes.tobytes()).hexdigest()
+
+
+def stored_forces(key: str) -> tuple[np.ndarray, np.ndarray]:
+    """Stored forces, N, and notes of "MODEL NUMBER COUPLING"."""
+    with np.load(FORCES) as found:
+        return found[key], found[f"{key} notes"]
+
+
+def first_difference(key: str, force_n: np.ndarray, notes: np.ndarray) -> str:
+    """Where forces or notes leave the stored ones: the key, the tick, both forces and notes."""
+    before_n, before = stored_forces(key)
+    differs = (force_n.view(np.uint8).reshape(len(force_n), -1)
+               != before_n.view(np.uint8).reshape(len(before_n), -1)).any(axis=1)  # fmt: skip
+    tick = int(np.flatnonzero(differs | (notes != before))[0])
+    return (
+        f"{key}, tick {tick} of {len(notes)}: {force_n[tick]!r} N and notes {notes[tick]:#x}, "
+        f"stored {before_n[tick]!r} N and {before[tick]:#x}"
+    )
 
 
 def exp_hash() -> str:
@@ -93,14 +113,15 @@ def _stroke(depth_mm: int, ticks: int) -> np.ndarray:
     return 1e-3 * depth_mm * share * share * (3.0 - 2.0 * share) - 2e-4
 
 
-def _hashes() -> Iterator[tuple[str, str]]:
-    yield _EXP, exp_hash()
+def write() -> None:
+    """Write forces, notes and their hashes."""
+    hashes, arrays = {_EXP: exp_hash()}, {}
     for name, (number, mode) in product(models(), SETTINGS):
-        yield f"{name} {number} {mode}", force_hash(name, number, mode)
-
-
-def write(file: Path = HASHES) -> None:
-    file.write_text(json.dumps(dict(_hashes()), indent=1) + "\n")
+        key = f"{name} {number} {mode}"
+        arrays[key], arrays[f"{key} notes"] = found = replayed(name, number, mode)
+        hashes[key] = force_hash(*found)
+    HASHES.write_text(json.dumps(hashes, indent=1) + "\n")
+    np.savez_compressed(FORCES, **arrays)
 
 
 if __name__ == "__main__":

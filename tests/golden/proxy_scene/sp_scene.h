@@ -1,0 +1,36 @@
+/* springpot 0.1.0 e14c5db9d0725a7070b2009d174c0392a31489c4a84f406cdd2c8ebeb6dd159f */
+#ifndef SP_SCENE_H
+#define SP_SCENE_H
+
+#include <stdint.h>
+
+#include "sp.h"
+#include "sp_real.h"
+#include "sp_number.h"
+#include "sp_silence.h"
+#include "sp_guard.h"
+#include "sp_range.h"
+#include "sp_curve.h"
+#include "sp_stops.h"
+#include "sp_hammerstein.h"
+#include "sp_poles.h"
+#include "sp_tool_velocity.h"
+#include "sp_contact.h"
+#include "sp_couple.h"
+#include "sp_output.h"
+
+/* proxy: what one tick hands to the next. */
+struct sp_state {
+    sp_silence_state silence;
+    sp_guard_state guard;
+    sp_real penetration_before[4];
+    sp_real penetration_held[4];
+    sp_tool_velocity_state tool_velocity;
+    sp_couple_state couple;
+    sp_output_state output;
+};
+
+/* Fails where a header of another number type or version was included first. */
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 100 ? 1 : -1];
+
+#endif

@@ -1,0 +1,89 @@
+"""Scenes that are checked in as they are emitted, so that a change of the C shows in the diff.
+
+smallest_scene: a model written by hand, with nothing around it. proxy_scene: a stored passive model
+with all that a hand on a device needs. `cd tests && python -m support.c.golden_scenes` writes them.
+"""
+
+import numpy as np
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.model.features import FirBank
+from springpot.codegen.model.model import Model, TrainedRange
+from springpot.codegen.model.regressors import Forest
+from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.scene import Coupling, Guard, Scene
+from support.c import golden_forces
+from support.paths import TESTS
+
+FOLDER = TESTS / "golden"
+
+
+def smallest_model() -> Model:
+    """One tree of three leaves on one order, over a window of four samples."""
+    return Model(
+        kind="rf-fd",
+        name="smallest",
+        dt_s=1e-3,
+        contact="surface",
+        trained=TrainedRange(min_m=0.0, max_m=0.01, max_mps=0.1, min_n=0.0, max_n=10.0),
+        features=FirBank(orders=(0.5,), taps=np.array([[32.0], [-16.0], [-4.0], [-2.0]])),
+        regressor=Forest(
+            feature=np.array([0, -1, 0, -1, -1], dtype=np.int32),
+            threshold=np.array([0.02, 0.0, 0.07, 0.0, 0.0]),
+            left=np.array([1, 0, 3, 0, 0], dtype=np.int32),
+            right=np.array([2, 0, 4, 0, 0], dtype=np.int32),
+            value_n=np.array([0.0, 1.0, 0.0, 4.0, 10.0]),
+            roots=np.array([0], dtype=np.int32),
+            weight=1.0,
+            bias_n=0.0,
+        ),
+        hammerstein=None,
+        hammerstein_adds=False,
+    )
+
+
+def smallest_scene() -> Plan:
+    """Hold beyond the trained depth, no coupling."""
+    scene = Scene(
+        schema=1,
+        name="smallest",
+        model="smallest.spm",
+        coupling=Coupling(mode="off"),
+        guard=Guard(outside="hold"),
+    )
+    return make_plan(smallest_model(), scene)
+
+
+def proxy_scene() -> Plan:
+    """The passive model behind a proxy."""
+    scene = Scene(schema=1, name="proxy", model="proxy.spm", coupling=Coupling(mode="proxy"))
+    return make_plan(golden_forces.model("hammerstein"), scene)
+
+
+SCENES = {"smallest_scene": smallest_scene, "proxy_scene": proxy_scene}
+
+
+def emission(name: str) -> dict[str, str]:
+    """Texts of what is generated for a scene (not the units, which are copies), by file name.
+
+    Of proxy_scene only what smallest_scene has otherwise.
+    """
+    files = emit_files(SCENES[name]())
+    kept = ("sp_scene.c", "sp_scene.h", "sp_tables.h") if name == "proxy_scene" else tuple(files)
+    return {
+        file: text
+        for file, text in files.items()
+        if text.startswith(("/* springpot 0", "# springpot 0"))
+        and file != "sp_golden.h"
+        and file in kept
+    }
+
+
+if __name__ == "__main__":
+    for scene in SCENES:
+        folder = FOLDER / scene
+        folder.mkdir(exist_ok=True)
+        for old in folder.iterdir():
+            old.unlink()
+        for name, text in emission(scene).items():
+            (folder / name).write_text(text)
