@@ -17,8 +17,6 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 if threading.current_thread() is threading.main_thread():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-SHARED_DATA = Path(__file__).parents[1].parent / "shared" / "data"
-
 
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(RealtimeTries())
@@ -27,6 +25,15 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """The folder of recordings made by others, which is no part of the project."""
-    if not SHARED_DATA.is_dir():
-        pytest.skip(f"no real recordings: {SHARED_DATA} is not a folder")
-    return SHARED_DATA
+    named = os.environ.get("SPRINGPOT_DATA", "")
+    if not named:
+        pytest.skip("SPRINGPOT_DATA names no folder of real recordings")
+    folder = Path(named)
+    assert folder.is_dir(), f"SPRINGPOT_DATA={named}: no such folder"
+    return folder
+
+
+@pytest.fixture(scope="session")
+def mach1_file() -> Path:
+    """Real recordings of a Mach-1 tester, in every clone."""
+    return Path(__file__).parent / "data" / "mach1" / "Dynamic_data.txt"

@@ -100,10 +100,10 @@ def test_it_is_stored_as_written() -> None:
 
 
 @pytest.mark.slow
-def test_it_runs(tmp_path: Path, shared_data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_runs(tmp_path: Path, mach1_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     mpl.use("Agg")
-    shutil.copyfile(shared_data / "mach1" / "Dynamic_data.txt", "Dynamic_data.txt")
+    shutil.copyfile(mach1_file, "Dynamic_data.txt")
     names: dict[str, Any] = {}
     for source in CODE:
         exec(compile(source, "mach1.ipynb", "exec"), names)

@@ -45,14 +45,16 @@ def test_json(tmp_path: Path) -> None:
     assert read_recording(out / "a_b.h5").zero == "first"
 
 
-def test_every_real_file_imports_with_at_most_one_map(shared_data: Path, tmp_path: Path) -> None:
+def test_every_real_file_imports_with_at_most_one_map(
+    shared_data: Path, mach1_file: Path, tmp_path: Path
+) -> None:
     compression = sorted((shared_data / "ecoflex_compression").glob("*/*.csv"))
     tension = sorted((shared_data / "elastomer_tension").glob("*.csv"))
     strain = "time=10Hz,position=Engineering Strain:33mm,force=Engineering Stress (MPa):18N"
     for count, files, options in (
         (30, compression, []),
         (5, tension, ["--map", strain]),
-        (5, [shared_data / "mach1" / "Dynamic_data.txt"], ["--zero", "first"]),
+        (5, [mach1_file], ["--zero", "first"]),
     ):
         out = tmp_path / str(len(files))
         result = run(*files, *options, "--out", out)

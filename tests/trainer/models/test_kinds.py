@@ -100,8 +100,8 @@ FREQUENCIES = ["0.1", "0.2", "0.5", "1", "2"]
 
 
 @pytest.fixture(scope="module")
-def mach1(shared_data: Path) -> dict:
-    found = import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None).recordings
+def mach1(mach1_file: Path) -> dict:
+    found = import_file(mach1_file, None, "min", None).recordings
     return dict(zip(FREQUENCIES, found, strict=True))
 
 

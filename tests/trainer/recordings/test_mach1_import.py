@@ -153,8 +153,8 @@ def test_a_map_names_the_files_own_labels(tmp_path: Path) -> None:
     np.testing.assert_allclose(turned.force_n, [-0.980665, -1.96133, -2.941995], rtol=1e-15)
 
 
-def test_all_blocks_of_a_real_file(shared_data: Path) -> None:
-    result = import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "first", None)
+def test_all_blocks_of_a_real_file(mach1_file: Path) -> None:
+    result = import_file(mach1_file, None, "first", None)
     names = [recording.name for recording in result.recordings]
     assert names == [f"Dynamic_data-{rate}Hz" for rate in ("0.1", "0.2", "0.5", "1", "2")]
     assert [len(r.position_m) for r in result.recordings] == [20270, 10180, 4130, 2100, 1110]

@@ -266,9 +266,9 @@ def test_pictures(tmp_path: Path) -> None:
         assert file.read_bytes().startswith(starts[file.suffix])
 
 
-def test_stiffness_of_the_real_sinusoids(shared_data: Path) -> None:
+def test_stiffness_of_the_real_sinusoids(mach1_file: Path) -> None:
     """Published with the data: stiffness rises from about 912 to 1035 N/mm."""
-    file = shared_data / "mach1" / "Dynamic_data.txt"
+    file = mach1_file
     report = check_recordings(import_file(file, None, "first", None).recordings)
     cycles = [metadata["cycles"] for metadata in report.recordings]
     assert [round(c["frequency_hz"], 1) for c in cycles] == [0.1, 0.2, 0.5, 1.0, 2.0]

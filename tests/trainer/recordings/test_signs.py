@@ -124,9 +124,9 @@ def recording_of(kind: str) -> Any:
     return Recording(kind, motion(kind), true_force_n(motion(kind)), 1 / 200.0)
 
 
-def test_real_recordings_of_every_sign(shared_data: Path) -> None:
+def test_real_recordings_of_every_sign(shared_data: Path, mach1_file: Path) -> None:
     """Of those that were pressed, each of the four sign combinations is recognised."""
-    recordings = import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None)
+    recordings = import_file(mach1_file, None, "min", None)
     compressed: list[Any] = list(recordings.recordings)
     for file in sorted((shared_data / "ecoflex_compression").rglob("*_A1.csv")):
         try:
@@ -148,8 +148,8 @@ def test_real_recordings_of_every_sign(shared_data: Path) -> None:
                 assert (signs.position_sign, signs.force_sign) == (position_sign, force_sign)
 
 
-def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, shared_data: Path) -> None:
-    text = (shared_data / "mach1" / "Dynamic_data.txt").read_text(encoding="utf-8-sig")
+def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, mach1_file: Path) -> None:
+    text = (mach1_file).read_text(encoding="utf-8-sig")
     rows = []
     for line in text.split("\n"):
         cells = line.split("\t")
@@ -164,7 +164,7 @@ def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, shared_d
     run_import(file, "--zero", "min", "--map", remedy, "--out", tmp_path / "r")
     ((first, *_), (right, *_)) = (
         read_recordings([tmp_path / "r"]),
-        import_file(shared_data / "mach1" / "Dynamic_data.txt", None, "min", None).recordings,
+        import_file(mach1_file, None, "min", None).recordings,
     )
     np.testing.assert_allclose(first.force_n, right.force_n, atol=1e-9)
 

@@ -141,9 +141,9 @@ def test_one_speed_identifies_no_order() -> None:
     assert all(width is None for width in law.intervals.values())
 
 
-def test_real_recordings_at_a_preload(shared_data: Path) -> None:
+def test_real_recordings_at_a_preload(mach1_file: Path) -> None:
     """No order is quoted that the frequencies do not show; the loss is that of the loops."""
-    file = shared_data / "mach1" / "Dynamic_data.txt"
+    file = mach1_file
     recordings = import_file(file, None, "min", None).recordings
     law = law_of(fit_model("springpot", "x", recordings, FitOptions()).model)
     assert "relaxation time" in law.not_identified["order"]
