@@ -1,5 +1,5 @@
 # make demo: the whole job on a simulated object.  make test: Python and C tests in minutes.
-# make test-all: what takes longer too, and what needs a machine that does nothing else.
+# make test-rest: what takes longer, and what needs a machine that does nothing else; test-all: both.
 # make check: format, lint, types, C tests under sanitizers with every compiler found.
 PYTHON ?= python3
 BIN := .venv/bin
@@ -14,7 +14,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-all test-mcu setup-mcu firmware soak misra bench-tick bench-host prove docs dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-all durations test-mcu setup-mcu firmware soak misra bench-tick bench-host prove docs dist lock licences check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -28,11 +28,20 @@ demo: $(STAMP)
 test: $(STAMP) test-c
 	$(BIN)/pytest -m "not slow and not realtime"
 
-# Every test once, those on emulated boards where the tools are there; what runs against the clock
-# has the machine for itself.
-test-all: $(STAMP) test-c
-	$(BIN)/pytest -m "not realtime"
+# What `make test` has no time for, and what it skipped for want of a tool (SPRINGPOT_SKIPPED, a list
+# that it writes); what runs against the clock has the machine for itself.
+test-rest: $(STAMP)
+	$(BIN)/pytest -m "slow and not realtime"
 	$(BIN)/pytest -n 0 -m realtime
+
+# Every test once, those on emulated boards if the tools are there.
+test-all: test test-rest
+
+# Processor time of every test, from which `make test` is chosen: tests/support/speed.py.
+durations: $(STAMP)
+	rm -f build/durations.txt && mkdir -p build
+	SPRINGPOT_DURATIONS=$(CURDIR)/build/durations.txt $(BIN)/pytest -m "not realtime"
+	cd tests && ../$(BIN)/python -m support.speed ../build/durations.txt
 
 # Cross compilers, emulators and node, from the system's packages, as root.
 setup-mcu:

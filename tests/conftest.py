@@ -6,6 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from support.speed import Speed
 from support.witness import RealtimeTries
 
 # The workers of pytest keep every core busy: threads of numerical libraries would wait for each
@@ -20,6 +21,7 @@ if threading.current_thread() is threading.main_thread():
 
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(RealtimeTries())
+    config.pluginmanager.register(Speed())
 
 
 @pytest.fixture(scope="session")

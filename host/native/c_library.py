@@ -25,7 +25,7 @@ class CLibrary:
     """
 
     def __init__(self, path: Path, declarations: str) -> None:
-        """Load it. Raises CompilerError where it is none of this machine's."""
+        """Load it. Raises CompilerError if the library was built for another machine."""
         self.ffi = cffi.FFI()
         self.ffi.cdef(declarations)
         try:

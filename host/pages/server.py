@@ -1,4 +1,4 @@
-"""One page on the loopback address, under a token that nobody can guess; who looks gets events.
+"""Serve one page on localhost behind an unguessable token, and push events to every open browser.
 
 Nobody waits for a page: what is new is asked of its watcher every `every_s`, in the thread that
 writes to that page, and a page that takes nothing for some seconds is gone.
