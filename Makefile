@@ -37,11 +37,11 @@ test-rest: $(STAMP)
 # Every test once, those on emulated boards if the tools are there.
 test-all: test test-rest
 
-# Processor time of every test, from which `make test` is chosen: tests/support/speed.py.
+# Processor time of every test, from which `make test` is chosen: tests/support/running/speed.py.
 durations: $(STAMP)
 	rm -f build/durations.txt && mkdir -p build
 	SPRINGPOT_DURATIONS=$(CURDIR)/build/durations.txt $(BIN)/pytest -m "not realtime"
-	cd tests && ../$(BIN)/python -m support.speed ../build/durations.txt
+	cd tests && ../$(BIN)/python -m support.running.speed ../build/durations.txt
 
 # Cross compilers, emulators and node, from the system's packages, as root.
 setup-mcu:
@@ -107,7 +107,7 @@ bench-host: $(STAMP)
 # Whole ticks beside plain taps and m2cgen, the forest alone by others; JSON=FILE for the figures.
 bench-tick: $(STAMP)
 	$(BIN)/pip install --quiet --disable-pip-version-check tl2cgen treelite onnxruntime skl2onnx
-	$(BIN)/python tests/bench/tick.py $(if $(JSON),--json $(JSON))
+	$(BIN)/python tests/bench/ticks/tick.py $(if $(JSON),--json $(JSON))
 
 check: format lint types
 	$(MAKE) test-c C_EXTRA="$(SANITIZE)" C_BUILD=build/c-sanitized

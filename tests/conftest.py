@@ -6,8 +6,8 @@ import threading
 from pathlib import Path
 
 import pytest
-from support.speed import Speed
-from support.witness import RealtimeTries
+from support.running.speed import Speed
+from support.running.witness import RealtimeTries
 
 # The workers of pytest keep every core busy: threads of numerical libraries would wait for each
 # other. Before numpy is loaded, and for the processes that tests start.

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.atomic_write import write_file
+from springpot.codegen.entry_points import registered
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import (
     FastFirBank,
@@ -30,7 +31,7 @@ from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
 from springpot.codegen.regular_file import read_bounded
 
-MODEL_SCHEMA = 4  # 1: no quantisation of forests; 2: other names; 3: rates of one depth
+MODEL_SCHEMA, _MIN_SCHEMA = 4, 3  # 3: rates of one depth
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
 _MAX_HEADER_BYTES = 4 << 20  # JSON becomes a hundred times as much memory
@@ -41,19 +42,6 @@ _PARTS: dict[str, type[Any]] = {
         Model, TrainedRange, Hammerstein, FirBank, FastFirBank, RecursiveBank, Lags,
         PositionVelocity, Forest, Quantisation, Rbf,
     )
-}  # fmt: skip
-
-
-# Names of schema 2: of parts, and of the fields of a part.
-_FORMER_PARTS = {"Rounding": "Quantisation"}
-_FORMER_FIELDS = {
-    "TrainedRange": {
-        "least_m": "min_m", "greatest_m": "max_m", "greatest_mps": "max_mps",
-        "least_n": "min_n", "greatest_n": "max_n",
-    },
-    "Forest": {"rounding": "quantisation"},
-    "Quantisation": {"least": "feature_min", "per_step": "bins_per_unit"},
-    "Rbf": {"least": "feature_min", "greatest": "feature_max"},
 }  # fmt: skip
 
 
@@ -103,7 +91,7 @@ def model_bytes(model: Model) -> bytes:
 def read_model(path: Path) -> Model:
     """Read a model file and check all that is in it.
 
-    Raises DataError where it is damaged, of a later schema, none, or no model that can be rendered.
+    Raises DataError if it is damaged, of another schema, or no model that can be rendered.
     """
     try:
         first_line, _, body = read_bounded(path, MAX_BYTES).partition(b"\n")
@@ -114,10 +102,10 @@ def read_model(path: Path) -> Model:
         raise DataError(
             f"{path}: not a springpot model: `springpot train --out FILE.spm` makes one"
         )
-    if int(words[1]) > MODEL_SCHEMA:
+    if not _MIN_SCHEMA <= int(words[1]) <= MODEL_SCHEMA:
         raise DataError(
-            f"{path}: model schema {int(words[1])}, this springpot reads up to {MODEL_SCHEMA}: "
-            "upgrade springpot, or train again with this one"
+            f"{path}: model schema {int(words[1])}, this springpot reads {_MIN_SCHEMA} to "
+            f"{MODEL_SCHEMA}: upgrade springpot, or train again with this one"
         )
     if words[2] != hashlib.sha256(body).hexdigest().encode():
         raise DataError(f"{path}: damaged (checksum differs): copy it again or train again")
@@ -198,13 +186,13 @@ def _from_parts(value: Any, arrays: Arrays, where: str, used: set[str]) -> Any:
     if where == "model.provenance":
         return value
     if "part" in value:
-        named = str(value["part"])
-        name = _FORMER_PARTS.get(named, named)
+        name = str(value["part"])
         if name not in _PARTS:
-            raise DataError(f"{where}: no known part {named[:60]!r}")
-        now = _FORMER_FIELDS.get(name, {})
+            registered("kinds", object)  # another package's kind brings parts of its own
+        if name not in _PARTS:
+            raise DataError(f"{where}: no known part {name[:60]!r}")
         inside: dict[str, Any] = {
-            str(now.get(field, field)): _from_parts(item, arrays, f"{where}.{field}", used)
+            str(field): _from_parts(item, arrays, f"{where}.{field}", used)
             for field, item in value.items()
             if field != "part"
         }

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from support.paths import ROOT
-from support.witness import TRIES, MachineWitness
+from support.running.witness import TRIES, MachineWitness
 
 CONFTEST = """
 from support import witness

@@ -1,6 +1,6 @@
 """`make test` has room for what it runs: the stored table is added up, no clock is asked."""
 
-from support.speed import FILE_S, TOTAL_S, chosen, durations_s
+from support.running.speed import FILE_S, TOTAL_S, chosen, durations_s
 
 TABLE = {"a.py::one[1]": 3.0, "a.py::one[2]": 2.0, "a.py::two": 1.5, "a.py::three": 9.0}
 

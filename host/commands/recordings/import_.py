@@ -14,7 +14,7 @@ from springpot.codegen.progress import counted
 from springpot.host.console.options import NOT_NEGATIVE, FiniteRange
 from springpot.host.console.output import progress_bar, say
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
-from springpot.trainer.recordings.formats.decimals import DecimalMark
+from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.recording import Recording, Zero

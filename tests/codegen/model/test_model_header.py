@@ -68,7 +68,7 @@ def test_the_first_line_is_magic_schema_and_checksum(tmp_path: Path) -> None:
         told = refused(tmp_path, wrong + b"\n" + body)
         assert told == "not a springpot model: `springpot train --out FILE.spm` makes one"
     told = refused(tmp_path, b"springpot-model 5 " + digest + b"\n" + body)
-    assert told.startswith("model schema 5, this springpot reads up to 4: upgrade springpot")
+    assert told.startswith("model schema 5, this springpot reads 3 to 4: upgrade springpot")
     told = refused(tmp_path, line + b"\n" + body + b"x")
     assert told == "damaged (checksum differs): copy it again or train again"
 
@@ -195,30 +195,6 @@ def test_values_are_checked_whole_when_read_and_when_written(tmp_path: Path) -> 
             model_bytes(wrong)
         assert str(error.value).startswith(f"{model.name}: {found}")
         assert str(error.value).endswith(": train on other recordings or options")
-
-
-def test_names_of_the_second_schema_are_read(tmp_path: Path) -> None:
-    """Of parts and fields: the model is the same."""
-    former = {
-        "TrainedRange": {"min_m": "least_m", "max_m": "greatest_m", "max_mps": "greatest_mps",
-                         "min_n": "least_n", "max_n": "greatest_n"},
-        "Forest": {"quantisation": "rounding"},
-        "Quantisation": {"feature_min": "least", "bins_per_unit": "per_step"},
-        "Rbf": {"feature_min": "least", "feature_max": "greatest"},
-    }  # fmt: skip
-
-    def older(value: Any) -> Any:
-        if not isinstance(value, dict) or "part" not in value:
-            return value
-        names = former.get(value["part"], {})
-        inside = {names.get(name, name): older(item) for name, item in value.items()}
-        return {**inside, "part": {"Quantisation": "Rounding"}.get(value["part"], value["part"])}
-
-    for name in ("rf-fd-quantised", "rbf-fd-fast", "rf-fd"):
-        header, arrays = opened(name)
-        path = tmp_path / f"{name}.spm"
-        path.write_bytes(closed(older(header), arrays))
-        assert model_hash(read_model(path)) == model_hash(golden_forces.model(name))
 
 
 def test_what_stands_at_its_default_is_not_written(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from springpot.trainer.recordings.formats.column_map import (
     split_unit,
     stated_rate_hz,
 )
-from springpot.trainer.recordings.formats.csv_layout import wanted_columns
+from springpot.trainer.recordings.formats.csv.csv_layout import wanted_columns
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.entry_points import registered
 from springpot.trainer.recordings.formats.column_map import ColumnMap
-from springpot.trainer.recordings.formats.decimals import DecimalMark
+from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 from springpot.trainer.recordings.formats.sampling import RawChannels
 
 START_BYTES = 520  # of a file, which `begins` sees; a user block of HDF5 is 512 of them

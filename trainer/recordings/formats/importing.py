@@ -9,7 +9,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.column_map import ColumnMap
-from springpot.trainer.recordings.formats.decimals import DecimalMark
+from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 from springpot.trainer.recordings.formats.file_format import (
     START_BYTES,
     FileRequest,

@@ -17,7 +17,7 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
-from springpot.trainer.recordings.formats.decimals import is_number
+from springpot.trainer.recordings.formats.csv.decimals import is_number
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit

@@ -14,7 +14,7 @@ from springpot.trainer.recordings.formats.column_map import (
     guess_column,
     stated_rate_hz,
 )
-from springpot.trainer.recordings.formats.decimals import (
+from springpot.trainer.recordings.formats.csv.decimals import (
     DecimalMark,
     decimal_mark,
     is_comma_number,

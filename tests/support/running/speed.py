@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from support.paths import TESTS
 
 TABLE = TESTS / "durations.json"

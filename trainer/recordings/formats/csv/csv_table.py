@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import split_unit
-from springpot.trainer.recordings.formats.csv_layout import Layout, cells
-from springpot.trainer.recordings.formats.decimals import COMMA_TO_POINT, is_number
+from springpot.trainer.recordings.formats.csv.csv_layout import Layout, cells
+from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT, is_number
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 UTF8 = "utf-8-sig"

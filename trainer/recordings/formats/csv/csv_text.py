@@ -8,8 +8,8 @@ import numpy as np
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import stated_rate_hz
-from springpot.trainer.recordings.formats.csv_layout import find_layout
-from springpot.trainer.recordings.formats.csv_table import UTF8, CsvTable
+from springpot.trainer.recordings.formats.csv.csv_layout import find_layout
+from springpot.trainer.recordings.formats.csv.csv_table import UTF8, CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import QUANTITIES

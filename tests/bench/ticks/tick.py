@@ -1,7 +1,7 @@
 """One tick of every way to render the paper's forest, side by side in one run.
 
-python tests/bench/tick.py [--json FILE]: a table with ratios to the literal tick. Hot: median over
-stretches of a recorded motion, the rows in turn. Paced: at 1 kHz with disturbed caches.
+python tests/bench/ticks/tick.py [--json FILE]: a table with ratios to the literal tick. Hot: median
+over stretches of a recorded motion, the rows in turn. Paced: at 1 kHz with disturbed caches.
 Instructions: callgrind, which has no AVX-512; those rows have none.
 """
 

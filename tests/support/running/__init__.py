@@ -1,0 +1,1 @@
+"""How tests are run: which have time, and which the machine held up."""

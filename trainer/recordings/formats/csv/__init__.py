@@ -1,0 +1,1 @@
+"""CSV files: their text, layout, numbers and table."""
