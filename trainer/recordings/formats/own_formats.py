@@ -34,4 +34,4 @@ HDF5 = FileFormat(
 MAT = FileFormat(
     "MAT", lambda start: start.startswith(_MAT5), f"{_HERE}.arrays:read_mat_arrays", 3
 )  # fmt: skip
-CSV = FileFormat("CSV", lambda start: True, f"{_HERE}.csv_text:read_csv", 1000)
+CSV = FileFormat("CSV", lambda start: True, f"{_HERE}.csv.csv_text:read_csv", 1000)
