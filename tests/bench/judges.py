@@ -43,10 +43,6 @@ MACH1 = "mach1"
 KIN_STRUCTURES = ("paper", "left-out-depth")  # of the five that are much alike
 BESIDE = ("rf-fd", "rbf-fd", "boosted")  # the paper's, which auto does not try
 _CELL_CPU_S = 50.0  # of a cell, by the last run, most of it auto's
-_MEASURING = tuple(
-    f"springpot.host.{name}"
-    for name in ("benchmark.measure", "recording.structures", "simulation.bench")
-)
 
 
 @dataclass(frozen=True)
@@ -67,7 +63,7 @@ class Cell:
     def key(self) -> str:
         """Of all that decides its figures."""
         content = self.file.read_bytes().hex() if self.file else self.settings()
-        return key_of([code_hash(_MEASURING), self.name, self.structure, content])
+        return key_of([code_hash(), self.name, self.structure, content])
 
     def settings(self) -> list[object]:
         return [SETTINGS[self.structure], self.seed, PAPER_SIGNALS]

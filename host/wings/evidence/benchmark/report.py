@@ -53,25 +53,7 @@ def bench_page(result: Metadata, folder: str) -> str:
         "sizes_why": sorted({p.why for p in points if p.why}),
         "points": sorted(points, key=lambda p: p.rmse_n),
         "chart": figures.front_figure(result),
-        "curves": [
-            (figures.family_figure(points), "Whole models against the measured force."),
-            (
-                figures.curve_figure(
-                    result["work_precision"]["filters"], "whole tick, hot, ns",
-                    "relative error of the half derivative",
-                ),
-                "Filter engines against the exact half derivative of a sine of 2 Hz.",
-            ),
-            (
-                figures.curve_figure(
-                    result["work_precision"]["integrators"], "ticks for one second",
-                    "error of the force, N",
-                ),
-                "Steps of the paper's coupling against its exact solution, for a tool that taps a "
-                "spring of 1 N/mm; either step costs about ten multiplications. The published one "
-                "is closer while it is stable, the exact one is stable with any gains.",
-            ),
-        ],
+        "families": figures.family_figure(points),
         "verdicts": [
             (key, by_key[key], _cases(result["closed_loop"][key])) for key in _picked(picks)
         ],

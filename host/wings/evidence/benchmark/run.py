@@ -21,8 +21,12 @@ from springpot import DataError, Recording, check_recordings
 from springpot.basics import Number, Target
 from springpot.console import progress_console
 from springpot.host.wings.evidence.benchmark.code_hash import code_hash
-from springpot.host.wings.evidence.benchmark.instructions import count_instructions, uncounted
-from springpot.host.wings.evidence.benchmark.isolated import measure_isolated
+from springpot.host.wings.evidence.benchmark.isolated import (
+    measure_isolated,
+    measure_on_target,
+    missing_for,
+    unmeasured_on,
+)
 from springpot.host.wings.evidence.benchmark.measure import (
     BenchRecordings,
     Job,
@@ -31,7 +35,6 @@ from springpot.host.wings.evidence.benchmark.measure import (
     measure_sizes,
     target_compiler,
 )
-from springpot.host.wings.evidence.benchmark.node_ticks import time_in_node, untimed
 from springpot.host.wings.evidence.benchmark.picks import PlatformBudget, budgets, pareto, pick, why
 from springpot.host.wings.evidence.benchmark.point import Isolated, Metadata, Point, Refused
 from springpot.host.wings.evidence.benchmark.store import (
@@ -41,12 +44,9 @@ from springpot.host.wings.evidence.benchmark.store import (
     measured_by,
     point_key,
 )
-from springpot.host.wings.evidence.benchmark.work_precision import work_precision
 from springpot.modelling import KINDS, find_noise_floor
 from springpot.native import cpu_s, machine_metadata
 from springpot.validation import floor_keys, known_among
-
-_MEASURING = (measure_point, measure_isolated, count_instructions, time_in_node, work_precision)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
     store = Store(folder)
     store.prepare()
     begin, load = time.perf_counter(), os.getloadavg()[0]
-    measures = measured_by(code_hash(tuple(work.__module__ for work in _MEASURING)), bench.target)
+    measures = measured_by(code_hash(), bench.target)
     swept, refused, computed = _sweep(bench, store, measures)
     if not swept:
         raise DataError(f"no model can be made of these recordings: {refused[0].error}")
@@ -82,10 +82,6 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
             status.update(f"isolated timing: {i + 1} of {len(front)} on the front")
             isolated.complete(point)
         picks = [_picked(budget, recorded_hz, isolated) for budget in budgets(bench.target)]
-        status.update("work-precision curves")
-        curves_key = f"work-precision-{key_of(measures)}"
-        curves = store.read("isolated", curves_key) or work_precision()
-        store.write("isolated", curves_key, curves)
     metadata = machine_metadata()
     result = {
         "points": [point.as_dict() for point in isolated.points],
@@ -109,7 +105,6 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
         "seen": known_among({rec.content_hash for rec in bench.training}, bench.validation),
         "quality": check_recordings(bench.training).as_dict(),
         "validation_floor": floor_keys(find_noise_floor(bench.validation)),
-        "work_precision": curves,
         "closed_loop": isolated.matrices,
         "computed": computed,
         "computed_sizes": computed_sizes,
@@ -212,15 +207,11 @@ class _Isolated:
 
     def _on_target(self, key: str, asked: tuple[Path, Number, Recording]) -> Metadata:
         target = self._bench.target
-        if target == "wasm32":
-            if why := untimed():
-                return {"node_why": why}
-            version = key_of([key, target_compiler(target)])
-            return self._once("node_ticks", version, lambda: time_in_node(*asked))
-        if why := uncounted(target):  # not kept: the tools may come
-            return {"instructions": None, "instructions_why": why}
+        if why := missing_for(target):
+            return unmeasured_on(target, why)  # not kept: the tools may come
+        kind = "node_ticks" if target == "wasm32" else "instructions"
         version = key_of([key, target_compiler(target)])
-        return self._once("instructions", version, lambda: count_instructions(*asked, target))
+        return self._once(kind, version, lambda: measure_on_target(*asked, target))
 
     def _once(self, kind: str, key: str, measure: Callable[[], Metadata]) -> Metadata:
         metadata = self._store.read(kind, key)
