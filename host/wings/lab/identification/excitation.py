@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy import signal
 
 from springpot.basics import Samples
 from springpot.emission import LATCHED
@@ -72,10 +73,8 @@ def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
 def sweep(rate_hz: float, limits: MoveLimits, sign: int) -> Excitation:
     """A sine from fast to slow; the C adapts its size to the swing that is wanted."""
     time_s = np.arange(round(SWEEP_S * rate_hz)) / rate_hz
-    ratio = np.log(_SLOW_HZ / _FAST_HZ)
-    phase = 2 * np.pi * _FAST_HZ * SWEEP_S / ratio * np.expm1(ratio * time_s / SWEEP_S)
     return Excitation(
-        np.sin(phase),
+        signal.chirp(time_s, _FAST_HZ, SWEEP_S, _SLOW_HZ, method="logarithmic", phi=-90.0),
         1 / rate_hz,
         _FIRST_GAIN * limits.max_force_n,
         sign=sign,

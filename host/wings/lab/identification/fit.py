@@ -97,22 +97,23 @@ def fit_motion(motion: FreeMotion, guess: Matrix) -> MotionFit:
     def parts(x: Matrix) -> tuple[Matrix, Matrix]:
         return x[:_COUNT], x[_COUNT:].reshape(-1, 2)
 
-    states = segments.first_states()
+    def residual_m(x: Matrix) -> Matrix:
+        return segments.residual_m(*parts(x)).ravel()
+
+    def jacobian(x: Matrix) -> Matrix:
+        return segments.jacobian(*parts(x))
+
+    states = segments.first_states().ravel()
+    start = np.concatenate([np.maximum(guess, _MIN_VALUES), states])
+    minimum = np.concatenate([_MIN_VALUES, np.full_like(states, -np.inf)])
     found = optimize.least_squares(
-        lambda x: segments.residual_m(*parts(x)).ravel(),
-        np.concatenate([np.maximum(guess, _MIN_VALUES), states.ravel()]),
-        jac=lambda x: segments.jacobian(*parts(x)),
-        bounds=(np.concatenate([_MIN_VALUES, np.full(states.size, -np.inf)]), np.inf),
-        x_scale="jac",
-        ftol=_DONE,
-        max_nfev=_ROUNDS,
+        residual_m, start, jacobian, (minimum, np.inf), x_scale="jac", ftol=_DONE, max_nfev=_ROUNDS
     )
-    values, states = parts(found.x)
-    residual_m = -found.fun.reshape(segments.position_m.shape)
-    _, velocity_mps = segments.simulate(values[None], states[None])
-    return MotionFit(
-        values, _half_width(residual_m, found.jac), residual_m, velocity_mps[0], segments.begins
-    )
+    left_m = -found.fun.reshape(segments.position_m.shape)
+    half_width = _half_width(left_m, jacobian(found.x))
+    values, fitted = parts(found.x)
+    _, velocity_mps = segments.simulate(values[None], fitted[None])
+    return MotionFit(values, half_width, left_m, velocity_mps[0], segments.begins)
 
 
 def _half_width(residual_m: Matrix, jacobian: Matrix) -> Matrix:

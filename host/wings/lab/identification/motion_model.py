@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import exprel
 
 Lanes = NDArray[np.float64]  # one value for each simulated segment, shape (lanes,)
 
-_SERIES, _SHORT = 6, 0.3  # terms, exact to 1e-9 in pieces shorter than that part of m / b
+_SHORT = 1e-2  # of m / b: shorter pieces lose digits in a difference
 _MIN_NSPM = 1e-9
 
 
@@ -100,15 +101,8 @@ def _slide(
 
 def _shares(decay: Lanes) -> tuple[Lanes, Lanes]:
     """Speed and distance gained while it decays by exp(-decay), of those without decay."""
-    speed_share = distance_share = np.zeros_like(decay)
-    for k in range(_SERIES, 0, -1):
-        speed_share = 1.0 - decay / (k + 1) * speed_share
-        distance_share = 1.0 - decay / (k + 2) * distance_share
-    if (decay < _SHORT).all():
-        return speed_share, distance_share
-    lasting = np.maximum(decay, _SHORT)  # shorter ones lose digits here
-    lost = np.expm1(-lasting)
-    return (
-        np.where(decay < _SHORT, speed_share, -lost / lasting),
-        np.where(decay < _SHORT, distance_share, 2.0 * (lasting + lost) / lasting**2),
-    )
+    speed_share = exprel(-decay)
+    series = 1.0 - decay / 3.0 * (1.0 - decay / 4.0 * (1.0 - decay / 5.0))
+    lasting = np.maximum(decay, _SHORT)
+    difference = 2.0 * (1.0 - exprel(-lasting)) / lasting
+    return speed_share, np.where(decay < _SHORT, series, difference)
