@@ -36,11 +36,6 @@ class StudyFolder:
         """Opens the blinding."""
         return read_key(self.path / KEY)
 
-    def scene_folder(self, stimulus: Stimulus) -> Path | None:
-        """Its emission; None of a real object."""
-        scene = self.scenes.get(stimulus.name)
-        return None if scene is None else self.path / scene.folder
-
     def number(self, participant: str) -> int:
         """From 1. Raises UsageError for none of the study's."""
         if participant not in self.participants:

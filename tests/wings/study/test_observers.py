@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.same_forces import require_same_forces
 from support.small_study import (
     SOFT,
     planned,
@@ -27,7 +28,6 @@ from springpot.host.wings.study.observers.observer import (
 from springpot.host.wings.study.observers.simulate import simulate
 from springpot.host.wings.study.report.page import write_study_report
 from springpot.host.wings.study.responses import read_responses
-from springpot.host.wings.study.session.switched import require_same_forces
 from springpot.trainer.recordings.recording_file import read_recording
 
 EXACT = Observer(weber=0.10)

@@ -38,37 +38,27 @@ class PlatformBudget:
         return asdict(self)
 
 
-def pc_budget(rate_hz: float) -> PlatformBudget:
-    """A tenth of a period."""
-    khz = f"{rate_hz / 1e3:g}"
-    return PlatformBudget(
-        f"pc-{khz}khz", f"PC at {khz} kHz", rate_hz=rate_hz, tick_us=1e6 * PERIOD_SHARE / rate_hz
-    )
-
-
-def board_budget(target: Target) -> PlatformBudget:
-    """A microcontroller of 256 kB of flash whose loop spares 8 000 instructions a tick."""
-    return PlatformBudget(
-        target,
-        f"board with a {target}",
-        flash_bytes=256 * 1024,
-        ram_bytes=64 * 1024,
-        instructions=8000,
-        target=target,
-    )
-
-
-def page_budget() -> PlatformBudget:
-    """A web page of 200 kB, most of it the module, which base64 makes a third longer."""
-    return PlatformBudget("wasm32", "web page", flash_bytes=120 * 1024, target="wasm32")
-
-
 def budgets(target: Target) -> tuple[PlatformBudget, ...]:
-    """A PC at 1 and at 4 kHz, and the board or page."""
-    pcs = (pc_budget(1000.0), pc_budget(4000.0))
+    """A PC at 1 and at 4 kHz that spares a tenth of a period, and the board or the page.
+
+    A board has 256 kB of flash and spares 8 000 instructions a tick. A page has 200 kB, most of it
+    the module, which base64 makes a third longer.
+    """
+    pcs = tuple(
+        PlatformBudget(f"pc-{khz}khz", f"PC at {khz} kHz", rate_hz=1e3 * khz,
+                       tick_us=1e3 * PERIOD_SHARE / khz)
+        for khz in (1, 4)
+    )  # fmt: skip
     if target == "host":
         return pcs
-    return (*pcs, page_budget() if target == "wasm32" else board_budget(target))
+    if target == "wasm32":
+        page = PlatformBudget(target, "web page", flash_bytes=120 * 1024, target=target)
+        return (*pcs, page)
+    board = PlatformBudget(
+        target, f"board with a {target}", flash_bytes=256 * 1024, ram_bytes=64 * 1024,
+        instructions=8000, target=target,
+    )  # fmt: skip
+    return (*pcs, board)
 
 
 def pareto(points: Sequence[Point]) -> set[str]:

@@ -8,14 +8,7 @@ from dataclasses import dataclass, fields, replace
 from importlib.metadata import version
 from pathlib import Path
 
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import track
 
 from springpot import DataError, Recording, check_recordings
 from springpot.basics import Number, Target
@@ -134,20 +127,14 @@ def _sweep(
     known = {key: store.read_point(key) for key in keyed}
     missing = [key for key, point in known.items() if point is None]
     jobs = [Job(key, KINDS[keyed[key].kind], keyed[key], data, bench.target) for key in missing]
-    with _progress() as progress:
-        task = progress.add_task("models", total=len(keyed), completed=len(keyed) - len(jobs))
-        for measured in in_parallel(measure_point, jobs, bench.dask):
-            store.keep(measured)
-            known[measured.point.key] = measured.point
-            progress.advance(task)
-    points: list[Point] = []
-    refused: list[Refused] = []
-    for point in known.values():
-        match point:
-            case Point():
-                points.append(point)
-            case Refused():
-                refused.append(point)
+    for measured in track(
+        in_parallel(measure_point, jobs, bench.dask), "models", total=len(keyed),
+        completed=len(keyed) - len(jobs), console=progress_console, disable=not sys.stderr.isatty(),
+    ):  # fmt: skip
+        store.keep(measured)
+        known[measured.point.key] = measured.point
+    points = [point for point in known.values() if isinstance(point, Point)]
+    refused = [point for point in known.values() if isinstance(point, Refused)]
     return points, refused, len(jobs)
 
 
@@ -166,14 +153,6 @@ def _with_sizes(points: Sequence[Point], target: Target, store: Store) -> tuple[
         found[key] = replace(found[key], **vars(sizes))
         store.write_point(found[key])
     return list(found.values()), len(jobs)
-
-
-def _progress() -> Progress:
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
-        TimeElapsedColumn(), TextColumn("rest"), TimeRemainingColumn(elapsed_when_finished=False),
-        console=progress_console, disable=not sys.stderr.isatty(),
-    )  # fmt: skip
 
 
 class _Isolated:

@@ -44,7 +44,7 @@ class Store:
         return self.folder / "models" / f"{key}.spm"
 
     def keep(self, measured: MeasuredPoint) -> None:
-        """Write a point after its model: what has a point has its model."""
+        """Write the model before the point, so that every stored point has a model file."""
         if measured.model is not None:
             write_file(self.model_file(measured.point.key), measured.model)
         self.write_point(measured.point)

@@ -106,7 +106,7 @@ def _results(data: Iterable[ObjectRecordings], folder: Path, work: Work) -> list
         for item in data:
             begun.append(begin_object(item, folder / item.name, work, pool))
             say(f"{item.name}: fitted")
-        results = [checking.result() for checking in begun]
+        results = [finish() for finish in begun]
     for result in results:
         say(in_a_line(result))
     return results

@@ -1,7 +1,7 @@
 """The paper's protocol on one object after the other: record, fit, emit, build, validate."""
 
-from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -97,27 +97,6 @@ def simulated(name: str, variant: str, work: Work) -> ObjectRecordings:
     return ObjectRecordings(name, recordings[0], recordings[1], commands_n)
 
 
-@dataclass(frozen=True, eq=False)
-class Checking:
-    """An object whose models are fitted, while processes still build and validate them."""
-
-    data: ObjectRecordings
-    fits: Mapping[str, "Fit"]
-    folders: Mapping[str, Path]
-    validations: Mapping[str, Future[Validation]]
-    handled: Mapping[str, Future[HandledModel]]
-
-    def result(self) -> ObjectResult:
-        """Wait for all that was begun."""
-        models = {
-            kind: Modelled(self.fits[kind], self.folders[kind], validation.result())
-            for kind, validation in self.validations.items()
-        }
-        return ObjectResult(
-            self.data, models, {kind: found.result() for kind, found in self.handled.items()}
-        )
-
-
 def validators() -> ProcessPoolExecutor:
     """Processes that validate, and put models into hands: the reference is Python."""
     return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
@@ -125,25 +104,27 @@ def validators() -> ProcessPoolExecutor:
 
 def begin_object(
     data: ObjectRecordings, folder: Path, work: Work, pool: ProcessPoolExecutor
-) -> Checking:
+) -> Callable[[], ObjectResult]:
     """Fit every kind, write its C into `folder`, and let `pool` build and validate that.
 
-    Raises DataError where the recordings do not fit together.
+    Return what waits for the result. Raises DataError where recordings do not fit together.
     """
     fits, scene = _fits(data, work), plain_scene(data.name)
     folders = {kind: _written(kind, fits[kind].model, scene, folder) for kind in work.kinds}
-    return Checking(
-        data,
-        fits,
-        folders,
-        validations={
-            kind: pool.submit(validate, folders[kind], data.validation, paced_s=work.paced_s)
-            for kind in work.kinds
-        },
-        handled={
-            kind: pool.submit(handled, fits[kind].model, scene) for kind in (CONTROL, "rf-fd")
-        },
-    )
+    validations = {
+        kind: pool.submit(validate, place, data.validation, paced_s=work.paced_s)
+        for kind, place in folders.items()
+    }
+    hands = {kind: pool.submit(handled, fits[kind].model, scene) for kind in (CONTROL, "rf-fd")}
+
+    def result() -> ObjectResult:
+        models = {
+            kind: Modelled(fits[kind], folders[kind], validation.result())
+            for kind, validation in validations.items()
+        }
+        return ObjectResult(data, models, {kind: one.result() for kind, one in hands.items()})
+
+    return result
 
 
 def in_a_line(result: ObjectResult) -> str:

@@ -12,10 +12,10 @@ interval, which is where the profile of the likelihood has lost no more than cha
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
-from scipy import stats
+from scipy import optimize, stats
 
 from springpot import DataError, UsageError
 from springpot.basics import Samples
@@ -124,17 +124,12 @@ def _estimate(method: str, yes: float, alarms: float) -> float:
     if method == "abx":
         target, curve = float(stats.norm.cdf(apart / 2)), abx_correct
     else:
-        criterion = np.array(-(2**0.5) * stats.norm.ppf(alarms / 2))
         target = yes
-
-        def curve(d: Samples) -> Samples:
-            return different_rate(d, criterion)
-
-    low, high = 0.0, 2 * _LARGEST
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if curve(np.array(middle)) < target else (low, middle)
-    return low
+        criterion = np.asarray(-(2**0.5) * stats.norm.ppf(alarms / 2))
+        curve = partial(different_rate, criterion=criterion)
+    if target <= curve(np.zeros(())):
+        return 0.0
+    return float(optimize.brentq(lambda d: float(curve(d)) - target, 0.0, 4 * _LARGEST))
 
 
 def _crossing(d: Samples, likelihood: Samples, at: int, step: int) -> float:
