@@ -28,8 +28,7 @@ from springpot.host.wings.evidence.benchmark.choice import choose_pick, scene_of
 from springpot.host.wings.evidence.benchmark.isolated import measure_on_target
 from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
-from springpot.host.wings.page.page_check import check_module
-from springpot.host.wings.page.press_page import write_press_page
+from springpot.host.wings.page.press_page import check_module, write_press_page
 from springpot.runtime_c.paths import SIM
 
 WASM_LD = shutil.which("wasm-ld")

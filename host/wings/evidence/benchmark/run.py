@@ -13,7 +13,6 @@ from rich.progress import track
 from springpot import DataError, Recording, check_recordings
 from springpot.basics import Number, Target
 from springpot.console import progress_console
-from springpot.host.wings.evidence.benchmark.code_hash import code_hash
 from springpot.host.wings.evidence.benchmark.isolated import (
     measure_isolated,
     measure_on_target,
@@ -32,6 +31,7 @@ from springpot.host.wings.evidence.benchmark.picks import PlatformBudget, budget
 from springpot.host.wings.evidence.benchmark.point import Isolated, Metadata, Point, Refused
 from springpot.host.wings.evidence.benchmark.store import (
     Store,
+    code_hash,
     data_key,
     key_of,
     measured_by,

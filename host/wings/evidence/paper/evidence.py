@@ -3,15 +3,17 @@
 import json
 import shutil
 from collections.abc import Iterable, Sequence
+from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Any
 
-from springpot import UsageError, read_recordings
+from springpot import Scene, UsageError, read_recordings, write_scene
 from springpot.basics import write_file
 from springpot.console import say
 from springpot.host.wings.evidence.paper.claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, check_claims
 from springpot.host.wings.evidence.paper.figures import error_figures, typical_recording
 from springpot.host.wings.evidence.paper.reproduce import (
+    PAPER_KINDS,
     ObjectRecordings,
     ObjectResult,
     Work,
@@ -25,7 +27,6 @@ from springpot.host.wings.evidence.paper.reproduce import (
 from springpot.host.wings.evidence.paper.row_shares import row_shares, rows_figure
 from springpot.host.wings.evidence.paper.sampling import resampled
 from springpot.host.wings.evidence.paper.signals import signal_figures
-from springpot.host.wings.evidence.paper.study_files import write_study_files
 from springpot.host.wings.evidence.paper.unshown_claims import check_unshown
 from springpot.native import machine_metadata
 from springpot.simulation import OBJECTS, parse_url
@@ -39,6 +40,7 @@ _PAPER_PAIRS = {
     "dragon-skin-fx": [0.1, 0.15],
     "dragon-skin-10": [0.1, 0.15],
 }
+STUDY = "study.toml"
 
 
 def object_names(objects: str | None) -> list[str]:
@@ -142,3 +144,26 @@ def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
             for r in by_softness(results)
         },
     }
+
+
+def write_study_files(out: Path, models: Path, names: Iterable[str]) -> list[Path]:
+    """Write a scene for each of the paper's models, and the study where all five objects are there.
+
+    models: where `<object>/<kind>.spm` lie. Returns what was written.
+    """
+    out.mkdir(exist_ok=True)
+    written = []
+    for name in names:
+        for kind in PAPER_KINDS:
+            if not (models / name / f"{kind}.spm").exists():
+                continue
+            model = f"{name}-{kind}.spm"
+            shutil.copyfile(models / name / f"{kind}.spm", out / model)
+            file = out / f"{name}-{kind}.toml"
+            write_scene(file, Scene(schema=1, name=f"{name} {kind}", model=model))
+            written.append(file)
+    if set(OBJECTS) <= {*names}:
+        with as_file(files("springpot.host") / "scenes" / "paper-study.toml") as shipped:
+            shutil.copyfile(shipped, out / STUDY)
+        written.append(out / STUDY)
+    return written

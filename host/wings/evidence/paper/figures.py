@@ -106,11 +106,8 @@ def _percentages(results: Sequence[ObjectResult], out: Path, data: str) -> list[
 
 
 def _errors(results: Sequence[ObjectResult], out: Path, data: str) -> list[str]:
-    def error(result: ObjectResult, kind: str) -> float:
-        return result.rmse_n(kind)
-
     caption = f"Figure 9: RMSE averaged over the validation recordings. {data}"
-    return _bars(results, error, "RMSE, N", out, ("figure-09", caption))
+    return _bars(results, ObjectResult.rmse_n, "RMSE, N", out, ("figure-09", caption))
 
 
 def _times(results: Sequence[ObjectResult], out: Path, data: str) -> list[str]:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import signal
 
 from springpot import Recording
 from springpot.basics import Samples
@@ -60,12 +61,8 @@ def coupled_force(model: Modelled, recording: Recording) -> Samples:
 
 def smoothed_0_7(force_n: Samples) -> Samples:
     """The paper's exponential moving average of the force: weight 0.7 on the newest sample."""
-    out = np.empty_like(force_n)
-    held = float(force_n[0])
-    for i, value in enumerate(force_n.tolist()):
-        held = 0.7 * value + 0.3 * held
-        out[i] = held
-    return out
+    held_n: Samples = signal.lfilter([0.7], [1.0, -0.3], force_n, zi=0.3 * force_n[:1])[0]
+    return held_n
 
 
 def example_press(dt_s: float, duration_s: float = 1.0) -> Samples:

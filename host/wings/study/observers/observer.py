@@ -13,7 +13,7 @@ import numpy as np
 
 from springpot.basics import Samples
 from springpot.host.wings.study.definition import Study
-from springpot.host.wings.study.session.wording import answers
+from springpot.host.wings.study.session.screen_state import answers
 
 _WEBER, _WEBER_SPREAD = 0.10, 0.2  # of force, at 2 N and more (the paper's figure 8); of its log
 _DEPTHS = np.linspace(0.3, 0.9, 25)  # of the depth that all presses of a trial reached

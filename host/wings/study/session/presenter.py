@@ -9,14 +9,15 @@ from springpot.host.wings.study.folder import StudyFolder
 from springpot.host.wings.study.session.apparatus import Apparatus
 from springpot.host.wings.study.session.conduct import PresentedTrial, Record, TrialOutcome
 from springpot.host.wings.study.session.experimenter import Experimenter, TrialVoidedError
-from springpot.host.wings.study.session.presses import PressLimits, PressWatch
-from springpot.host.wings.study.session.running_trial import RunningTrial
+from springpot.host.wings.study.session.presses import PressLimits, PressWatch, RunningTrial
 from springpot.host.wings.study.session.screen import ParticipantScreen
-from springpot.host.wings.study.session.screen_state import Act, Ask, ScreenState
-from springpot.host.wings.study.session.wording import (
+from springpot.host.wings.study.session.screen_state import (
     FEEL_ALL,
     TOO_DEEP,
     TOO_FAST,
+    Act,
+    Ask,
+    ScreenState,
     answers,
     slots,
     trial_question,
@@ -68,7 +69,7 @@ class DevicePresenter:
         again = "" if trial.attempt == 1 else f", attempt {trial.attempt}"
         self._experimenter.report(f"{title}{again}")
         late = 0 if self._apparatus is None else self._apparatus.runner.state.late
-        overruns = 0 if self._apparatus is None else self._apparatus.overruns
+        overruns = 0 if self._apparatus is None else self._apparatus.switch.overruns
         run = None
         try:
             self._free(title)
@@ -86,7 +87,7 @@ class DevicePresenter:
         details = run.details()
         if self._apparatus is not None:
             details["late"] = self._apparatus.runner.state.late - late
-            details["overruns"] = self._apparatus.overruns - overruns
+            details["overruns"] = self._apparatus.switch.overruns - overruns
             details["log"] = trial.log.name
         return TrialOutcome(answer, details)
 
@@ -196,9 +197,9 @@ class DevicePresenter:
         """Wait until nothing is felt any more: the tool is above the surface."""
         if self._apparatus is None:
             return
-        self._apparatus.release()
+        self._apparatus.switch.want(0)
         shown = False
-        while not self._apparatus.is_free():
+        while self._apparatus.switch.active:
             if not shown:
                 self._screen.show(ScreenState(title, _LIFT))
                 shown = True
@@ -209,7 +210,7 @@ class DevicePresenter:
     def _end(self, keep: bool) -> None:
         if self._apparatus is not None:
             self._apparatus.end_log(keep)
-            self._apparatus.release()
+            self._apparatus.switch.want(0)
 
     def _until(self, kind: str) -> Act:
         """The next act of this kind."""

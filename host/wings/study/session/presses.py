@@ -1,4 +1,4 @@
-"""What a person does with the tool: presses, how deep and how fast; and when that is too much."""
+"""A trial under way: presses, how deep and how fast; and when that is too much."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from springpot.basics import Samples
+from springpot.host.wings.study.session.conduct import PresentedTrial, Record
+from springpot.host.wings.study.session.screen_state import ScreenState
 from springpot.host.wings.study.session.switched import MAX_PLACES, PlacedNotes
 from springpot.loop import COLUMN, LoopRows
 
@@ -90,3 +92,21 @@ class PressWatch:
         whole = np.concatenate((self._earlier_m, position_m))
         self._earlier_m = whole[-back:]
         return np.abs(whole[back:] - whole[:-back]) / (back * self.dt_s)
+
+
+@dataclass
+class RunningTrial:
+    """One trial under way. felt: slots that were pressed; pressed: all of them."""
+
+    shown: PresentedTrial
+    record: Record
+    watch: PressWatch
+    state: ScreenState
+    felt: set[int] = field(default_factory=set)
+    pressed: bool = False
+    warnings: int = 0
+    warned_s: float = 0.0
+
+    def details(self) -> dict[str, Any]:
+        """What the line `done` says of the presses."""
+        return {**self.watch.summary(), "warnings": self.warnings}

@@ -15,10 +15,9 @@ from support.in_process import spring
 from support.paths import ROOT
 
 from springpot.host.wings.evidence.benchmark import run as bench_run
-from springpot.host.wings.evidence.benchmark.code_hash import code_hash
 from springpot.host.wings.evidence.benchmark.isolated import missing_for
 from springpot.host.wings.evidence.benchmark.run import run_bench
-from springpot.host.wings.evidence.benchmark.store import read_result
+from springpot.host.wings.evidence.benchmark.store import code_hash, read_result
 
 
 def test_the_same_bench_again_computes_nothing() -> None:
