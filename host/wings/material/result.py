@@ -31,7 +31,7 @@ def moduli_figure(
     relaxation: tuple[Samples, Samples],
     unit: str,
 ) -> str:
-    """SVG text. law, prony: dynamic values at the frequencies, of which some are extrapolated;
+    """Draw as SVG. law, prony: dynamic values at the frequencies, of which some are extrapolated;
     measured: frequency and value of each cyclic recording; relaxation: times (s), values."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8.0, 3.4), layout="constrained")
@@ -58,7 +58,7 @@ def moduli_figure(
 
 
 def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, Any]:
-    """Keys of `material --json`; moduli (Pa) where a scale (1/m) is known, else stiffness."""
+    """Return keys of `material --json`; moduli (Pa) if a scale (1/m) is known, else stiffness."""
     by, unit = (1.0, "n_per_m") if scale is None else (scale, "pa")
     dynamic = law.dynamic_npm(_FREQUENCIES_HZ)
     low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
@@ -106,7 +106,7 @@ def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, An
 
 
 def extrapolated(law: Law) -> NDArray[np.bool_]:
-    """Whether no recording reaches a frequency of the table: (frequencies,)."""
+    """Return whether no recording reaches a frequency of the table: (frequencies,)."""
     low_hz, high_hz = law.covered_hz or (0.0, np.inf)
     beyond: NDArray[np.bool_] = (low_hz > _FREQUENCIES_HZ) | (high_hz < _FREQUENCIES_HZ)
     return beyond

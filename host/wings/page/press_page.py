@@ -43,14 +43,14 @@ def write_press_page(
 
 
 def session_page(folder: Path, accept_edited: bool = False) -> str:
-    """Text of the page that shows a session with an emitted folder; raises as write_press_page."""
+    """Return the page that shows a session of an emitted folder; raises as write_press_page."""
     return press_page([scene_entry(folder, accept_edited)], "session")
 
 
 def press_page(
     entries: Sequence[dict[str, Any]], source: Literal["hand", "session"], about: str = ""
 ) -> str:
-    """The page's text. source: a hand on the page, or a session of `springpot run`."""
+    """Return the page's text. source: a hand on the page, or a session of `springpot run`."""
     first = entries[0]
     context = {
         "title": first["name"],

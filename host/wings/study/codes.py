@@ -26,7 +26,7 @@ class Key:
         return self.codes[participant][stimulus]
 
     def stimulus(self, participant: str, code: str) -> str:
-        """The name behind a code. Raises DataError for none of this participant."""
+        """Return the name behind a code. Raises DataError for none of this participant."""
         for name, its in self.codes[participant].items():
             if its == code:
                 return name

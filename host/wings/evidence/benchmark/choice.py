@@ -36,7 +36,7 @@ def chosen_scene(
 def choose_pick(
     folder: Path, name: str, accept_unsafe: bool = False
 ) -> tuple[Point, PlatformBudget]:
-    """The point of a pick, and its budget.
+    """Return the point of a pick, and its budget.
 
     Raises UsageError for an unknown name, BudgetError where no model fits it, UnsafeError where
     the pick is not bounded in the closed loop, unless that is accepted.
@@ -58,7 +58,7 @@ def choose_pick(
 
 
 def choose_within(folder: Path, budget: PlatformBudget) -> tuple[Point, PlatformBudget]:
-    """The most accurate point that fits and is known to be stable: of the front and the picks.
+    """Choose the most accurate stable point that fits, among those of the front and the picks.
 
     Raises BudgetError with the point that comes nearest, or if a limit cannot be checked.
     """

@@ -20,7 +20,7 @@ DASHES = ("-", "--", ":", "-.")
 
 
 def front_figure(result: Metadata) -> str:
-    """Every point, error on the validation recordings against time of a tick; front and picks."""
+    """Draw every point, validation error against time of a tick; mark front and picks."""
     points = points_of(result)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 5.6), layout="constrained")
@@ -40,7 +40,7 @@ def front_figure(result: Metadata) -> str:
 
 
 def family_figure(points: Sequence[Point]) -> str:
-    """Whole models: the best error of each kind within each time, one line a kind."""
+    """Return whole models: the best error of each kind within each time, one line a kind."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.8, 3.8), layout="constrained")
         axes = figure.subplots()
@@ -67,14 +67,14 @@ def _mark(axes: Axes, point: Point, gid: str) -> None:
 
 
 def _envelope(axes: Axes, points: Sequence[Point]) -> None:
-    """The steps under which no point of the front lies."""
+    """Draw the steps under which no point of the front lies."""
     best = _best([point for point in points if point.pareto])
     axes.step([point.tick_ns_hot for point in best], [point.rmse_n for point in best],
               where="post", color="black", lw=1.0, ls="--", zorder=2)  # fmt: skip
 
 
 def _best(points: Sequence[Point]) -> list[Point]:
-    """Points that are more accurate than all faster ones, fastest first."""
+    """Return points that are more accurate than all faster ones, fastest first."""
     found: list[Point] = []
     for point in sorted(points, key=lambda p: (p.tick_ns_hot, p.rmse_n)):
         if not found or point.rmse_n < found[-1].rmse_n:

@@ -49,13 +49,13 @@ _TIMED_S = 0.1  # again and again for so long, and the lowest, as in node
 
 
 def measure_isolated(model_file: Path, number: Number, recording: Recording) -> dict[str, Any]:
-    """Paced ticks, and the closed loop of the scene to be emitted."""
+    """Return paced ticks, and the closed loop of the scene to be emitted."""
     model = read_model(model_file)
     return {**paced_ticks(model, number, recording), **closed_loop(model, number)}
 
 
 def paced_ticks(model: Model, number: Number, recording: Recording) -> dict[str, float]:
-    """Times of ticks at the recordings' rate with cold caches, ns; the calmest of up to three."""
+    """Time ticks at the recordings' rate with cold caches, ns; the calmest of up to three runs."""
     plan = make_plan(model, bench_scene(number), accept_unsafe=True)
     position = recording.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
@@ -75,13 +75,13 @@ def paced_ticks(model: Model, number: Number, recording: Recording) -> dict[str,
 
 
 def rendered_scene(name: str, number: Number, target: Target = "host") -> Scene:
-    """The scene that `emit --pick` emits: a coupling only where a hand needs one."""
+    """Return the scene that `emit --pick` emits: a coupling only if a hand needs one."""
     runtime = Runtime(number=number, target=target)
     return Scene(schema=1, name=name, model="model.spm", runtime=runtime)
 
 
 def closed_loop(model: Model, number: Number) -> dict[str, Any]:
-    """The cases without losses, all hands; `bounded` if every one is. None where `emit` refuses."""
+    """Run the cases without losses, all hands; `bounded` if every one is, and if `emit` accepts."""
     try:
         plan = make_plan(model, rendered_scene(NAME, number))
         require_stable(plan)
@@ -101,7 +101,7 @@ def closed_loop(model: Model, number: Number) -> dict[str, Any]:
 
 
 def missing_for(target: Target) -> str:
-    """What is missing to run ticks as on the target; nothing if they can be run."""
+    """Return what is missing to run ticks as on the target; nothing if they can be run."""
     if target == "wasm32":
         return missing_tools("wasm32") or missing_node()
     board = default_board(target)
@@ -111,7 +111,7 @@ def missing_for(target: Target) -> str:
 def measure_on_target(
     model_file: Path, number: Number, recording: Recording, target: Target
 ) -> dict[str, Any]:
-    """Ticks as on the target: `instructions`, or for a page `node_tick_ns` and `portable_tick_ns`.
+    """Measure ticks as on the target: `instructions`; of a page `node_tick_ns`, `portable_tick_ns`.
 
     None if they cannot be measured; `instructions_why` or `node_why` then says why.
     """
@@ -131,14 +131,14 @@ def measure_on_target(
 
 
 def unmeasured_on(target: Target, why: str) -> dict[str, Any]:
-    """Keys of `measure_on_target` if nothing was measured, with the reason."""
+    """Return keys of `measure_on_target` if nothing was measured, with the reason."""
     if target == "wasm32":
         return {"node_tick_ns": None, "portable_tick_ns": None, "node_why": why}
     return {"instructions": None, "instructions_why": why}
 
 
 def _counted(model_file: Path, number: Number, recording: Recording, board: Board) -> int:
-    """The most instructions of a tick over the recording's begin; restarts apart."""
+    """Return the most instructions of a tick over the recording's begin; restarts apart."""
     scene = bench_scene(number, board.target)
     plan = make_plan(read_model(model_file), scene, accept_unsafe=True)
     position = recording.position_m[:COUNTED_TICKS].astype(plan.dtype)
@@ -152,7 +152,7 @@ def _counted(model_file: Path, number: Number, recording: Recording, board: Boar
 
 
 def node_and_portable_ns(plan: Plan, position: np.ndarray) -> tuple[float, float]:
-    """Time of a tick, ns, in node and of the same C built here; each the lowest of many.
+    """Return time of a tick, ns, in node and of the same C built here; each the lowest of many.
 
     The plan is for wasm32: its C has no vector units of this processor. Raises MismatchError where
     the two do not return the same bits.

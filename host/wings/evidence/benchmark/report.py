@@ -35,7 +35,7 @@ def write_bench_report(folder: Path) -> Path:
 
 
 def bench_page(result: Metadata, folder: str) -> str:
-    """The page: one text, nothing outside it."""
+    """Return the page: one text, nothing outside it."""
     points = points_of(result)
     by_key = {point.key: point for point in points}
     picks = [_pick(found, by_key) for found in result["picks"].values()]
@@ -70,9 +70,9 @@ def bench_page(result: Metadata, folder: str) -> str:
 
 
 def paper_rows(points: Sequence[Point]) -> list[dict[str, str]]:
-    """The paper's figures 9, 10 and Table 3 beside the same three models here.
+    """Return the paper's figures 9, 10 and Table 3 beside the same three models here.
 
-    None where the sweep did not hold all three.
+    None if the sweep did not hold all three.
     """
     plain = {p.model: p for p in points if not p.options and p.model in PAPER_RATES_HZ}
     if len(plain) < len(PAPER_RATES_HZ):
@@ -109,7 +109,7 @@ def _picked(picks: list[Metadata]) -> list[str]:
 
 
 def _summary(picks: list[Metadata]) -> list[str]:
-    """What a reader asks first: which model for which budget, and whether a hand may hold it."""
+    """Answer what a reader asks first: which model for which budget, and is it safe to hold."""
     lines = []
     for key in _picked(picks):
         its = [pick for pick in picks if pick["point"] and pick["point"].key == key]
@@ -123,7 +123,7 @@ def _summary(picks: list[Metadata]) -> list[str]:
 
 
 def _cases(outcomes: list[Metadata]) -> list[Metadata]:
-    """The worst of all hands and delays, case by case."""
+    """Return the worst of all hands and delays, case by case."""
     rows = []
     for case in dict.fromkeys(outcome["case"] for outcome in outcomes):
         found = [outcome for outcome in outcomes if outcome["case"] == case]

@@ -113,7 +113,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
 def _sweep(
     bench: Bench, store: Store, measures: Metadata
 ) -> tuple[list[Point], list[Refused], int]:
-    """Every candidate, in the sweep's order, and how many were computed now."""
+    """Measure every candidate; return points, refused ones, and how many were computed now."""
     from springpot import FitOptions
     from springpot.host.wings.evidence.parallel import in_parallel
     from springpot.host.wings.evidence.sweep import default_sweep
@@ -139,7 +139,7 @@ def _sweep(
 
 
 def _with_sizes(points: Sequence[Point], target: Target, store: Store) -> tuple[list[Point], int]:
-    """The points, sizes of no compiler or of another version of it measured again; how many were.
+    """Measure sizes again if the compiler was missing or has another version; return how many.
 
     What an uninstalled compiler has measured stays.
     """
@@ -172,7 +172,7 @@ class _Isolated:
         return list(self._points.values())
 
     def complete(self, point: Point) -> Point:
-        """The point with what is measured isolated."""
+        """Return the point with what is measured isolated."""
         key = point.key
         if key not in self.matrices:
             asked = (self._store.model_file(key), point.number, self._longest)

@@ -45,7 +45,7 @@ class Store:
         (self.folder / _MARK).touch()
 
     def model_file(self, key: str) -> Path:
-        """Where the model of a point is kept."""
+        """Return where the model of a point is kept."""
         return self.folder / "models" / f"{key}.spm"
 
     def keep(self, measured: MeasuredPoint) -> None:
@@ -59,12 +59,12 @@ class Store:
         self.write("points", point.key, point.swept())
 
     def read_point(self, key: str) -> Point | Refused | None:
-        """The point of a key; None where it is not there, or not whole."""
+        """Return the point of a key; None if it is not there, or not whole."""
         metadata = self.read("points", key)
         return None if metadata is None else read_point(metadata)
 
     def read(self, kind: str, key: str) -> dict[str, Any] | None:
-        """Metadata of a key; None where they are not there, or not whole."""
+        """Return metadata of a key; None if they are not there, or not whole."""
         try:
             metadata: dict[str, Any] = json.loads((self.folder / kind / f"{key}.json").read_text())
         except (OSError, ValueError):
@@ -91,7 +91,7 @@ def read_result(folder: Path) -> dict[str, Any]:
 
 
 def measured_by(code: str, target: Target) -> dict[str, Any]:
-    """What measures: the machine, the hash of springpot's sources, the target.
+    """Return what measures: the machine, the hash of springpot's sources, the target.
 
     Not the target's compiler: what is measured with it is kept apart, or beside its version.
     """
@@ -115,7 +115,7 @@ def key_of(metadata: object) -> str:
 
 @cache
 def code_hash(root: Path | None = None) -> str:
-    """SHA-256 of all floors without commands and wings, and of what measures here.
+    """Return SHA-256 of all floors without commands and wings, and of what measures here.
 
     root: of the package; default: the installed one.
     """

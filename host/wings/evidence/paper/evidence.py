@@ -44,7 +44,7 @@ STUDY = "study.toml"
 
 
 def object_names(objects: str | None) -> list[str]:
-    """Names from the command line. Raises UsageError naming an unknown one."""
+    """Return names from the command line. Raises UsageError naming an unknown one."""
     names = list(OBJECTS) if objects is None else [name.strip() for name in objects.split(",")]
     for name in names:
         parse_url(f"sim://{name}")
@@ -52,7 +52,7 @@ def object_names(objects: str | None) -> list[str]:
 
 
 def recorded(training: Path, validation: Path) -> ObjectRecordings:
-    """Recordings of one real object, named after the training folder."""
+    """Return recordings of one real object, named after the training folder."""
     return ObjectRecordings(
         training.stem, tuple(read_recordings(training)), tuple(read_recordings(validation))
     )
@@ -102,7 +102,7 @@ def run_reproduce(
 
 
 def _results(data: Iterable[ObjectRecordings], folder: Path, work: Work) -> list[ObjectResult]:
-    """Of every object; one is fitted while the one before is validated."""
+    """Return the results of all objects; one is fitted while the one before is validated."""
     with validators() as pool:
         begun = []
         for item in data:
@@ -115,7 +115,7 @@ def _results(data: Iterable[ObjectRecordings], folder: Path, work: Work) -> list
 
 
 def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
-    """Tables 1 to 3, the paper's numbers beside those found here."""
+    """Return tables 1 to 3, the paper's numbers beside those found here."""
     return {
         "table1": {
             r.data.name: {

@@ -51,7 +51,7 @@ def error_figures(results: Sequence[ObjectResult], out: Path, data: str) -> list
 
 
 def typical_recording(result: ObjectResult) -> int:
-    """Validation recording whose RMSE with rf-fd is the median one."""
+    """Return validation recording whose RMSE with rf-fd is the median one."""
     pairs = zip(result.models["rf-fd"].validation.predicted_n, result.data.validation, strict=True)
     errors = [rms(predicted_n - recording.force_n) for predicted_n, recording in pairs]
     return int(np.argsort(errors)[len(errors) // 2])

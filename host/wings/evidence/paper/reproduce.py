@@ -74,7 +74,7 @@ class ObjectResult:
     handled: Mapping[str, HandledModel]
 
     def rmse_n(self, kind: str) -> float:
-        """RMSE averaged over the validation recordings (figure 9)."""
+        """Return RMSE averaged over the validation recordings (figure 9)."""
         return self.models[kind].validation.accuracy.mean_recording_rmse_n
 
 
@@ -98,7 +98,7 @@ def simulated(name: str, variant: str, work: Work) -> ObjectRecordings:
 
 
 def validators() -> ProcessPoolExecutor:
-    """Processes that validate, and put models into hands: the reference is Python."""
+    """Return processes that validate, and put models into hands: the reference is Python."""
     return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
 
 
@@ -128,13 +128,13 @@ def begin_object(
 
 
 def in_a_line(result: ObjectResult) -> str:
-    """Errors of all models."""
+    """Return errors of all models."""
     errors = ", ".join(f"{kind} {result.rmse_n(kind):.3f}" for kind in result.models)
     return f"{result.data.name}: RMSE {errors} N"
 
 
 def plain_scene(name: str, mode: str = "off") -> Scene:
-    """A scene of the model alone, or with the paper's coupling."""
+    """Return a scene of the model alone, or with the paper's coupling."""
     return Scene(
         schema=1,
         name=name,
@@ -144,7 +144,7 @@ def plain_scene(name: str, mode: str = "off") -> Scene:
 
 
 def model_metadata(model: Modelled) -> dict[str, Any]:
-    """Keys of one model in `reproduce.json`."""
+    """Return keys of one model in `reproduce.json`."""
     found = model.validation.accuracy
     return {
         "rmse_n": found.mean_recording_rmse_n,
@@ -161,18 +161,18 @@ def model_metadata(model: Modelled) -> dict[str, Any]:
 
 
 def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
-    """Objects from the softest, the one pressed deepest, to the hardest."""
+    """Return objects from the softest, the one pressed deepest, to the hardest."""
     return sorted(results, key=lambda result: -result.data.depth_m)
 
 
 def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
-    """Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
+    """Return Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
     named = [result for result in results if result.data.name == "ecoflex-00-50"]
     return named[0] if named else by_softness(results)[len(results) // 2]
 
 
 def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
-    """All kinds, on one training set: what several hold is fitted once."""
+    """Return all kinds, on one training set: what several hold is fitted once."""
     from springpot import FitOptions
     from springpot.modelling import fit_kind, training_set
 
@@ -187,7 +187,7 @@ def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
 
 
 def _written(kind: str, model: Model, scene: Scene, folder: Path) -> Path:
-    """The model's C, which its validation builds: for replay, not for a hand or a board."""
+    """Return the model's C, which its validation builds: for replay, not for a hand or a board."""
     folder.mkdir(parents=True, exist_ok=True)
     model_file = folder / f"{kind}.spm"
     write_model(model_file, model)

@@ -52,7 +52,7 @@ class ForcedMotion:
 
 
 def alignment_command(rate_hz: float, share: float = 1.0) -> Samples:
-    """A chirp around a preload, N, one value a sample; share: of its force."""
+    """Return a chirp around a preload, N, one value a sample; share: of its force."""
     rise = np.linspace(0.0, 1.0, round(_RISE_S * rate_hz)) ** 2
     t_s = np.arange(round(CHIRP_S * rate_hz)) / rate_hz
     chirp = signal.chirp(t_s, _SLOWEST_HZ, CHIRP_S, _FASTEST_HZ, method="logarithmic", phi=-90.0)
@@ -62,7 +62,7 @@ def alignment_command(rate_hz: float, share: float = 1.0) -> Samples:
 
 
 def find_delay(motion: ForcedMotion, url: str) -> Delay:
-    """How late the sensor is. Raises DeviceError where its force does not fit the motion."""
+    """Return how late the sensor is. Raises DeviceError where its force does not fit the motion."""
     signals = _Signals(_evenly(motion))
     coarse = _Fit(signals, np.arange(_MIN_LATE_S, _MAX_LATE_S, _COARSE_S),
                   np.arange(0.0, _MAX_MOTOR_S, _COARSE_S))  # fmt: skip
@@ -81,7 +81,7 @@ def find_delay(motion: ForcedMotion, url: str) -> Delay:
 
 
 def _evenly(motion: ForcedMotion) -> ForcedMotion:
-    """The same press at even times: a loop that was kept away makes up for its ticks at once.
+    """Resample the press at even times: a loop that was held up makes up for its ticks at once.
 
     Positions are linear between two; a motor force stays until the next.
     """
@@ -93,7 +93,7 @@ def _evenly(motion: ForcedMotion) -> ForcedMotion:
 
 
 def aligned_force(t_s: Samples, delay_s: float, sensor_s: Samples, sensor_n: Samples) -> Samples:
-    """The sensor's force at the times t_s (n,), linear between its samples."""
+    """Return the sensor's force at the times t_s (n,), linear between its samples."""
     return np.asarray(np.interp(t_s + delay_s, sensor_s, sensor_n))
 
 
@@ -133,7 +133,7 @@ class _Signals:
         return self._smooth(aligned_force(raw.t_s, late_s, raw.sensor_s, raw.sensor_n))
 
     def motor(self, late_s: float) -> Samples:
-        """Each force is held for a period: between two, their mean weighted by time."""
+        """Delay the motor's force, held for a period each: between two, their mean by time."""
         t_s, raw_n = self._raw.t_s, self._raw.motor_n
         held = np.clip(np.searchsorted(t_s, t_s - late_s, side="right") - 1, 0, None)
         share = np.clip((t_s - late_s - t_s[held]) / self._dt_s, 0.0, 1.0)
@@ -163,7 +163,7 @@ class _Fit:
         self.whole = sum(self.stretches, start=np.zeros_like(self.stretches[0]))
 
     def best(self, sums: NDArray[np.float64]) -> _Found:
-        """The pair that leaves least of the sensor's force unexplained."""
+        """Return the pair that leaves least of the sensor's force unexplained."""
         constant = _MOTION - 1
         forces = slice(_MOTION + len(self._motor_s), None)
         squares = np.diag(sums)[forces]

@@ -39,7 +39,7 @@ class ArrivalLine:
         self._count += 1
 
     def host_s(self, stamp_s: float) -> float:
-        """When a sample of this stamp would have come, had nothing held it back, s."""
+        """Return when a sample of this stamp would have come, had nothing held it back, s."""
         hull = self._hull
         if len(hull) < 2:
             return hull[0][1] + stamp_s - hull[0][0] if hull else math.nan
@@ -73,7 +73,7 @@ class SensorSource(Protocol):
     """Where samples come from."""
 
     def read(self) -> Sequence[Stamped]:
-        """Samples that have come, oldest first; waits up to 50 ms for one. Raises DeviceError."""
+        """Return new samples, oldest first; waits up to 50 ms for one. Raises DeviceError."""
         ...
 
     def close(self) -> None: ...
@@ -128,7 +128,7 @@ class ForceSensor:
             self._count = 0
 
     def samples(self) -> tuple[Samples, Samples]:
-        """Times on the host's clock, s, and forces, N, since `forget`: each (n,), oldest first."""
+        """Return times on the host's clock, s, and forces, N, since `forget`; oldest first."""
         with self._lock:
             stamps_s, forces_n = self._kept[: self._count].T.copy()
             if not len(stamps_s):

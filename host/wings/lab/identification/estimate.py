@@ -17,7 +17,7 @@ _MISFIT, _MAX_MISFIT = 1.5, 3.0
 
 
 def position_step(position_m: Samples) -> Identified:
-    """The smallest step of positions (n,), where they are multiples of one."""
+    """Return the smallest step of positions (n,), if they are multiples of one."""
     levels_m = np.unique(position_m)
     gaps_m = np.diff(levels_m)
     gaps_m = gaps_m[gaps_m > 1e-6 * np.ptp(levels_m) / len(levels_m)]
@@ -37,7 +37,7 @@ def position_step(position_m: Samples) -> Identified:
 
 
 def velocity_noise(motion: FreeMotion, fit: MotionFit) -> Identified:
-    """Standard deviation of the device's velocity about the fitted one, less a lag of its own."""
+    """Estimate the noise of the device's velocity about the fitted one, less its own lag."""
     ticks = fit.residual_m.shape[1]
     places = fit.begins[:, None] + np.arange(ticks)
     seen_mps = motion.velocity_mps[places]
@@ -56,7 +56,7 @@ def velocity_noise(motion: FreeMotion, fit: MotionFit) -> Identified:
 
 
 def _without_lag(seen_mps: Matrix, true_mps: Matrix, dt_s: float) -> Matrix:
-    """Less what a scale and a lag of up to the second order explain."""
+    """Subtract what a scale and a lag of up to the second order explain."""
     slope = np.gradient(true_mps, dt_s, axis=1)
     bend = np.gradient(slope, dt_s, axis=1)
     table = np.stack([true_mps.ravel(), slope.ravel(), bend.ravel()], axis=1)
@@ -109,12 +109,12 @@ def estimate_device(
 
 
 def _white_m(fit: MotionFit) -> float:
-    """rms of what changes from tick to tick in the residual, m: noise, and no motion."""
+    """Return rms of what changes from tick to tick in the residual, m: noise, and no motion."""
     return float(np.sqrt(np.mean(np.diff(fit.residual_m, n=2, axis=1) ** 2) / 6))
 
 
 def _widening(misfit: float) -> float:
-    """Of the intervals, where the device is not as the model: what is left is no chance then."""
+    """Return the factor of all intervals: above 1 if the misfit is more than chance."""
     return min(misfit, _MAX_MISFIT) if misfit > _MISFIT else 1.0
 
 

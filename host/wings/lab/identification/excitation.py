@@ -51,7 +51,7 @@ class Excitation:
 
 
 def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
-    """Silence, then stronger and stronger pulses to and fro, up to the force limit."""
+    """Return silence, then stronger and stronger pulses to and fro, up to the force limit."""
     half, pause = round(PULSE_S * rate_hz), round(_PAUSE_S * rate_hz)
     quiet = np.zeros(round(STILL_S * rate_hz))
     count = int(np.ceil(np.log(1 / _WEAKEST) / np.log(_STRONGER)))
@@ -71,7 +71,7 @@ def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
 
 
 def sweep(rate_hz: float, limits: MoveLimits, sign: int) -> Excitation:
-    """A sine from fast to slow; the C adapts its size to the swing that is wanted."""
+    """Return a sine from fast to slow; the C adapts its size to the swing that is wanted."""
     time_s = np.arange(round(SWEEP_S * rate_hz)) / rate_hz
     return Excitation(
         signal.chirp(time_s, _FAST_HZ, SWEEP_S, _SLOW_HZ, method="logarithmic", phi=-90.0),
@@ -83,7 +83,7 @@ def sweep(rate_hz: float, limits: MoveLimits, sign: int) -> Excitation:
 
 
 def excite_step_functions(excitation: Excitation, limits: MoveLimits) -> tuple[StepFunctions, Any]:
-    """What a loop calls, and the C state (sp_excite) that says how it went."""
+    """Return what a loop calls, and the C state (sp_excite) that says how it went."""
     library = loop_library("double")
     command = np.ascontiguousarray(excitation.command, dtype=np.float64)
     stiffness_npm = _SPRING * limits.max_force_n / limits.max_travel_m

@@ -62,7 +62,7 @@ def identify_device(
 
 
 def find_sign(mover: Mover, limits: MoveLimits, rate_hz: float, url: str) -> tuple[FreeMotion, int]:
-    """The rest before the pulses, and 1 where a positive force pushes the tool out, else -1."""
+    """Find the rest before the pulses, and the sign: 1 if a positive force pushes the tool out."""
     excitation = pulses(rate_hz, limits)
     rows, excite = mover(excitation, limits)
     _require_awake(excite, url)
@@ -111,7 +111,7 @@ def _require_awake(excite: Any, url: str) -> None:
 
 
 def positive_raises(excitation: Excitation, position_m: Samples) -> bool:
-    """Whether a positive force raises the position, by the last two pulses.
+    """Return whether a positive force raises the position, by the last two pulses.
 
     position_m: (n,), of the ticks that were played, the last pulse being the last.
     """
@@ -125,7 +125,7 @@ def positive_raises(excitation: Excitation, position_m: Samples) -> bool:
 
 
 def _pushed_m(excitation: Excitation, command: Samples, position_m: Samples) -> float:
-    """How far one pulse moved the tool the way of its force, m.
+    """Return how far one pulse moved the tool the way of its force, m.
 
     What coasts is still moving forth while the force pushes back. What is stuck one way, by
     friction and a force that always acts, moves in the second half only.

@@ -51,13 +51,13 @@ class _Segments:
         self.position_m, self.weight = motion.position_m[places], motion.fresh[places].astype(float)
 
     def first_states(self) -> Matrix:
-        """Position and velocity at each begin, of a line or a curve through its first ticks."""
+        """Return position and velocity at each begin, by a parabola through its first ticks."""
         time_s = np.arange(max(4, round(_BEGIN_S / self.motion.dt_s))) * self.motion.dt_s
         found = np.polynomial.polynomial.polyfit(time_s, self.position_m[:, : len(time_s)].T, 2)
         return np.column_stack([found[0], found[1]])
 
     def simulate(self, values: Matrix, states: Matrix) -> tuple[Matrix, Matrix]:
-        """values: (k, 5), states: (k, segments, 2); positions and velocities (k, segments, n)."""
+        """Simulate values (k, 5) from states (k, segments, 2); returns m, m/s (k, segments, n)."""
         copies, count = len(values), len(self.begins)
         lanes = np.repeat(values, count, axis=0).T
         positions_m, velocities_mps = simulate_lanes(
@@ -68,13 +68,13 @@ class _Segments:
         return positions_m.reshape(shape), velocities_mps.reshape(shape)
 
     def residual_m(self, values: Matrix, states: Matrix) -> Matrix:
-        """Simulated less measured positions, (segments, n); 0 where a tick had no sample."""
+        """Return simulated less measured positions, (segments, n); 0 if a tick had no sample."""
         positions_m, _ = self.simulate(values[None], states[None])
         residual_m: Matrix = (positions_m[0] - self.position_m) * self.weight
         return residual_m
 
     def jacobian(self, values: Matrix, states: Matrix) -> Matrix:
-        """Differences of the residual: (segments * n, 5 + 2 segments). A segment's positions do not
+        """Differentiate the residual: (segments * n, 5 + 2 segments). A segment's positions do not
         depend on the states of another, so that one simulation serves all segments."""
         steps = _STEPS * np.array([values[0], *np.ones(6)])
         many_values = np.tile(values, (len(steps) + 1, 1))
@@ -117,8 +117,8 @@ def fit_motion(motion: FreeMotion, guess: Matrix) -> MotionFit:
 
 
 def _half_width(residual_m: Matrix, jacobian: Matrix) -> Matrix:
-    """Half of the interval of 95 %: the wider of two. One takes residuals as independent from
-    tick to tick, the other from segment to segment only."""
+    """Return half of the interval of 95 %, the wider of two: residuals are taken as independent
+    from tick to tick, or from segment to segment only."""
     count, ticks = residual_m.shape
     influence = linalg.pinv(jacobian)[:_COUNT].reshape(_COUNT, count, ticks)
     freedom = count - _COUNT

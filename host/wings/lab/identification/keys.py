@@ -17,7 +17,7 @@ _MAX_DELAY_S = 0.02  # of a scene
 
 
 def device_keys(measured: DeviceMeasured) -> dict[str, float | int]:
-    """Keys of [device] that were found; no others."""
+    """Return keys of [device] that were found; no others."""
     found: dict[str, tuple[Identified, float]] = {
         "mass_kg": (measured.mass_kg, 1.0),
         "viscous_nspm": (measured.viscous_nspm, 1.0),
@@ -40,7 +40,7 @@ def device_keys(measured: DeviceMeasured) -> dict[str, float | int]:
 
 
 def keys_as_toml(keys: dict[str, float | int]) -> str:
-    """The table, ready to paste."""
+    """Return the table, ready to paste."""
     return "\n".join(["[device]", *(f"{name} = {value}" for name, value in keys.items())])
 
 
@@ -63,7 +63,7 @@ def require_writable_device(scene: Path) -> None:
 
 
 def _checked_text(scene: Path, keys: dict[str, float | int]) -> str:
-    """The scene with the keys: as TOML, the old content and them."""
+    """Return the scene with the keys: as TOML, the old content and them."""
     read_scene(scene)
     before = scene.read_bytes().decode()
     after = _with_keys(before, keys)

@@ -41,7 +41,7 @@ class QuestPlus:
         object.__setattr__(self, "_right", right)  # (levels, grid)
 
     def next_level(self, shown: Sequence[float], answers: Sequence[bool]) -> float:
-        """The level whose answer is expected to tell most; of equals, the first."""
+        """Return the level whose answer is expected to tell most; of equals, the first."""
         posterior = self.posterior(shown, answers)
         expected = np.zeros(len(self.levels))
         for outcome in (self._right, 1.0 - self._right):
@@ -52,7 +52,7 @@ class QuestPlus:
         return self.levels[int(np.argmin(np.round(expected, 14)))]  # 14: equal but for rounding
 
     def posterior(self, shown: Sequence[float], answers: Sequence[bool]) -> Samples:
-        """How likely each point of the grid is, summing to one."""
+        """Return how likely each point of the grid is, summing to one."""
         log_likelihood = np.zeros(len(self._grid))
         with np.errstate(divide="ignore"):
             for level, right in zip(shown, answers, strict=True):
@@ -73,7 +73,7 @@ class QuestPlus:
 def cumulative_normal(
     level: Samples, threshold: Samples, deviation: Samples, guess: Samples, lapse: Samples
 ) -> Samples:
-    """Normal distribution's function between guess and 1 - lapse."""
+    """Return normal distribution's function between guess and 1 - lapse."""
     from scipy.special import ndtr  # not loaded in sessions of other methods
 
     return np.asarray(guess + (1.0 - guess - lapse) * ndtr((level - threshold) / deviation))

@@ -50,7 +50,7 @@ class Comparisons:
 
 
 def compare(study: Study, responses: Sequence[Response]) -> Comparisons:
-    """All of it. What the answers so far do not suffice for is a note, and its rows are none."""
+    """Compare all conditions; what the answers do not suffice for yet is a note without rows."""
     people = tuple(dict.fromkeys(response.participant for response in responses))
     found = Comparisons(people, score_table(study, responses))
     if study.sessions > 1:
@@ -94,7 +94,7 @@ def _complete(found: Comparisons) -> None:
 
 
 def _slices(table: ScoreTable) -> list[tuple[str, Any, tuple[str, ...]]]:
-    """Level of the second factor, scores (people, levels of the first), names of those."""
+    """Return level of the second factor, scores (people, levels of the first), names of those."""
     if len(table.factors) == 1:
         return [("", table.scores, table.levels[0])]
     return [
@@ -131,7 +131,7 @@ def _agreement(found: Comparisons, study: Study, responses: Sequence[Response]) 
 
 
 def _power(study: Study, found: Comparisons) -> Row:
-    """Of a comparison of two conditions whose scatter is the typical one here, root mean square."""
+    """Return the power of comparing two conditions with the root mean square scatter found here."""
     assert found.table is not None
     people = len(found.table.people)
     variances = [

@@ -42,7 +42,7 @@ class TrialLogs:
         self._begun = False
 
     def append(self, rows: LoopRows) -> None:
-        """The next rows, from the loop's own drain thread."""
+        """Take the next rows, from the loop's own drain thread."""
         with self._lock:
             rows = self._of_this_trial(rows)
             if self._watch is not None:
@@ -51,7 +51,7 @@ class TrialLogs:
                 self._log.append(rows)
 
     def _of_this_trial(self, rows: LoopRows) -> LoopRows:
-        """Rows of the trial before may still come: they end where nothing was felt."""
+        """Return rows of the trial before may still come: they end where nothing was felt."""
         if self._begun or self._watch is None:
             return rows
         free = np.flatnonzero(PlacedNotes.of(rows[:, COLUMN["notes"]]).place == 0)
@@ -156,14 +156,14 @@ class Apparatus:
         return watch
 
     def end_log(self, keep: bool) -> None:
-        """The trial is over."""
+        """End the trial's log."""
         if keep:
             time.sleep(0.05)  # the last rows are on their way
         self._logs.end(keep)
 
 
 def latency_s(libraries: Sequence[SceneLibrary], dt_s: float) -> float:
-    """How long every step is to last, so that no scene's own time can be the cue.
+    """Return how long every step is to last, so that no scene's own time can be the cue.
 
     Raises UsageError where that is too much of a period.
     """

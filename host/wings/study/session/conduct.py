@@ -39,7 +39,7 @@ class PresentedTrial:
 
 @dataclass(frozen=True)
 class TrialOutcome:
-    """answer: None where the experimenter voided the trial. details: for the line `done`."""
+    """answer: None if the experimenter voided the trial. details: for the line `done`."""
 
     answer: float | str | None
     details: Mapping[str, Any]
@@ -49,7 +49,7 @@ class Presenter(Protocol):
     """Who shows trials and questions: a device with two screens, or a simulated person."""
 
     def metadata(self) -> dict[str, Any]:
-        """What the session's first line says of the device."""
+        """Return what the session's first line says of the device."""
         ...
 
     def trial(self, trial: PresentedTrial, record: Record) -> TrialOutcome:
@@ -66,7 +66,7 @@ class Presenter(Protocol):
 
 
 def next_session(folder: StudyFolder, participant: str) -> int | None:
-    """The first session that is not over; None: all are. 0 is practice."""
+    """Return the first session that is not over; None: all are. 0 is practice."""
     folder.number(participant)
     for session in range(0 if folder.study.practice else 1, folder.study.sessions + 1):
         file = folder.session_folder(participant, session) / JOURNAL

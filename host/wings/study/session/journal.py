@@ -66,18 +66,18 @@ class StudyJournal:
 
 
 def read_lines(file: Path) -> list[Line]:
-    """Lines of a session, without a last one that was cut. Raises DataError for other damage."""
+    """Read a session's lines but a last one that was cut. Raises DataError for other damage."""
     return parse_lines(file.read_bytes(), str(file))[0]
 
 
 def encoded(line: Line) -> bytes:
-    """A line as it is in the file."""
+    """Return a line as it is in the file."""
     text = json.dumps(line, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return f'{text[:-1]},"crc":"{crc32c(text.encode()):08x}"}}\n'.encode()
 
 
 def parse_lines(content: bytes, where: str) -> tuple[list[Line], int]:
-    """Lines, and how many bytes they take. Raises DataError where one is not as written."""
+    """Return lines, and how many bytes they take. Raises DataError where one is not as written."""
     lines: list[Line] = []
     at = 0
     while at < len(content):
@@ -95,7 +95,7 @@ def parse_lines(content: bytes, where: str) -> tuple[list[Line], int]:
 
 
 def _decoded(text: bytes) -> Line | None:
-    """The line, or None where it is damaged."""
+    """Return the line, or None if it is damaged."""
     try:
         line = json.loads(text)
         crc = line.pop("crc")

@@ -45,7 +45,7 @@ class DevicePresenter:
         self._there: str | None = None  # the real object under the tool
 
     def metadata(self) -> dict[str, Any]:
-        """Of the device, for the session's first line."""
+        """Describe the device, for the session's first line."""
         if self._apparatus is None:
             return {"device": None}
         return {
@@ -137,11 +137,11 @@ class DevicePresenter:
                 self._show(run, run.state)
 
     def _answer(self, act: Act) -> float | str:
-        """A number where one is asked for."""
+        """Return a number if one is asked for."""
         return str(act.value) if answers(self._study) else float(act.value)
 
     def _choose(self, run: RunningTrial, slot: int) -> None:
-        """What is felt next; real objects are changed by the experimenter."""
+        """Let the chosen slot be felt next; the experimenter changes real objects."""
         if slot in {run.state.active, run.state.wanted}:
             return
         real = run.shown.stimuli[slot].name if run.shown.stimuli[slot].real else None
@@ -165,7 +165,7 @@ class DevicePresenter:
         run.state = replace(run.state, instruction=_CHOOSE)
 
     def _look_after(self, run: RunningTrial) -> None:
-        """The experimenter's keys, the device, warnings, and what has become of a choice."""
+        """Look at the experimenter's keys, the device, warnings, and what became of a choice."""
         self._experimenter.look()
         self._require_running()
         active = run.state.wanted if self._apparatus is None else self._apparatus.active
@@ -213,7 +213,7 @@ class DevicePresenter:
             self._apparatus.switch.want(0)
 
     def _until(self, kind: str) -> Act:
-        """The next act of this kind."""
+        """Return the next act of this kind."""
         while True:
             try:
                 self._experimenter.look()
@@ -229,7 +229,7 @@ class DevicePresenter:
             self._apparatus.require_running()
 
     def _limits(self, stimuli: tuple[Stimulus, ...]) -> PressLimits:
-        """The strictest of a trial's: the same whichever is felt, so that it tells nothing."""
+        """Take the strictest limits of a trial, so that warnings tell no stimulus from another."""
         limits = self._study.limits
         depths_m = [self._folder.max_depth_m(stimulus) for stimulus in stimuli]
         known_m = [depth_m for depth_m in depths_m if depth_m is not None]

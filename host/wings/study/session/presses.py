@@ -67,7 +67,7 @@ class PressWatch:
         self.too_fast = fastest_mps is not None and bool((speed_mps[inside] > fastest_mps).any())
 
     def summary(self) -> dict[str, Any]:
-        """What the journal keeps of a trial, over all its slots."""
+        """Return what the journal keeps of a trial, over all its slots."""
         counts = self.counts[1:]
         return {
             "presses": sum(count.presses for count in counts),
@@ -76,7 +76,7 @@ class PressWatch:
         }
 
     def _count_presses(self, position_m: Samples, place: Samples) -> None:
-        """A press begins below `_PRESSED_M` and ends at the surface."""
+        """Count presses: one begins below `_PRESSED_M` and ends at the surface."""
         edges = np.where(position_m > _PRESSED_M, 1, np.where(position_m <= 0, -1, 0))
         changes = np.flatnonzero(edges)
         for k in changes[np.diff(edges[changes], prepend=1 if self._pressing else -1) != 0]:
@@ -85,7 +85,7 @@ class PressWatch:
                 self.counts[int(place[k])].presses += 1
 
     def _speed_mps(self, position_m: Samples) -> Samples:
-        """Speed of every sample, (n,), by the difference over `_SPEED_S`."""
+        """Return speed of every sample, (n,), by the difference over `_SPEED_S`."""
         back = max(1, round(_SPEED_S / self.dt_s))
         if not len(self._earlier_m):
             self._earlier_m = np.full(back, position_m[0])
@@ -108,5 +108,5 @@ class RunningTrial:
     warned_s: float = 0.0
 
     def details(self) -> dict[str, Any]:
-        """What the line `done` says of the presses."""
+        """Return what the line `done` says of the presses."""
         return {**self.watch.summary(), "warnings": self.warnings}

@@ -33,7 +33,7 @@ class Ask:
     choices: tuple[str, ...] = ()
 
     def accepts(self, typed: str) -> bool:
-        """Whether it is an answer to this question."""
+        """Return whether it is an answer to this question."""
         if self.kind == "number":
             return bool(re.fullmatch("-?[0-9]{1,9}", typed)) and self.min <= int(typed) <= self.max
         if self.kind == "choice":
@@ -58,7 +58,7 @@ class ScreenState:
     guideline_m: float | None = None
 
     def accepts(self, act: "Act") -> bool:
-        """Whether a participant can do that here."""
+        """Return whether a participant can do that here."""
         if act.kind == "slot":
             return isinstance(act.value, int) and 0 <= act.value < len(self.slots)
         if act.kind == "answer":
@@ -97,12 +97,12 @@ def read_act(body: bytes) -> tuple[int, Act]:
 
 
 def slots(study: Study) -> tuple[str, ...]:
-    """Names of what can be felt in a trial, left to right."""
+    """Return names of what can be felt in a trial, left to right."""
     return ("A", "B", "X") if study.method == "abx" else ("Left", "Right")
 
 
 def answers(study: Study) -> tuple[str, ...]:
-    """What can be answered; none: a number from 0 to 100."""
+    """Return what can be answered; none: a number from 0 to 100."""
     if study.method == "similarity":
         return ()
     if study.method == "abx":
@@ -111,7 +111,7 @@ def answers(study: Study) -> tuple[str, ...]:
 
 
 def trial_question(study: Study) -> Ask:
-    """What the screen asks in a trial."""
+    """Return what the screen asks in a trial."""
     question = study.ask or _QUESTIONS[study.method]
     choices = answers(study)
     return Ask("choice" if choices else "number", question, choices=choices)

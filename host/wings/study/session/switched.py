@@ -28,7 +28,7 @@ class SwitchedScenes:
         self._kept: list[Any] = []
 
     def steps(self) -> StepFunctions:
-        """What a loop calls."""
+        """Return what a loop calls."""
         names = ("sp_switch_step", "sp_switch_idle", "sp_switch_reset")
         step, idle, reset = (self._library.address(getattr(self._c, name)) for name in names)
         state = self._library.address(self._switch)
@@ -82,6 +82,6 @@ class PlacedNotes:
 
     @classmethod
     def of(cls, notes: Samples) -> "PlacedNotes":
-        """Of the column of a log."""
+        """Take the column of a log apart."""
         whole = notes.astype(np.int64)
         return cls(whole & 0xFF, (whole >> 8) & 3, (whole & (4 << 8)) != 0)

@@ -32,7 +32,7 @@ class Equivalence:
 def equivalence(
     first: tuple[str, Samples], second: tuple[str, Samples], margin: float, alpha: float = 0.05
 ) -> Equivalence:
-    """Names and scores of two conditions, one score a person and in the same order."""
+    """Test names and scores of two conditions, one score a person and in the same order."""
     if not margin > 0.0:
         raise UsageError(
             f"margin {margin:g}: give the largest difference that does not matter, > 0"

@@ -38,7 +38,7 @@ class PairDifference:
 
 
 def pair_differences(scores: Samples, conditions: Sequence[str]) -> tuple[PairDifference, ...]:
-    """Every pair of columns of scores (people, conditions), in the columns' order."""
+    """Compare every pair of columns of scores (people, conditions), in the columns' order."""
     require_complete(scores)
     people, k = scores.shape
     error_df = (people - 1) * (k - 1)
@@ -71,7 +71,7 @@ def pair_differences(scores: Samples, conditions: Sequence[str]) -> tuple[PairDi
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Holm's adjusted p of each (1979)."""
+    """Adjust p values as Holm does (1979)."""
     order = np.argsort(p_values)
     steps = np.arange(len(p_values), 0, -1) * np.asarray(p_values)[order]
     adjusted = np.empty(len(p_values))
@@ -80,7 +80,7 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def letters(conditions: Sequence[str], different: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Conditions that share a letter are not shown to differ; the first condition has an `a`.
+    """Letter conditions: those that share one are not shown to differ; the first has an `a`.
 
     Piepho's insertion and absorption (2004): every group that holds a pair that differs is split in
     two, one without each of them, and a group within another is dropped."""
