@@ -28,9 +28,8 @@ from springpot.codegen.plan.plan import make_plan
 from springpot.host.native.machine import machine_metadata
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
-from springpot.host.wings.evidence.benchmark.code_hash import code_hash
 from springpot.host.wings.evidence.benchmark.measure import bench_scene, hot_ns, prediction_errors
-from springpot.host.wings.evidence.benchmark.store import key_of
+from springpot.host.wings.evidence.benchmark.store import code_hash, key_of
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
@@ -43,10 +42,6 @@ MACH1 = "mach1"
 KIN_STRUCTURES = ("paper", "left-out-depth")  # of the five that are much alike
 BESIDE = ("rf-fd", "rbf-fd", "boosted")  # the paper's, which auto does not try
 _CELL_CPU_S = 50.0  # of a cell, by the last run, most of it auto's
-_MEASURING = tuple(
-    f"springpot.host.{name}"
-    for name in ("benchmark.measure", "recording.structures", "simulation.bench")
-)
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ class Cell:
     def key(self) -> str:
         """Of all that decides its figures."""
         content = self.file.read_bytes().hex() if self.file else self.settings()
-        return key_of([code_hash(_MEASURING), self.name, self.structure, content])
+        return key_of([code_hash(), self.name, self.structure, content])
 
     def settings(self) -> list[object]:
         return [SETTINGS[self.structure], self.seed, PAPER_SIGNALS]

@@ -20,12 +20,12 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Number
 from springpot.host.native.machine import machine_metadata
+from springpot.host.wings.evidence.benchmark.isolated import NODE_TICKS, node_and_portable_ns
 from springpot.host.wings.evidence.benchmark.measure import (
     bench_scene,
     target_compiler,
     target_sizes,
 )
-from springpot.host.wings.evidence.benchmark.node_ticks import NODE_TICKS, node_and_portable_ns
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import read_recordings

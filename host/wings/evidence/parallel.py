@@ -21,7 +21,7 @@ _Result = TypeVar("_Result")
 def in_parallel(
     work: Callable[[Item], _Result], items: Sequence[Item], dask: str | None
 ) -> Iterator[_Result]:
-    """Results as they come, in any order. dask: address of a scheduler.
+    """Yield results as they come, in any order. dask: address of a scheduler.
 
     Raises UsageError where no scheduler answers there.
     """
@@ -34,7 +34,7 @@ def in_parallel(
 
 
 def _in_one_thread(work: Callable[[Item], _Result], item: Item) -> _Result:
-    """Every core has a job already: the forests of one job do not start threads of their own."""
+    """Keep the forests of a job from starting threads: every core has a job already."""
     with parallel_config(backend="sequential"):
         return work(item)
 
@@ -55,7 +55,7 @@ def _end_with(parent: int) -> None:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Ctrl-C goes to every process of a terminal: the parent's answer to it is enough."""
+    """Block Ctrl-C, which goes to every process of a terminal: the parent's answer is enough."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -20,7 +20,7 @@ class Candidate:
     number: Number = "float32"
 
     def named_options(self) -> dict[str, Any]:
-        """Options that differ from the defaults."""
+        """Return options that differ from the defaults."""
         plain = FitOptions()
         named = {
             field.name: getattr(self.options, field.name)
@@ -30,12 +30,12 @@ class Candidate:
         return named | ({"number": self.number} if self.number != "float32" else {})
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything that decides the fit, JSON values."""
+        """Return everything that decides the fit, JSON values."""
         return {"kind": self.kind, "number": self.number, "options": asdict(self.options)}
 
 
 def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -> list[Candidate]:
-    """Every candidate of `kinds` (all by default); windows are in samples of dt_s.
+    """List every candidate of `kinds` (all by default); windows are in samples of dt_s.
 
     The paper's three models are among them: rf-fd, rbf-fd and rbf-pv with nothing named.
     """

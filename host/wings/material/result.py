@@ -5,21 +5,60 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from springpot import DataError, UsageError
-from springpot.basics import write_file, written_aside
-from springpot.host.wings.material.figure import moduli_figure
+from springpot.basics import Samples, write_file, written_aside
+from springpot.figures import ERROR, MEASURED, MUTED, PREDICTED, STYLE, svg_text
 from springpot.host.wings.material.law.material import Law, Prony
 
+Dynamic = NDArray[np.complex128]
+_LABELS = {"pa": "shear modulus, Pa", "npm": "stiffness, N/m"}
 _FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 31)
 _NAMED_HZ = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 _TIMES = 61  # of relaxation, as far as the recordings reach
 
 
+def moduli_figure(
+    frequency_hz: Samples,
+    law: Dynamic,
+    prony: Dynamic,
+    measured: Sequence[tuple[float, complex]],
+    extrapolated: NDArray[np.bool_],
+    relaxation: tuple[Samples, Samples],
+    unit: str,
+) -> str:
+    """Draw as SVG. law, prony: dynamic values at the frequencies, of which some are extrapolated;
+    measured: frequency and value of each cyclic recording; relaxation: times (s), values."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(8.0, 3.4), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for values, colour, name in ((law.real, PREDICTED, "storage"), (law.imag, ERROR, "loss")):
+            known = np.where(extrapolated, np.nan, values)
+            left.loglog(frequency_hz, values, color=colour, lw=0.8, ls=":")
+            left.loglog(frequency_hz, known, color=colour, label=f"{name}, law")
+        for part, marker in ((np.real, "o"), (np.imag, "s")):
+            at = [point[0] for point in measured]
+            seen = [float(part(point[1])) for point in measured]
+            label = "measured" if part is np.real and measured else None
+            left.loglog(at, seen, color=MEASURED, ls="none", marker=marker, ms=4.0, label=label)
+        style = {"color": MUTED, "ls": "none", "marker": ".", "ms": 2.5}
+        left.loglog(frequency_hz, prony.real, label="Prony series", **style)
+        left.loglog(frequency_hz, prony.imag, **style)
+        left.set_xlabel("frequency, Hz (dotted: no recording reaches it)")
+        left.set_ylabel(_LABELS[unit])
+        left.legend(frameon=False, fontsize=7)
+        right.semilogx(*relaxation, color=PREDICTED)
+        right.set_xlabel("time after a step, s")
+        right.set_ylabel(f"relaxation, {_LABELS[unit]}")
+        return svg_text(figure)
+
+
 def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, Any]:
-    """Keys of `material --json`; moduli (Pa) where a scale (1/m) is known, else stiffness."""
+    """Return keys of `material --json`; moduli (Pa) if a scale (1/m) is known, else stiffness."""
     by, unit = (1.0, "n_per_m") if scale is None else (scale, "pa")
     dynamic = law.dynamic_npm(_FREQUENCIES_HZ)
     low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
@@ -67,7 +106,7 @@ def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, An
 
 
 def extrapolated(law: Law) -> NDArray[np.bool_]:
-    """Whether no recording reaches a frequency of the table: (frequencies,)."""
+    """Return whether no recording reaches a frequency of the table: (frequencies,)."""
     low_hz, high_hz = law.covered_hz or (0.0, np.inf)
     beyond: NDArray[np.bool_] = (low_hz > _FREQUENCIES_HZ) | (high_hz < _FREQUENCIES_HZ)
     return beyond

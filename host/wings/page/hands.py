@@ -13,7 +13,7 @@ _UNLIMITED_NPM = 1e7
 
 
 def hands_entry(plan: Plan) -> dict[str, Any]:
-    """For the page: the hands, and verdicts[stiffness][mass][added delay]."""
+    """Return the page's hands, and verdicts[stiffness][mass][added delay]."""
     device = plan.loop_device
     return {
         "stiffness_npm": STIFFNESS_NPM,
@@ -34,14 +34,14 @@ def hands_entry(plan: Plan) -> dict[str, Any]:
 
 
 def added_delays() -> range:
-    """Samples of delay beyond those of the scene's device."""
+    """Return samples of delay beyond those of the scene's device."""
     return range(MAX_ADDED_DELAY + 1)
 
 
 def hand_verdict(
     plan: Plan, stiffness_npm: float, mass_kg: float, more_delay: int
 ) -> dict[str, Any]:
-    """Whether a loop with that hand is stable, in the check's words, and what it allows."""
+    """Return whether a loop with that hand is stable, in the check's words, and what it allows."""
     hand = Hand(DESIGN_HAND.name, mass_kg, stiffness_npm, DESIGN_HAND.damping_nspm)
     loop = scene_loop(plan, hand, more_delay)
     radius = float(loop.spectral_radius(plan.stiffness_npm)[0])

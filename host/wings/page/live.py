@@ -56,7 +56,7 @@ class LivePage(PageServer[_RowsWaiting]):
         self.actions: Actions = {}
 
     def append(self, rows: LoopRows) -> None:
-        """Rows of the loop, for whoever looks; never waits."""
+        """Take rows of the loop for every open page; never waits."""
         for watcher in self.watchers():
             watcher.waiting.append(rows)
 
@@ -71,7 +71,7 @@ class LivePage(PageServer[_RowsWaiting]):
 
 
 def frames(sender: Sender, rows: LoopRows) -> bytes:
-    """Rows of a loop as a board that renders would send them; rows without a call are left out."""
+    """Encode rows of a loop as a board that renders sends them; skip those without a call."""
     kept = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
     names = ("position_m", "velocity_mps", "dt_s", "sent_n", "notes", "call")
     columns = [kept[:, COLUMN[name]].tolist() for name in names]

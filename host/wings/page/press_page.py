@@ -1,5 +1,7 @@
-"""`springpot page`: one self-contained file in which people press what was emitted."""
+"""`springpot page`: one self-contained file in which people press what was emitted, and its check
+in node: self-test, and the forces of this machine's C, bit for bit."""
 
+import hashlib
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,12 +9,15 @@ from typing import Any, Literal
 
 from markupsafe import Markup
 
+from springpot import MismatchError
 from springpot.basics import write_file
 from springpot.checks import DESIGN_HAND
 from springpot.console import counted
+from springpot.emission import backward_velocity, golden_positions, read_emission
 from springpot.figures import page_text, plain
 from springpot.host.wings.page.hands import MASS_KG, STIFFNESS_NPM, added_delays
-from springpot.host.wings.page.scene_entry import scene_entry
+from springpot.host.wings.page.scene_entry import module_of, scene_entry
+from springpot.native import Replay, SceneLibrary, missing_node, run_in_node
 
 # In the order in which they use each other.
 _SCRIPTS = ("scene.js", "intent.js", "trace.js", "canvas.js", "object_view.js", "plots.js",
@@ -38,14 +43,14 @@ def write_press_page(
 
 
 def session_page(folder: Path, accept_edited: bool = False) -> str:
-    """Text of the page that shows a session with an emitted folder; raises as write_press_page."""
+    """Return the page that shows a session of an emitted folder; raises as write_press_page."""
     return press_page([scene_entry(folder, accept_edited)], "session")
 
 
 def press_page(
     entries: Sequence[dict[str, Any]], source: Literal["hand", "session"], about: str = ""
 ) -> str:
-    """The page's text. source: a hand on the page, or a session of `springpot run`."""
+    """Return the page's text. source: a hand on the page, or a session of `springpot run`."""
     first = entries[0]
     context = {
         "title": first["name"],
@@ -64,3 +69,23 @@ def press_page(
         "scripts": _SCRIPTS,
     }
     return page_text("press.html", context, "springpot.host.wings.page")
+
+
+def check_module(folder: Path, entry: dict[str, Any], accept_edited: bool) -> dict[str, Any]:
+    """Return `selftest`, 0, and `force_hash` of the golden motion; None for both without node.
+
+    Raises MismatchError where the page's C gives other forces than that of this machine.
+    """
+    if missing_node():
+        return {"selftest": None, "force_hash": None}
+    plan = read_emission(folder, accept_edited).plan
+    position = golden_positions(plan)
+    velocity = backward_velocity(position, plan.dt_s)
+    ticks = run_in_node(module_of(entry["wasm"]), entry["prefix"], position, velocity)
+    here, _ = Replay(SceneLibrary(folder)).run(position, velocity)
+    if ticks.selftest or ticks.force_n.tobytes() != here.tobytes():
+        raise MismatchError(
+            f"{folder}: the page's C gives other forces in node than this machine's (self-test "
+            f"{ticks.selftest}): report clang, or the compiler of springpot[cc], and node"
+        )
+    return {"selftest": 0, "force_hash": hashlib.sha256(here.tobytes()).hexdigest()}

@@ -44,7 +44,7 @@ _FULL_SCALE = 32767
 
 
 def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
-    """Everything that the page needs of an emitted folder, for JSON.
+    """Return everything that the page needs of an emitted folder, for JSON.
 
     Raises DataError for no emission, UsageError without the compiler for WebAssembly.
     """
@@ -77,7 +77,7 @@ def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
 
 
 def page_module(folder: Path, plan: Plan) -> bytes:
-    """The emitted C, the simulated hand and the protocol as one WebAssembly module."""
+    """Return the emitted C, the simulated hand and the protocol as one WebAssembly module."""
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         prefix = plan.scene.runtime.prefix
         text = (PORT_BROWSER / "sp_page.c").read_text()
@@ -95,19 +95,19 @@ def page_module(folder: Path, plan: Plan) -> bytes:
 
 
 def port_hash() -> str:
-    """Of the C that joins a scene's in the page's module: a page that was kept may be older."""
+    """Hash the C that joins a scene's in the page's module: a page that was kept may be older."""
     sources = [*sorted(PORT_BROWSER.glob("*.[ch]")), SIM / "sim_hand.h",
                *sorted(PORT_WIRE.glob("*.[ch]"))]  # fmt: skip
     return hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()
 
 
 def packed(content: bytes) -> str:
-    """Deflated, and in letters: the page unpacks it with the browser's own functions."""
+    """Return deflated, and in letters: the page unpacks it with the browser's own functions."""
     return base64.b64encode(zlib.compress(content, 9)).decode()
 
 
 def module_of(text: str) -> bytes:
-    """The module that `packed` made a text of."""
+    """Return the module that `packed` made a text of."""
     return zlib.decompress(base64.b64decode(text))
 
 
@@ -122,7 +122,7 @@ def _what(emitted: Emitted) -> str:
 
 
 def _recording(folder: Path, plan: Plan) -> dict[str, Any] | None:
-    """The first recording that validated the folder, from its start; None without a validation."""
+    """Return the begin of the first recording that validated the folder; None without one."""
     try:
         stored = read_validation(folder)
     except DataError:
@@ -142,7 +142,7 @@ def _recording(folder: Path, plan: Plan) -> dict[str, Any] | None:
 
 
 def _in_steps(measured_n: NDArray[np.float64]) -> tuple[NDArray[np.int16], float]:
-    """For a picture: 16 bits a sample, and the force of one step."""
+    """Quantise forces for a picture: 16 bits a sample, and the force of one step."""
     scale_n = float(np.abs(measured_n).max()) / _FULL_SCALE or 1.0
     return np.rint(measured_n / scale_n).astype(np.int16), scale_n
 

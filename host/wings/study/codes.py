@@ -26,7 +26,7 @@ class Key:
         return self.codes[participant][stimulus]
 
     def stimulus(self, participant: str, code: str) -> str:
-        """The name behind a code. Raises DataError for none of this participant."""
+        """Return the name behind a code. Raises DataError for none of this participant."""
         for name, its in self.codes[participant].items():
             if its == code:
                 return name
@@ -36,12 +36,13 @@ class Key:
 def write_key(file: Path, study: Study, participants: Sequence[str]) -> None:
     """Draw codes and stickers, and write them."""
     real = [stimulus.name for stimulus in study.stimulus if stimulus.real is not None]
-    numbers = _drawn([f"{k + 1}" for k in range(len(real))], len(real))
+    draw = secrets.SystemRandom().sample  # an order that nobody can guess
+    numbers = draw(range(1, len(real) + 1), len(real))
     stickers = {name: f"R{number}" for name, number in zip(real, numbers, strict=True)}
     pairs = [a + b for a in _LETTERS for b in _LETTERS if a != b]
     names = [stimulus.name for stimulus in study.stimulus]
     codes = {
-        participant: dict(zip(names, _drawn(pairs, len(names)), strict=True))
+        participant: dict(zip(names, draw(pairs, len(names)), strict=True))
         for participant in participants
     }
     content = {"schema": 1, "stickers": stickers, "codes": codes}
@@ -62,9 +63,3 @@ def read_key(file: Path) -> Key:
     except (ValueError, KeyError, TypeError):
         raise DataError(f"{file}: not a key of `springpot study plan`") from None
     return Key(codes, stickers, hashlib.sha256(text).hexdigest())
-
-
-def _drawn(of: Sequence[str], count: int) -> list[str]:
-    """So many of these, in an order that nobody can guess."""
-    left = list(of)
-    return [left.pop(secrets.randbelow(len(left))) for _ in range(count)]

@@ -149,7 +149,7 @@ class Study:
     question: list[Question] = field(default_factory=list)
 
     def stimulus_of(self, name: str) -> Stimulus:
-        """The stimulus of that name."""
+        """Return the stimulus of that name."""
         return next(stimulus for stimulus in self.stimulus if stimulus.name == name)
 
     @property
@@ -158,11 +158,11 @@ class Study:
         return tuple(dict.fromkeys(pair.series for pair in self.pair))
 
     def pairs_of(self, series: str) -> list[int]:
-        """Indices of the pairs of a series."""
+        """Return indices of the pairs of a series."""
         return [k for k, pair in enumerate(self.pair) if pair.series == series]
 
     def step(self, pair: int) -> float:
-        """How far the comparison's level is from the standard's: the greater, the easier."""
+        """Return how far the comparison's level is from the standard's: the greater, the easier."""
         standard, comparison = self.pair[pair].left, self.pair[pair].right
         return abs(self.stimulus_of(comparison).at_level - self.stimulus_of(standard).at_level)
 

@@ -33,16 +33,11 @@ class StudyFolder:
 
     @property
     def key(self) -> Key:
-        """Opens the blinding."""
+        """The key, read from its file: it opens the blinding."""
         return read_key(self.path / KEY)
 
-    def scene_folder(self, stimulus: Stimulus) -> Path | None:
-        """Its emission; None of a real object."""
-        scene = self.scenes.get(stimulus.name)
-        return None if scene is None else self.path / scene.folder
-
     def number(self, participant: str) -> int:
-        """From 1. Raises UsageError for none of the study's."""
+        """Return a participant's number, from 1. Raises UsageError if the study has no such one."""
         if participant not in self.participants:
             raise UsageError(
                 f"{self.path}: no participant {participant!r}: the plan has "
@@ -51,7 +46,7 @@ class StudyFolder:
         return self.participants.index(participant) + 1
 
     def session_folder(self, participant: str, session: int) -> Path:
-        """Where a session lies; 0 is practice."""
+        """Return where a session lies; 0 is practice."""
         return self.path / f"sub-{participant}" / f"ses-{session}"
 
     @property
@@ -67,7 +62,7 @@ class StudyFolder:
         return max(warned_m, *(depth_m or 0.0 for depth_m in depths_m)) or None
 
     def max_depth_m(self, stimulus: Stimulus) -> float | None:
-        """How deep it may be pressed, where that is known."""
+        """Return how deep it may be pressed, where that is known."""
         if stimulus.max_depth_mm is not None:
             return 1e-3 * stimulus.max_depth_mm
         scene = self.scenes.get(stimulus.name)
@@ -91,7 +86,7 @@ def write_study(
 
 
 def copy_study(of: StudyFolder, participants: int, out: Path) -> StudyFolder:
-    """The same study for others: its scenes as they are, a key of its own. Raises UsageError."""
+    """Copy a study for others: the same scenes, a key of its own. Raises UsageError."""
     with _new_folder(out) as aside:
         shutil.copyfile(of.path / DEFINITION, aside / DEFINITION)
         if of.scenes:
@@ -149,6 +144,6 @@ def read_folder(path: Path) -> StudyFolder:
 
 
 def _hash(frozen: Mapping[str, Any], folder: Path) -> str:
-    """Of the definition, the scenes and the participants."""
+    """Hash the definition, the scenes and the participants."""
     kept = json.dumps({name: value for name, value in frozen.items() if name != "hash"})
     return hashlib.sha256((folder / DEFINITION).read_bytes() + kept.encode()).hexdigest()

@@ -92,7 +92,7 @@ def _frozen(folder: Path, name: str, title: str) -> FrozenScene:
 
 
 def _require_alike(study: Study, scenes: Mapping[int, FrozenScene]) -> None:
-    """All scenes run in one loop: at one rate, in one number type."""
+    """Raise UsageError unless all scenes fit one loop: one rate, one number type."""
     for what, of in (
         ("rates", lambda scene: f"{scene.rate_hz:g} Hz"),
         ("number types", lambda scene: scene.number),

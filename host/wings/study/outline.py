@@ -8,7 +8,7 @@ from springpot.host.wings.study.schedule import fixed_trials, williams_rows
 
 
 def outline(folder: StudyFolder) -> dict[str, Any]:
-    """Keys of `springpot study plan --json`."""
+    """Return keys of `springpot study plan --json`."""
     study = folder.study
     trials = None if study.adaptive else len(fixed_trials(study, 1, 1))
     real = {stimulus.name: stimulus.real for stimulus in study.stimulus if stimulus.real}
@@ -31,7 +31,7 @@ def outline(folder: StudyFolder) -> dict[str, Any]:
 
 
 def could_be_blind(study: Study, pair: int) -> bool:
-    """Whether nobody in the room could know what is what: both stimuli are scenes."""
+    """Return whether nobody in the room could know what is what: both stimuli are scenes."""
     both = (study.pair[pair].left, study.pair[pair].right)
     return all(study.stimulus_of(name).scene is not None for name in both)
 
@@ -52,7 +52,7 @@ def _order(study: Study, participants: int) -> str:
 
 
 def _power(study: Study, participants: int) -> dict[str, Any] | None:
-    """Share of studies that find what the margin says, where the file says what to expect."""
+    """Return the share of studies that find the margin, if the file says what to expect."""
     margin = study.equivalence
     if margin is None or margin.sd is None:
         return None

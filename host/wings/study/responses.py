@@ -21,7 +21,7 @@ class Response:
     number; constant, staircase, quest+: "left" or "right", the slot that was chosen; abx: "A" or
     "B"; same-different: "same" or "different". correct: of the methods that know; None of
     similarity. seconds: from shown to answered. presses: of all slots; deepest_m, fastest_mps: in
-    contact. warnings: that were given. log: the trial's rows, None where there is no device.
+    contact. warnings: that were given. log: the trial's rows, None if there is no device.
     """
 
     participant: str
@@ -51,7 +51,7 @@ class Reply:
 
 
 def read_responses(folder: StudyFolder) -> tuple[list[Response], list[Reply]]:
-    """All trials that count and all replies, by participant, session and time; opens the key.
+    """Read trials that count and replies, by participant, session and time; opens the key.
 
     Practice is session 0. Raises DataError where a journal is damaged or of another study.
     """

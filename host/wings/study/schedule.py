@@ -30,7 +30,7 @@ class PlannedTrial:
 
 
 def fixed_trials(study: Study, participant: int, session: int) -> list[PlannedTrial]:
-    """Trials of a session in order; participant from 1, session from 1 (0: practice)."""
+    """Return trials of a session in order; participant from 1, session from 1 (0: practice)."""
     order = _order(study, participant, session)
     counts = [_before(study, pair, session) for pair in range(len(study.pair))]
     trials = []
@@ -45,7 +45,7 @@ def fixed_trials(study: Study, participant: int, session: int) -> list[PlannedTr
 def adaptive_trial(
     study: Study, participant: int, session: int, open_series: Sequence[str], done: Sequence[str]
 ) -> PlannedTrial:
-    """The next trial of an adaptive method: the series and sides of it.
+    """Return the next trial of an adaptive method: the series and sides of it.
 
     open_series: not ended yet. done: series of each trial of this session so far.
     """
@@ -58,7 +58,7 @@ def adaptive_trial(
 
 
 def williams_rows(conditions: int) -> list[list[int]]:
-    """Orders in which each condition follows each other one equally often (Williams 1949).
+    """Return orders in which each condition follows each other one equally often (Williams 1949).
 
     As many rows as conditions, twice as many where that is odd.
     """
@@ -83,14 +83,14 @@ def _order(study: Study, participant: int, session: int) -> list[int]:
 
 
 def _before(study: Study, pair: int, session: int) -> int:
-    """How often a pair was shown in the sessions before."""
+    """Return how often a pair was shown in the sessions before."""
     return max(0, session - 1) * study.pair[pair].repeats
 
 
 def _sides(
     study: Study, participant: int, what: str, occurrence: int, session: int
 ) -> tuple[bool, bool]:
-    """Both choices of a trial: of four occurrences each combination comes once.
+    """Return both choices of a trial: of four occurrences each combination comes once.
 
     The second of two is the opposite of the first in both, so that no count is ever more than one
     ahead; every other participant has them the other way round, so that nor is a group's.
@@ -104,13 +104,13 @@ def _sides(
 
 
 def _random(study: Study, *words: object) -> np.random.Generator:
-    """Random numbers that depend on the study's structure and on these words alone."""
+    """Return random numbers that depend on the study's structure and on these words alone."""
     text = json.dumps([_structure(study), *words], separators=(",", ":"))
     return np.random.default_rng(list(hashlib.sha256(text.encode()).digest()))
 
 
 def _structure(study: Study) -> list[object]:
-    """What is compared with what, without a name."""
+    """Return what is compared with what, without a name."""
     names = [stimulus.name for stimulus in study.stimulus]
     series = list(dict.fromkeys(pair.series for pair in study.pair))
     pairs = [

@@ -43,7 +43,7 @@ def _known_keys(place: tuple[Any, ...]) -> list[str]:
 
 
 def _problems(study: Study) -> list[str]:
-    """What the types alone cannot say is wrong, the first things first."""
+    """Return what the types alone cannot say is wrong, the first things first."""
     names = [stimulus.name for stimulus in study.stimulus]
     found = [
         *(f"stimulus {name!r}: twice: give every stimulus a name of its own"

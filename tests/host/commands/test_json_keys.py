@@ -34,7 +34,7 @@ BUILT = {
     "springpot place": "host/wings/lab/commands/place.py",
     "springpot report": "host/commands/scenes/report.py",
     "springpot reproduce": "host/wings/evidence/paper/evidence.py",
-    "springpot study run": "host/wings/study/commands/run.py",
+    "springpot study run": "host/wings/study/commands/study.py",
 }
 # Keys that only some devices, boards, kinds of model or failures have.
 _SELDOM = {

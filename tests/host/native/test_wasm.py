@@ -25,11 +25,10 @@ from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.wasm_module import scene_module
 from springpot.host.native.wasm_node import WasmTicks, missing_node, run_in_node
 from springpot.host.wings.evidence.benchmark.choice import choose_pick, scene_of
-from springpot.host.wings.evidence.benchmark.node_ticks import time_in_node
+from springpot.host.wings.evidence.benchmark.isolated import measure_on_target
 from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
-from springpot.host.wings.page.page_check import check_module
-from springpot.host.wings.page.press_page import write_press_page
+from springpot.host.wings.page.press_page import check_module, write_press_page
 from springpot.runtime_c.paths import SIM
 
 WASM_LD = shutil.which("wasm-ld")
@@ -114,7 +113,7 @@ def test_emission_states_the_module_and_runs_its_selftest(
 def test_a_tick_is_timed_beside_the_same_c_here(tmp_path: Path) -> None:
     need()
     item = recording("press", press(1.0))
-    found = time_in_node(golden_forces.FOLDER / "hybrid.spm", "float32", item)
+    found = measure_on_target(golden_forces.FOLDER / "hybrid.spm", "float32", item, "wasm32")
     assert found["node_why"] is None
     assert found["node_tick_ns"] > 1.0 < found["portable_tick_ns"]
 

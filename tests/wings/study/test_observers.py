@@ -14,6 +14,7 @@ from support.small_study import (
     steps_study,
     study_text,
 )
+from support.study.same_forces import require_same_forces
 
 from springpot.codegen.errors import UsageError
 from springpot.host.native.scene_library import SceneLibrary
@@ -27,7 +28,6 @@ from springpot.host.wings.study.observers.observer import (
 from springpot.host.wings.study.observers.simulate import simulate
 from springpot.host.wings.study.report.page import write_study_report
 from springpot.host.wings.study.responses import read_responses
-from springpot.host.wings.study.session.switched import require_same_forces
 from springpot.trainer.recordings.recording_file import read_recording
 
 EXACT = Observer(weber=0.10)

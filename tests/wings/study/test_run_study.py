@@ -10,6 +10,7 @@ import pytest
 from support.pages.run_pages import MAIN
 from support.peer import peer
 from support.small_study import SOFT, planned, real_study, scene_stimulus, study_text
+from support.study.same_forces import require_same_forces
 from support.study_participant import ScriptedParticipant
 
 from springpot.host.native.scene_library import SceneLibrary
@@ -17,7 +18,7 @@ from springpot.host.wings.study.folder import StudyFolder
 from springpot.host.wings.study.responses import read_responses
 from springpot.host.wings.study.session.conduct import JOURNAL
 from springpot.host.wings.study.session.journal import read_lines
-from springpot.host.wings.study.session.switched import PlacedNotes, require_same_forces
+from springpot.host.wings.study.session.switched import PlacedNotes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 

@@ -1,6 +1,6 @@
 """A model and a scene from a benchmark: by the name of a pick, or by a budget of one's own."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -36,7 +36,7 @@ def chosen_scene(
 def choose_pick(
     folder: Path, name: str, accept_unsafe: bool = False
 ) -> tuple[Point, PlatformBudget]:
-    """The point of a pick, and its budget.
+    """Return the point of a pick, and its budget.
 
     Raises UsageError for an unknown name, BudgetError where no model fits it, UnsafeError where
     the pick is not bounded in the closed loop, unless that is accepted.
@@ -58,13 +58,17 @@ def choose_pick(
 
 
 def choose_within(folder: Path, budget: PlatformBudget) -> tuple[Point, PlatformBudget]:
-    """The most accurate point that fits and is known to be stable: of the front and the picks.
+    """Choose the most accurate stable point that fits, among those of the front and the picks.
 
-    Raises BudgetError with the point that comes nearest, or where a limit cannot be checked.
+    Raises BudgetError with the point that comes nearest, or if a limit cannot be checked.
     """
     result = read_result(folder)
     points = points_of(result)
-    _require_measured(points, budget)
+    for why in filter(None, (unmeasured(point, budget) for point in points)):
+        raise BudgetError(
+            f"--flash {budget.flash_bytes}: {why}: install it and run the benchmark again, "
+            "which adds the sizes; or leave out --flash"
+        )
     stable = [p for p in points if p.bounded and not p.active_cells]
     if not stable:
         raise BudgetError(f"{folder}: no stable model at all: record more, or sweep more kinds")
@@ -76,16 +80,6 @@ def choose_within(folder: Path, budget: PlatformBudget) -> tuple[Point, Platform
             f"{point_line(nearest)}: raise the budget"
         )
     return found, budget
-
-
-def _require_measured(points: Sequence[Point], budget: PlatformBudget) -> None:
-    """A limit that a person states is checked, or refused."""
-    unknown = next((found for p in points if (found := unmeasured(p, budget))), None)
-    if unknown is not None:
-        raise BudgetError(
-            f"--flash {budget.flash_bytes}: {unknown}: install it and run the benchmark again, "
-            "which adds the sizes; or leave out --flash"
-        )
 
 
 def scene_of(

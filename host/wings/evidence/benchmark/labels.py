@@ -18,13 +18,13 @@ _FLAGS = {"round_features": "rounded features", "monotone": "monotone"}
 
 
 def label(point: Point | Refused) -> str:
-    """Kind and options of a point."""
+    """Return kind and options of a point."""
     options = options_text(point.options)
     return f"{point.model}, {options}" if options else point.model
 
 
 def options_text(options: Mapping[str, Any]) -> str:
-    """Options of a point, or those that a label leaves out."""
+    """Return options of a point, or those that a label leaves out."""
     return ", ".join(
         _FLAGS.get(name) or _WORDS.get(name, name + " {}").format(value)
         for name, value in options.items()
@@ -32,7 +32,7 @@ def options_text(options: Mapping[str, Any]) -> str:
 
 
 def point_line(point: Point) -> str:
-    """One point in a line."""
+    """Describe a point in a line."""
     return (
         f"{label(point)}: RMSE {point.rmse_n:.3g} N ({point.rmse_percent_of_peak:.2g} % of "
         f"peak), {1e-3 * point.tick_ns_hot:.2g} µs a tick, {flash_text(point)}, "
@@ -41,20 +41,20 @@ def point_line(point: Point) -> str:
 
 
 def flash_text(point: Point) -> str:
-    """Flash of a point, or that it is not known."""
+    """Return flash of a point, or that it is not known."""
     count = point.flash_bytes
     return "flash unknown" if count is None else f"{kilobytes(count)} of flash"
 
 
 def kilobytes(count: int | None) -> str:
-    """A size for people."""
+    """Return a size for people."""
     if count is None:
         return "unknown"
     return f"{count} bytes" if count < 10_000 else f"{count / 1024:.0f} kB"
 
 
 def hover(point: Point) -> str:
-    """Label of a point in the figure."""
+    """Return label of a point in the figure."""
     active = point.active_cells
     lines = [
         label(point),

@@ -60,7 +60,7 @@ class Job:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredPoint:
-    """What a worker hands back; model: its file, None where it was refused."""
+    """What a worker hands back; model: its file, None if it was refused."""
 
     point: Point | Refused
     model: bytes | None
@@ -77,7 +77,7 @@ class SizeJob:
 
 
 def measure_sizes(job: SizeJob) -> tuple[str, Sizes]:
-    """The key, and the sizes of the point's C on its target."""
+    """Return the key, and the sizes of the point's C on its target."""
     return job.key, target_sizes(read_model(job.model_file), job.number, job.target)
 
 
@@ -105,7 +105,7 @@ def measure_point(job: Job) -> MeasuredPoint:
 
 
 def bench_scene(number: Number, target: Target = "host") -> Scene:
-    """The model and its guards, without a coupling: what the recordings can check."""
+    """Return the model and its guards, without a coupling: what the recordings can check."""
     return Scene(
         schema=1,
         name=NAME,
@@ -143,7 +143,7 @@ def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
 def _prepared(
     data: BenchRecordings, smooth_s: float, seed: int
 ) -> tuple["TrainingSet", tuple["Split", ...]]:
-    """All training recordings and their folds: a worker's points share them, and what is found."""
+    """Prepare the training recordings and their folds once: all points of a worker share them."""
     from springpot.modelling import recording_splits, training_set
 
     return training_set(data.training, smooth_s), recording_splits(data.training, smooth_s, seed)
@@ -166,7 +166,7 @@ def _measured(job: Job, model: Model) -> dict[str, Any]:
 def prediction_errors(
     plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]
 ) -> dict[str, Any]:
-    """Error of the C on recordings, each from a fresh state."""
+    """Return error of the C on recordings, each from a fresh state."""
     found = replayed_accuracy(Replay(library), recordings)
     return {
         "rmse_n": found.rmse_n,
@@ -181,7 +181,7 @@ def prediction_errors(
 
 
 def hot_ns(plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]) -> float:
-    """Median time of a tick on the longest recording, in a tight loop; the lowest of five.
+    """Return median time of a tick on the longest recording, in a tight loop; the lowest of five.
 
     The sweep keeps all cores busy, and other programs may use them too.
     """
@@ -192,7 +192,7 @@ def hot_ns(plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...])
 
 
 def target_sizes(model: Model, number: Number, target: Target) -> Sizes:
-    """Flash and stack of the model's C on its target."""
+    """Return flash and stack of the model's C on its target."""
     compiler = target_compiler(target)
     if why := missing_tools(target):
         return Sizes(why=why, sizes_compiler=compiler)
@@ -204,7 +204,7 @@ def target_sizes(model: Model, number: Number, target: Target) -> Sizes:
 
 
 def target_compiler(target: Target) -> str | None:
-    """Version of the target's compiler; None where it is not installed."""
+    """Return version of the target's compiler; None if it is not installed."""
     tools = toolchain(target)
     return None if tools is None else compiler_version(tools.compiler)
 

@@ -38,41 +38,31 @@ class PlatformBudget:
         return asdict(self)
 
 
-def pc_budget(rate_hz: float) -> PlatformBudget:
-    """A tenth of a period."""
-    khz = f"{rate_hz / 1e3:g}"
-    return PlatformBudget(
-        f"pc-{khz}khz", f"PC at {khz} kHz", rate_hz=rate_hz, tick_us=1e6 * PERIOD_SHARE / rate_hz
-    )
-
-
-def board_budget(target: Target) -> PlatformBudget:
-    """A microcontroller of 256 kB of flash whose loop spares 8 000 instructions a tick."""
-    return PlatformBudget(
-        target,
-        f"board with a {target}",
-        flash_bytes=256 * 1024,
-        ram_bytes=64 * 1024,
-        instructions=8000,
-        target=target,
-    )
-
-
-def page_budget() -> PlatformBudget:
-    """A web page of 200 kB, most of it the module, which base64 makes a third longer."""
-    return PlatformBudget("wasm32", "web page", flash_bytes=120 * 1024, target="wasm32")
-
-
 def budgets(target: Target) -> tuple[PlatformBudget, ...]:
-    """A PC at 1 and at 4 kHz, and the board or page."""
-    pcs = (pc_budget(1000.0), pc_budget(4000.0))
+    """Return a PC at 1 and at 4 kHz that spares a tenth of a period, and the board or the page.
+
+    A board has 256 kB of flash and spares 8 000 instructions a tick. A page has 200 kB, most of it
+    the module, which base64 makes a third longer.
+    """
+    pcs = tuple(
+        PlatformBudget(f"pc-{khz}khz", f"PC at {khz} kHz", rate_hz=1e3 * khz,
+                       tick_us=1e3 * PERIOD_SHARE / khz)
+        for khz in (1, 4)
+    )  # fmt: skip
     if target == "host":
         return pcs
-    return (*pcs, page_budget() if target == "wasm32" else board_budget(target))
+    if target == "wasm32":
+        page = PlatformBudget(target, "web page", flash_bytes=120 * 1024, target=target)
+        return (*pcs, page)
+    board = PlatformBudget(
+        target, f"board with a {target}", flash_bytes=256 * 1024, ram_bytes=64 * 1024,
+        instructions=8000, target=target,
+    )  # fmt: skip
+    return (*pcs, board)
 
 
 def pareto(points: Sequence[Point]) -> set[str]:
-    """Keys of the points that no other beats in error, time and flash alike.
+    """Return keys of the points that no other beats in error, time and flash alike.
 
     The error is the cross-validated one: the validation recordings only report.
     """
@@ -81,13 +71,13 @@ def pareto(points: Sequence[Point]) -> set[str]:
 
 
 def _beats(one: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
-    """Whether one is better and nowhere worse, in what is known of both."""
+    """Return whether one is better and nowhere worse, in what is known of both."""
     known = [(a, b) for a, b in zip(one, other, strict=True) if a is not None and b is not None]
     return any(a < b for a, b in known) and all(a <= b for a, b in known)
 
 
 def misfit(point: Point, budget: PlatformBudget, recorded_hz: float) -> str | None:
-    """Why a point does not fit a budget; None where it does, as far as its sizes are known."""
+    """Return why a point does not fit a budget; None if it does, as far as its sizes are known."""
     rate_hz = budget.rate_hz
     if rate_hz is not None and rate_hz > 1.001 * recorded_hz and not point.any_rate:
         return f"whose features hold at {recorded_hz:g} Hz only"
@@ -106,7 +96,7 @@ def misfit(point: Point, budget: PlatformBudget, recorded_hz: float) -> str | No
 
 
 def unmeasured(point: Point, budget: PlatformBudget) -> str | None:
-    """Which size of the budget is not known of a point, and why; None where all are."""
+    """Return which size of the budget is not known of a point, and why; None if all are."""
     if budget.flash_bytes is None or point.flash_bytes is not None:
         return None
     return f"flash could not be measured ({point.why})"
@@ -118,7 +108,7 @@ def pick(
     recorded_hz: float,
     complete: Callable[[Point], Point],
 ) -> Point | None:
-    """The point of lowest cross-validated error that fits, is passive and bounded; None: none is.
+    """Pick the point of lowest cross-validated error that fits, is passive and bounded, or None.
 
     Passive: no cell of its small-signal map is active. `complete` returns the point with what is
     measured alone on the machine. Of points within half a per cent of that error, the fastest that
@@ -152,7 +142,7 @@ def _candidates(
 
 
 def why(point: Point, points: Sequence[Point], budget: PlatformBudget, recorded_hz: float) -> str:
-    """What was chosen, what it gains on the paper's forest, and why nothing more accurate was."""
+    """Explain a pick: its gain on the paper's forest, and why nothing more accurate was taken."""
     text = "lowest error on held-out training recordings of all that fit this budget"
     if not point.bounded:
         text = (

@@ -11,9 +11,9 @@ Metadata = dict[str, Any]
 
 @dataclass(frozen=True)
 class Sizes:
-    """Bytes on the target; None where unknown, and why.
+    """Bytes on the target; None if unknown, and why.
 
-    sizes_compiler: version of the target's compiler that they are of; None where there is none.
+    sizes_compiler: version of the target's compiler that they are of; None if there is none.
     """
 
     flash_bytes: int | None = None
@@ -99,17 +99,17 @@ class Point(Isolated, Sizes):
 
     @classmethod
     def from_dict(cls, metadata: Mapping[str, Any]) -> Self:
-        """Read JSON values; None where a condensed file has left one out."""
+        """Read JSON values; None if a condensed file has left one out."""
         empty = {f.name: None if f.default is MISSING else f.default for f in fields(cls)}
         return cls(**{name: metadata.get(name, value) for name, value in empty.items()})
 
     def swept(self) -> dict[str, Any]:
-        """JSON values of what the sweep measures."""
+        """Return JSON values of what the sweep measures."""
         own = {name: value for name, value in vars(self).items() if name not in _LATER}
         return {k: v for k, v in own.items() if v is not None or k not in MODEL_SIZES}
 
     def as_dict(self) -> dict[str, Any]:
-        """JSON values of all."""
+        """Return JSON values of all."""
         return self.swept() | {name: getattr(self, name) for name in _LATER}
 
 
@@ -131,10 +131,10 @@ _LATER = ("pareto", *(field.name for field in fields(Isolated)))
 
 
 def read_point(metadata: Mapping[str, Any]) -> Point | Refused:
-    """A point of JSON values."""
+    """Return a point of JSON values."""
     return Refused(**metadata) if "error" in metadata else Point.from_dict(metadata)
 
 
 def points_of(result: Mapping[str, Any]) -> list[Point]:
-    """All points of a benchmark's result."""
+    """Return all points of a benchmark's result."""
     return [Point.from_dict(metadata) for metadata in result["points"]]

@@ -35,7 +35,7 @@ def write_bench_report(folder: Path) -> Path:
 
 
 def bench_page(result: Metadata, folder: str) -> str:
-    """The page: one text, nothing outside it."""
+    """Return the page: one text, nothing outside it."""
     points = points_of(result)
     by_key = {point.key: point for point in points}
     picks = [_pick(found, by_key) for found in result["picks"].values()]
@@ -53,25 +53,7 @@ def bench_page(result: Metadata, folder: str) -> str:
         "sizes_why": sorted({p.why for p in points if p.why}),
         "points": sorted(points, key=lambda p: p.rmse_n),
         "chart": figures.front_figure(result),
-        "curves": [
-            (figures.family_figure(points), "Whole models against the measured force."),
-            (
-                figures.curve_figure(
-                    result["work_precision"]["filters"], "whole tick, hot, ns",
-                    "relative error of the half derivative",
-                ),
-                "Filter engines against the exact half derivative of a sine of 2 Hz.",
-            ),
-            (
-                figures.curve_figure(
-                    result["work_precision"]["integrators"], "ticks for one second",
-                    "error of the force, N",
-                ),
-                "Steps of the paper's coupling against its exact solution, for a tool that taps a "
-                "spring of 1 N/mm; either step costs about ten multiplications. The published one "
-                "is closer while it is stable, the exact one is stable with any gains.",
-            ),
-        ],
+        "families": figures.family_figure(points),
         "verdicts": [
             (key, by_key[key], _cases(result["closed_loop"][key])) for key in _picked(picks)
         ],
@@ -88,9 +70,9 @@ def bench_page(result: Metadata, folder: str) -> str:
 
 
 def paper_rows(points: Sequence[Point]) -> list[dict[str, str]]:
-    """The paper's figures 9, 10 and Table 3 beside the same three models here.
+    """Return the paper's figures 9, 10 and Table 3 beside the same three models here.
 
-    None where the sweep did not hold all three.
+    None if the sweep did not hold all three.
     """
     plain = {p.model: p for p in points if not p.options and p.model in PAPER_RATES_HZ}
     if len(plain) < len(PAPER_RATES_HZ):
@@ -127,7 +109,7 @@ def _picked(picks: list[Metadata]) -> list[str]:
 
 
 def _summary(picks: list[Metadata]) -> list[str]:
-    """What a reader asks first: which model for which budget, and whether a hand may hold it."""
+    """Answer what a reader asks first: which model for which budget, and is it safe to hold."""
     lines = []
     for key in _picked(picks):
         its = [pick for pick in picks if pick["point"] and pick["point"].key == key]
@@ -141,7 +123,7 @@ def _summary(picks: list[Metadata]) -> list[str]:
 
 
 def _cases(outcomes: list[Metadata]) -> list[Metadata]:
-    """The worst of all hands and delays, case by case."""
+    """Return the worst of all hands and delays, case by case."""
     rows = []
     for case in dict.fromkeys(outcome["case"] for outcome in outcomes):
         found = [outcome for outcome in outcomes if outcome["case"] == case]

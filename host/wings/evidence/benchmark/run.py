@@ -8,21 +8,17 @@ from dataclasses import dataclass, fields, replace
 from importlib.metadata import version
 from pathlib import Path
 
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import track
 
 from springpot import DataError, Recording, check_recordings
 from springpot.basics import Number, Target
 from springpot.console import progress_console
-from springpot.host.wings.evidence.benchmark.code_hash import code_hash
-from springpot.host.wings.evidence.benchmark.instructions import count_instructions, uncounted
-from springpot.host.wings.evidence.benchmark.isolated import measure_isolated
+from springpot.host.wings.evidence.benchmark.isolated import (
+    measure_isolated,
+    measure_on_target,
+    missing_for,
+    unmeasured_on,
+)
 from springpot.host.wings.evidence.benchmark.measure import (
     BenchRecordings,
     Job,
@@ -31,22 +27,19 @@ from springpot.host.wings.evidence.benchmark.measure import (
     measure_sizes,
     target_compiler,
 )
-from springpot.host.wings.evidence.benchmark.node_ticks import time_in_node, untimed
 from springpot.host.wings.evidence.benchmark.picks import PlatformBudget, budgets, pareto, pick, why
 from springpot.host.wings.evidence.benchmark.point import Isolated, Metadata, Point, Refused
 from springpot.host.wings.evidence.benchmark.store import (
     Store,
+    code_hash,
     data_key,
     key_of,
     measured_by,
     point_key,
 )
-from springpot.host.wings.evidence.benchmark.work_precision import work_precision
 from springpot.modelling import KINDS, find_noise_floor
 from springpot.native import cpu_s, machine_metadata
 from springpot.validation import floor_keys, known_among
-
-_MEASURING = (measure_point, measure_isolated, count_instructions, time_in_node, work_precision)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +62,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
     store = Store(folder)
     store.prepare()
     begin, load = time.perf_counter(), os.getloadavg()[0]
-    measures = measured_by(code_hash(tuple(work.__module__ for work in _MEASURING)), bench.target)
+    measures = measured_by(code_hash(), bench.target)
     swept, refused, computed = _sweep(bench, store, measures)
     if not swept:
         raise DataError(f"no model can be made of these recordings: {refused[0].error}")
@@ -82,10 +75,6 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
             status.update(f"isolated timing: {i + 1} of {len(front)} on the front")
             isolated.complete(point)
         picks = [_picked(budget, recorded_hz, isolated) for budget in budgets(bench.target)]
-        status.update("work-precision curves")
-        curves_key = f"work-precision-{key_of(measures)}"
-        curves = store.read("isolated", curves_key) or work_precision()
-        store.write("isolated", curves_key, curves)
     metadata = machine_metadata()
     result = {
         "points": [point.as_dict() for point in isolated.points],
@@ -109,7 +98,6 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
         "seen": known_among({rec.content_hash for rec in bench.training}, bench.validation),
         "quality": check_recordings(bench.training).as_dict(),
         "validation_floor": floor_keys(find_noise_floor(bench.validation)),
-        "work_precision": curves,
         "closed_loop": isolated.matrices,
         "computed": computed,
         "computed_sizes": computed_sizes,
@@ -125,7 +113,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> Metadata:
 def _sweep(
     bench: Bench, store: Store, measures: Metadata
 ) -> tuple[list[Point], list[Refused], int]:
-    """Every candidate, in the sweep's order, and how many were computed now."""
+    """Measure every candidate; return points, refused ones, and how many were computed now."""
     from springpot import FitOptions
     from springpot.host.wings.evidence.parallel import in_parallel
     from springpot.host.wings.evidence.sweep import default_sweep
@@ -139,25 +127,19 @@ def _sweep(
     known = {key: store.read_point(key) for key in keyed}
     missing = [key for key, point in known.items() if point is None]
     jobs = [Job(key, KINDS[keyed[key].kind], keyed[key], data, bench.target) for key in missing]
-    with _progress() as progress:
-        task = progress.add_task("models", total=len(keyed), completed=len(keyed) - len(jobs))
-        for measured in in_parallel(measure_point, jobs, bench.dask):
-            store.keep(measured)
-            known[measured.point.key] = measured.point
-            progress.advance(task)
-    points: list[Point] = []
-    refused: list[Refused] = []
-    for point in known.values():
-        match point:
-            case Point():
-                points.append(point)
-            case Refused():
-                refused.append(point)
+    for measured in track(
+        in_parallel(measure_point, jobs, bench.dask), "models", total=len(keyed),
+        completed=len(keyed) - len(jobs), console=progress_console, disable=not sys.stderr.isatty(),
+    ):  # fmt: skip
+        store.keep(measured)
+        known[measured.point.key] = measured.point
+    points = [point for point in known.values() if isinstance(point, Point)]
+    refused = [point for point in known.values() if isinstance(point, Refused)]
     return points, refused, len(jobs)
 
 
 def _with_sizes(points: Sequence[Point], target: Target, store: Store) -> tuple[list[Point], int]:
-    """The points, sizes of no compiler or of another version of it measured again; how many were.
+    """Measure sizes again if the compiler was missing or has another version; return how many.
 
     What an uninstalled compiler has measured stays.
     """
@@ -171,14 +153,6 @@ def _with_sizes(points: Sequence[Point], target: Target, store: Store) -> tuple[
         found[key] = replace(found[key], **vars(sizes))
         store.write_point(found[key])
     return list(found.values()), len(jobs)
-
-
-def _progress() -> Progress:
-    return Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
-        TimeElapsedColumn(), TextColumn("rest"), TimeRemainingColumn(elapsed_when_finished=False),
-        console=progress_console, disable=not sys.stderr.isatty(),
-    )  # fmt: skip
 
 
 class _Isolated:
@@ -198,7 +172,7 @@ class _Isolated:
         return list(self._points.values())
 
     def complete(self, point: Point) -> Point:
-        """The point with what is measured isolated."""
+        """Return the point with what is measured isolated."""
         key = point.key
         if key not in self.matrices:
             asked = (self._store.model_file(key), point.number, self._longest)
@@ -212,15 +186,11 @@ class _Isolated:
 
     def _on_target(self, key: str, asked: tuple[Path, Number, Recording]) -> Metadata:
         target = self._bench.target
-        if target == "wasm32":
-            if why := untimed():
-                return {"node_why": why}
-            version = key_of([key, target_compiler(target)])
-            return self._once("node_ticks", version, lambda: time_in_node(*asked))
-        if why := uncounted(target):  # not kept: the tools may come
-            return {"instructions": None, "instructions_why": why}
+        if why := missing_for(target):
+            return unmeasured_on(target, why)  # not kept: the tools may come
+        kind = "node_ticks" if target == "wasm32" else "instructions"
         version = key_of([key, target_compiler(target)])
-        return self._once("instructions", version, lambda: count_instructions(*asked, target))
+        return self._once(kind, version, lambda: measure_on_target(*asked, target))
 
     def _once(self, kind: str, key: str, measure: Callable[[], Metadata]) -> Metadata:
         metadata = self._store.read(kind, key)

@@ -3,6 +3,8 @@
 import hashlib
 import json
 from collections.abc import Sequence
+from functools import cache
+from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
 
 RESULT = "bench.json"
 _MARK = ".springpot-bench"
+_FLOORS = ("runtime_c", "codegen", "trainer", "host")
+_BESIDE = ("host/api", "host/commands", "host/wings")  # offer names, call, or are other wings
+_MEASURING = tuple(f"host/wings/evidence/benchmark/{name}.py" for name in ("measure", "isolated"))
 
 
 class Store:
@@ -40,11 +45,11 @@ class Store:
         (self.folder / _MARK).touch()
 
     def model_file(self, key: str) -> Path:
-        """Where the model of a point is kept."""
+        """Return where the model of a point is kept."""
         return self.folder / "models" / f"{key}.spm"
 
     def keep(self, measured: MeasuredPoint) -> None:
-        """Write a point after its model: what has a point has its model."""
+        """Write the model before the point, so that every stored point has a model file."""
         if measured.model is not None:
             write_file(self.model_file(measured.point.key), measured.model)
         self.write_point(measured.point)
@@ -54,12 +59,12 @@ class Store:
         self.write("points", point.key, point.swept())
 
     def read_point(self, key: str) -> Point | Refused | None:
-        """The point of a key; None where it is not there, or not whole."""
+        """Return the point of a key; None if it is not there, or not whole."""
         metadata = self.read("points", key)
         return None if metadata is None else read_point(metadata)
 
     def read(self, kind: str, key: str) -> dict[str, Any] | None:
-        """Metadata of a key; None where they are not there, or not whole."""
+        """Return metadata of a key; None if they are not there, or not whole."""
         try:
             metadata: dict[str, Any] = json.loads((self.folder / kind / f"{key}.json").read_text())
         except (OSError, ValueError):
@@ -86,7 +91,7 @@ def read_result(folder: Path) -> dict[str, Any]:
 
 
 def measured_by(code: str, target: Target) -> dict[str, Any]:
-    """What measures: the machine, the hash of springpot's sources, the target.
+    """Return what measures: the machine, the hash of springpot's sources, the target.
 
     Not the target's compiler: what is measured with it is kept apart, or beside its version.
     """
@@ -106,3 +111,22 @@ def point_key(data: str, measures: dict[str, Any], candidate: "Candidate") -> st
 def key_of(metadata: object) -> str:
     """Hash of JSON values: the name of what is kept for them."""
     return hashlib.sha256(json.dumps(metadata, sort_keys=True).encode()).hexdigest()[:24]
+
+
+@cache
+def code_hash(root: Path | None = None) -> str:
+    """Return SHA-256 of all floors without commands and wings, and of what measures here.
+
+    root: of the package; default: the installed one.
+    """
+    root = root or Path(str(resources.files("springpot.host"))).parent
+    files = {root / name for name in _MEASURING}
+    for floor in _FLOORS:
+        files |= {file for file in (root / floor).rglob("*") if file.is_file()
+                  and "__pycache__" not in file.parts
+                  and not file.relative_to(root).as_posix().startswith(_BESIDE)}  # fmt: skip
+    digest = hashlib.sha256()
+    for file in sorted(files):
+        content = file.read_bytes()
+        digest.update(f"{file.relative_to(root)}\n{len(content)}\n".encode() + content)
+    return digest.hexdigest()

@@ -65,7 +65,7 @@ def bench(
 
 
 def bench_rows(result: dict[str, Any], out: Path) -> dict[str, str]:
-    """A person's view: the picks, the front, and where the rest is."""
+    """Return a person's view: the picks, the front, and where the rest is."""
     from springpot.host.wings.evidence.benchmark.labels import label, point_line
     from springpot.host.wings.evidence.benchmark.point import Refused, points_of
     from springpot.host.wings.evidence.benchmark.store import RESULT

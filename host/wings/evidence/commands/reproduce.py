@@ -59,7 +59,7 @@ def reproduce(
 
 
 def rows(result: dict[str, Any], out: Path) -> dict[str, str]:
-    """A person's view: errors of every model, then every claim, failing ones marked."""
+    """Return a person's view: errors of every model, then every claim, failing ones marked."""
     from springpot.host.wings.evidence.paper.evidence import EVIDENCE
 
     found = {"data": result["data"]}

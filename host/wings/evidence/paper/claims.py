@@ -39,7 +39,7 @@ class Claim:
 
 
 def check_claims(results: Sequence[ObjectResult], sampled: Resampled) -> list[Claim]:
-    """All claims that these objects can support. Needs the paper's three kinds in each result."""
+    """Check all claims that these objects support; each result needs the paper's three kinds."""
     results = by_softness(results)
     return [
         *_depths(results),
@@ -225,6 +225,6 @@ def _below_jnd(result: ObjectResult, kind: str) -> float:
 
 
 def each_object(results: Sequence[ObjectResult], values: Sequence[float], digits: int = 2) -> str:
-    """A value of each object, by name."""
+    """Return a value of each object, by name."""
     pairs = zip(results, values, strict=True)
     return ", ".join(f"{result.data.name} {value:.{digits}f}" for result, value in pairs)

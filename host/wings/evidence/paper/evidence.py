@@ -3,15 +3,17 @@
 import json
 import shutil
 from collections.abc import Iterable, Sequence
+from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Any
 
-from springpot import UsageError, read_recordings
+from springpot import Scene, UsageError, read_recordings, write_scene
 from springpot.basics import write_file
 from springpot.console import say
 from springpot.host.wings.evidence.paper.claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, check_claims
 from springpot.host.wings.evidence.paper.figures import error_figures, typical_recording
 from springpot.host.wings.evidence.paper.reproduce import (
+    PAPER_KINDS,
     ObjectRecordings,
     ObjectResult,
     Work,
@@ -25,7 +27,6 @@ from springpot.host.wings.evidence.paper.reproduce import (
 from springpot.host.wings.evidence.paper.row_shares import row_shares, rows_figure
 from springpot.host.wings.evidence.paper.sampling import resampled
 from springpot.host.wings.evidence.paper.signals import signal_figures
-from springpot.host.wings.evidence.paper.study_files import write_study_files
 from springpot.host.wings.evidence.paper.unshown_claims import check_unshown
 from springpot.native import machine_metadata
 from springpot.simulation import OBJECTS, parse_url
@@ -39,10 +40,11 @@ _PAPER_PAIRS = {
     "dragon-skin-fx": [0.1, 0.15],
     "dragon-skin-10": [0.1, 0.15],
 }
+STUDY = "study.toml"
 
 
 def object_names(objects: str | None) -> list[str]:
-    """Names from the command line. Raises UsageError naming an unknown one."""
+    """Return names from the command line. Raises UsageError naming an unknown one."""
     names = list(OBJECTS) if objects is None else [name.strip() for name in objects.split(",")]
     for name in names:
         parse_url(f"sim://{name}")
@@ -50,7 +52,7 @@ def object_names(objects: str | None) -> list[str]:
 
 
 def recorded(training: Path, validation: Path) -> ObjectRecordings:
-    """Recordings of one real object, named after the training folder."""
+    """Return recordings of one real object, named after the training folder."""
     return ObjectRecordings(
         training.stem, tuple(read_recordings(training)), tuple(read_recordings(validation))
     )
@@ -100,20 +102,20 @@ def run_reproduce(
 
 
 def _results(data: Iterable[ObjectRecordings], folder: Path, work: Work) -> list[ObjectResult]:
-    """Of every object; one is fitted while the one before is validated."""
+    """Return the results of all objects; one is fitted while the one before is validated."""
     with validators() as pool:
         begun = []
         for item in data:
             begun.append(begin_object(item, folder / item.name, work, pool))
             say(f"{item.name}: fitted")
-        results = [checking.result() for checking in begun]
+        results = [finish() for finish in begun]
     for result in results:
         say(in_a_line(result))
     return results
 
 
 def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
-    """Tables 1 to 3, the paper's numbers beside those found here."""
+    """Return tables 1 to 3, the paper's numbers beside those found here."""
     return {
         "table1": {
             r.data.name: {
@@ -142,3 +144,26 @@ def tables(results: Sequence[ObjectResult]) -> dict[str, Any]:
             for r in by_softness(results)
         },
     }
+
+
+def write_study_files(out: Path, models: Path, names: Iterable[str]) -> list[Path]:
+    """Write a scene for each of the paper's models, and the study where all five objects are there.
+
+    models: where `<object>/<kind>.spm` lie. Returns what was written.
+    """
+    out.mkdir(exist_ok=True)
+    written = []
+    for name in names:
+        for kind in PAPER_KINDS:
+            if not (models / name / f"{kind}.spm").exists():
+                continue
+            model = f"{name}-{kind}.spm"
+            shutil.copyfile(models / name / f"{kind}.spm", out / model)
+            file = out / f"{name}-{kind}.toml"
+            write_scene(file, Scene(schema=1, name=f"{name} {kind}", model=model))
+            written.append(file)
+    if set(OBJECTS) <= {*names}:
+        with as_file(files("springpot.host") / "scenes" / "paper-study.toml") as shipped:
+            shutil.copyfile(shipped, out / STUDY)
+        written.append(out / STUDY)
+    return written

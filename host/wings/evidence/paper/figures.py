@@ -51,7 +51,7 @@ def error_figures(results: Sequence[ObjectResult], out: Path, data: str) -> list
 
 
 def typical_recording(result: ObjectResult) -> int:
-    """Validation recording whose RMSE with rf-fd is the median one."""
+    """Return validation recording whose RMSE with rf-fd is the median one."""
     pairs = zip(result.models["rf-fd"].validation.predicted_n, result.data.validation, strict=True)
     errors = [rms(predicted_n - recording.force_n) for predicted_n, recording in pairs]
     return int(np.argsort(errors)[len(errors) // 2])
@@ -106,11 +106,8 @@ def _percentages(results: Sequence[ObjectResult], out: Path, data: str) -> list[
 
 
 def _errors(results: Sequence[ObjectResult], out: Path, data: str) -> list[str]:
-    def error(result: ObjectResult, kind: str) -> float:
-        return result.rmse_n(kind)
-
     caption = f"Figure 9: RMSE averaged over the validation recordings. {data}"
-    return _bars(results, error, "RMSE, N", out, ("figure-09", caption))
+    return _bars(results, ObjectResult.rmse_n, "RMSE, N", out, ("figure-09", caption))
 
 
 def _times(results: Sequence[ObjectResult], out: Path, data: str) -> list[str]:

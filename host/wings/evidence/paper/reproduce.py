@@ -1,7 +1,7 @@
 """The paper's protocol on one object after the other: record, fit, emit, build, validate."""
 
-from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -74,7 +74,7 @@ class ObjectResult:
     handled: Mapping[str, HandledModel]
 
     def rmse_n(self, kind: str) -> float:
-        """RMSE averaged over the validation recordings (figure 9)."""
+        """Return RMSE averaged over the validation recordings (figure 9)."""
         return self.models[kind].validation.accuracy.mean_recording_rmse_n
 
 
@@ -97,63 +97,44 @@ def simulated(name: str, variant: str, work: Work) -> ObjectRecordings:
     return ObjectRecordings(name, recordings[0], recordings[1], commands_n)
 
 
-@dataclass(frozen=True, eq=False)
-class Checking:
-    """An object whose models are fitted, while processes still build and validate them."""
-
-    data: ObjectRecordings
-    fits: Mapping[str, "Fit"]
-    folders: Mapping[str, Path]
-    validations: Mapping[str, Future[Validation]]
-    handled: Mapping[str, Future[HandledModel]]
-
-    def result(self) -> ObjectResult:
-        """Wait for all that was begun."""
-        models = {
-            kind: Modelled(self.fits[kind], self.folders[kind], validation.result())
-            for kind, validation in self.validations.items()
-        }
-        return ObjectResult(
-            self.data, models, {kind: found.result() for kind, found in self.handled.items()}
-        )
-
-
 def validators() -> ProcessPoolExecutor:
-    """Processes that validate, and put models into hands: the reference is Python."""
+    """Return processes that validate, and put models into hands: the reference is Python."""
     return ProcessPoolExecutor(_BESIDE, mp_context=get_context("spawn"))
 
 
 def begin_object(
     data: ObjectRecordings, folder: Path, work: Work, pool: ProcessPoolExecutor
-) -> Checking:
+) -> Callable[[], ObjectResult]:
     """Fit every kind, write its C into `folder`, and let `pool` build and validate that.
 
-    Raises DataError where the recordings do not fit together.
+    Return what waits for the result. Raises DataError where recordings do not fit together.
     """
     fits, scene = _fits(data, work), plain_scene(data.name)
     folders = {kind: _written(kind, fits[kind].model, scene, folder) for kind in work.kinds}
-    return Checking(
-        data,
-        fits,
-        folders,
-        validations={
-            kind: pool.submit(validate, folders[kind], data.validation, paced_s=work.paced_s)
-            for kind in work.kinds
-        },
-        handled={
-            kind: pool.submit(handled, fits[kind].model, scene) for kind in (CONTROL, "rf-fd")
-        },
-    )
+    validations = {
+        kind: pool.submit(validate, place, data.validation, paced_s=work.paced_s)
+        for kind, place in folders.items()
+    }
+    hands = {kind: pool.submit(handled, fits[kind].model, scene) for kind in (CONTROL, "rf-fd")}
+
+    def result() -> ObjectResult:
+        models = {
+            kind: Modelled(fits[kind], folders[kind], validation.result())
+            for kind, validation in validations.items()
+        }
+        return ObjectResult(data, models, {kind: one.result() for kind, one in hands.items()})
+
+    return result
 
 
 def in_a_line(result: ObjectResult) -> str:
-    """Errors of all models."""
+    """Return errors of all models."""
     errors = ", ".join(f"{kind} {result.rmse_n(kind):.3f}" for kind in result.models)
     return f"{result.data.name}: RMSE {errors} N"
 
 
 def plain_scene(name: str, mode: str = "off") -> Scene:
-    """A scene of the model alone, or with the paper's coupling."""
+    """Return a scene of the model alone, or with the paper's coupling."""
     return Scene(
         schema=1,
         name=name,
@@ -163,7 +144,7 @@ def plain_scene(name: str, mode: str = "off") -> Scene:
 
 
 def model_metadata(model: Modelled) -> dict[str, Any]:
-    """Keys of one model in `reproduce.json`."""
+    """Return keys of one model in `reproduce.json`."""
     found = model.validation.accuracy
     return {
         "rmse_n": found.mean_recording_rmse_n,
@@ -180,18 +161,18 @@ def model_metadata(model: Modelled) -> dict[str, Any]:
 
 
 def by_softness(results: Sequence[ObjectResult]) -> list[ObjectResult]:
-    """Objects from the softest, the one pressed deepest, to the hardest."""
+    """Return objects from the softest, the one pressed deepest, to the hardest."""
     return sorted(results, key=lambda result: -result.data.depth_m)
 
 
 def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
-    """Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
+    """Return Ecoflex 00-50 as in the paper's figure 14, or the object of middle softness."""
     named = [result for result in results if result.data.name == "ecoflex-00-50"]
     return named[0] if named else by_softness(results)[len(results) // 2]
 
 
 def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
-    """All kinds, on one training set: what several hold is fitted once."""
+    """Return all kinds, on one training set: what several hold is fitted once."""
     from springpot import FitOptions
     from springpot.modelling import fit_kind, training_set
 
@@ -206,7 +187,7 @@ def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
 
 
 def _written(kind: str, model: Model, scene: Scene, folder: Path) -> Path:
-    """The model's C, which its validation builds: for replay, not for a hand or a board."""
+    """Return the model's C, which its validation builds: for replay, not for a hand or a board."""
     folder.mkdir(parents=True, exist_ok=True)
     model_file = folder / f"{kind}.spm"
     write_model(model_file, model)

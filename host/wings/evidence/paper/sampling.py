@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import signal
 
 from springpot import Recording
 from springpot.basics import Samples
@@ -50,7 +51,7 @@ def resampled(model: Modelled, recording: Recording) -> Resampled:
 
 
 def coupled_force(model: Modelled, recording: Recording) -> Samples:
-    """Force behind the paper's virtual coupling, by the reference of the C, shape (n,), N."""
+    """Compute the force behind the paper's virtual coupling by the reference of the C, (n,), N."""
     plan = make_plan(model.fit.model, plain_scene("coupled", mode="tool"))
     position_m = recording.position_m.astype(plan.dtype)
     velocity_mps = np.diff(position_m, prepend=position_m[:1]) / plan.dtype(plan.dt_s)
@@ -59,30 +60,26 @@ def coupled_force(model: Modelled, recording: Recording) -> Samples:
 
 
 def smoothed_0_7(force_n: Samples) -> Samples:
-    """The paper's exponential moving average of the force: weight 0.7 on the newest sample."""
-    out = np.empty_like(force_n)
-    held = float(force_n[0])
-    for i, value in enumerate(force_n.tolist()):
-        held = 0.7 * value + 0.3 * held
-        out[i] = held
-    return out
+    """Smooth by the paper's exponential moving average: weight 0.7 on the newest sample."""
+    held_n: Samples = signal.lfilter([0.7], [1.0, -0.3], force_n, zi=0.3 * force_n[:1])[0]
+    return held_n
 
 
 def example_press(dt_s: float, duration_s: float = 1.0) -> Samples:
-    """A press of 10 mm at 1 Hz, as in the paper's training data, m."""
+    """Return a press of 10 mm at 1 Hz, as in the paper's training data, m."""
     time_s = np.arange(round(duration_s / dt_s)) * dt_s
     press_m: Samples = 0.005 * (1.0 - np.cos(2.0 * np.pi * time_s))
     return press_m
 
 
 def derivative(order: float, dt_s: float, taps_dt_s: float) -> Samples:
-    """D^order of the example press sampled every dt_s, with 171 taps made for `taps_dt_s`."""
+    """Differentiate the example press sampled every dt_s, with 171 taps made for `taps_dt_s`."""
     taps = gl_taps(order, TAPS, taps_dt_s)[:, None]
     return fir_derivatives(example_press(dt_s), taps)[:, 0]
 
 
 def relative_change(order: float, dt_s: float, own_taps: bool) -> float:
-    """RMS change of D^order against 1 ms, relative; with taps of its own step or of 1 ms."""
+    """Return RMS change of D^order against 1 ms, relative; with taps of its own step or of 1 ms."""
     reference = derivative(order, STEP_S, STEP_S)
     other = derivative(order, dt_s, dt_s if own_taps else STEP_S)
     time_s, other_s = (np.arange(len(v)) * h for v, h in ((reference, STEP_S), (other, dt_s)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -21,6 +22,11 @@ from springpot.host.wings.evidence.paper.sampling import (
 )
 
 _SHOWN_S = 5.0
+_STYLES: tuple[dict[str, Any], ...] = (
+    {"color": MEASURED, "lw": 1.0},
+    {"color": PREDICTED, "ls": "--", "lw": 0.9},
+)
+Curve = tuple[str, np.ndarray, np.ndarray]  # label, times (s), values
 
 
 def signal_figures(
@@ -46,18 +52,12 @@ def _collected(result: ObjectResult, out: Path, data: str) -> list[str]:
     number = min(strong, key=lambda i: abs(np.log(training[i].duration_s)))
     recording = training[number]
     time_s = np.arange(len(recording.force_n)) * recording.dt_s
-    figure = Figure(figsize=(6.0, 3.8), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    upper.plot(time_s, recording.force_n, color=MEASURED, lw=1.1, label="measured")
+    curves = [("measured", time_s, recording.force_n)]
     if result.data.commands_n:
-        commanded_n = result.data.commands_n[number]
-        upper.plot(time_s, commanded_n, color=PREDICTED, ls="--", lw=1.0, label="commanded")
-    upper.set_ylabel("force, N")
-    upper.legend(frameon=False, loc="upper right")
-    lower.plot(time_s, 1e3 * recording.position_m, color=MEASURED, lw=1.1)
-    lower.set_ylabel("position, mm")
-    lower.set_xlabel("time, s")
-    return save(figure, out, "figure-05", f"Figure 5: {recording.name}, as recorded. {data}")
+        curves.append(("commanded", time_s, result.data.commands_n[number]))
+    below = ("position, mm", time_s, 1e3 * recording.position_m)
+    caption = f"Figure 5: {recording.name}, as recorded. {data}"
+    return _save_panels(curves, below, out, "figure-05", caption)
 
 
 def _coupled(result: ObjectResult, out: Path, data: str) -> list[str]:
@@ -67,38 +67,42 @@ def _coupled(result: ObjectResult, out: Path, data: str) -> list[str]:
     time_s = np.arange(n) * recording.dt_s
     model_n = model.validation.predicted_n[number][:n]
     coupled_n = coupled_force(model, recording)[:n]
-    figure = Figure(figsize=(7.5, 3.8), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
-    upper.plot(time_s, model_n, color=MEASURED, lw=0.9, label="model")
-    upper.plot(time_s, coupled_n, color=PREDICTED, ls="--", lw=0.9, label="coupling and average")
-    upper.set_ylabel("force, N")
-    upper.legend(frameon=False, loc="upper right")
-    lower.plot(time_s, coupled_n - model_n, color=ERROR, lw=0.8)
-    lower.set_ylabel("change, N")
-    lower.set_xlabel("time, s")
+    curves = [("model", time_s, model_n), ("coupling and average", time_s, coupled_n)]
     caption = (
         f"Figure 13: rf-fd of {result.data.name} before and after the virtual coupling and the "
         f"moving average of 0.7. {data}"
     )
-    return save(figure, out, "figure-13", caption)
+    below = ("change, N", time_s, coupled_n - model_n)
+    return _save_panels(curves, below, out, "figure-13", caption)
 
 
 def _resampled(name: str, sampled: Resampled, out: Path, data: str) -> list[str]:
     shown = sampled.time_s < _SHOWN_S
     slow = sampled.slow_time_s < _SHOWN_S
+    time_s = sampled.time_s[shown]
+    curves = [
+        ("every 1 ms", time_s, sampled.force_n[shown]),
+        ("every 1.27 ms", sampled.slow_time_s[slow], sampled.slow_n[slow]),
+    ]
+    below = ("difference, N", time_s, sampled.difference_n[shown])
+    caption = f"Figure 14: rf-fd of {name} at two sampling times, with the taps of 1 ms. {data}"
+    return _save_panels(curves, below, out, "figure-14", caption)
+
+
+def _save_panels(
+    forces: Sequence[Curve], below: Curve, out: Path, name: str, caption: str
+) -> list[str]:
+    """Draw one or two forces over time, and another quantity below them."""
     figure = Figure(figsize=(7.5, 3.8), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
-    upper.plot(sampled.time_s[shown], sampled.force_n[shown], color=MEASURED, lw=1.0,
-               label="every 1 ms")  # fmt: skip
-    upper.plot(sampled.slow_time_s[slow], sampled.slow_n[slow], color=PREDICTED, ls="--", lw=0.9,
-               label="every 1.27 ms")  # fmt: skip
+    for (label, time_s, force_n), style in zip(forces, _STYLES, strict=False):
+        upper.plot(time_s, force_n, label=label, **style)
     upper.set_ylabel("force, N")
     upper.legend(frameon=False, loc="upper right")
-    lower.plot(sampled.time_s[shown], sampled.difference_n[shown], color=ERROR, lw=0.8)
-    lower.set_ylabel("difference, N")
+    lower.plot(*below[1:], color=ERROR, lw=0.8)
+    lower.set_ylabel(below[0])
     lower.set_xlabel("time, s")
-    caption = f"Figure 14: rf-fd of {name} at two sampling times, with the taps of 1 ms. {data}"
-    return save(figure, out, "figure-14", caption)
+    return save(figure, out, name, caption)
 
 
 def _derivatives(out: Path) -> list[str]:

@@ -11,7 +11,7 @@ ENOUGH_RATIO = 1.1  # maximum error with 20 % of the rows, of that with all
 
 
 def check_unshown(results: Sequence[ObjectResult], shares: RowShares) -> list[Claim]:
-    """The claims of its sections II and IV-B."""
+    """Return the claims of its sections II and IV-B."""
     results = by_softness(results)
     return [_enough_rows(shares), _negative_damping(results), _unstable(results)]
 

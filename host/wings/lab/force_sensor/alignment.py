@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage, signal, stats
 
 from springpot import DeviceError
 from springpot.basics import Samples
@@ -20,7 +21,6 @@ _MAX_LATE_S, _MIN_LATE_S, _MAX_MOTOR_S = 0.040, -0.005, 0.008
 _COARSE_S, _FINE_S, _MOTOR_S, _REACH_S = 0.5e-3, 0.05e-3, 0.1e-3, 2e-3
 _MOTION = 4  # terms: acceleration, speed, friction, a constant
 _BLOCKS = 8
-_T_95 = 2.365  # Student's, of seven degrees of freedom
 _CREEP_MPS = 2e-3  # below it friction has no clear sign
 _MAX_UNEXPLAINED = 0.25  # of the force's standard deviation
 
@@ -52,18 +52,17 @@ class ForcedMotion:
 
 
 def alignment_command(rate_hz: float, share: float = 1.0) -> Samples:
-    """A chirp around a preload, N, one value a sample; share: of its force."""
+    """Return a chirp around a preload, N, one value a sample; share: of its force."""
     rise = np.linspace(0.0, 1.0, round(_RISE_S * rate_hz)) ** 2
     t_s = np.arange(round(CHIRP_S * rate_hz)) / rate_hz
-    octaves = np.log(_FASTEST_HZ / _SLOWEST_HZ)
-    turn = 2 * np.pi * _SLOWEST_HZ * CHIRP_S / octaves * (np.exp(octaves * t_s / CHIRP_S) - 1)
-    chirp_n = PRELOAD_N + SWING_N * np.sin(turn)
+    chirp = signal.chirp(t_s, _SLOWEST_HZ, CHIRP_S, _FASTEST_HZ, method="logarithmic", phi=-90.0)
+    chirp_n = PRELOAD_N + SWING_N * chirp
     command_n = np.concatenate([PRELOAD_N * rise, chirp_n, chirp_n[-1] * rise[::-1]])
     return np.asarray(share * command_n)
 
 
 def find_delay(motion: ForcedMotion, url: str) -> Delay:
-    """How late the sensor is. Raises DeviceError where its force does not fit the motion."""
+    """Return how late the sensor is. Raises DeviceError where its force does not fit the motion."""
     signals = _Signals(_evenly(motion))
     coarse = _Fit(signals, np.arange(_MIN_LATE_S, _MAX_LATE_S, _COARSE_S),
                   np.arange(0.0, _MAX_MOTOR_S, _COARSE_S))  # fmt: skip
@@ -76,13 +75,13 @@ def find_delay(motion: ForcedMotion, url: str) -> Delay:
     # The spread of estimates that each leave one stretch of time out (jackknife).
     without = np.array([fine.best(fine.whole - stretch).late_s for stretch in fine.stretches])
     spread_s = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((without - without.mean()) ** 2))
-    half_s = float(np.hypot(_T_95 * spread_s, _FINE_S))
+    half_s = float(np.hypot(stats.t.ppf(0.975, _BLOCKS - 1) * spread_s, _FINE_S))
     mass_kg = float(-found.coefficients[1] / found.coefficients[0])
     return Delay(found.late_s, found.late_s - half_s, found.late_s + half_s, found.motor_s, mass_kg)
 
 
 def _evenly(motion: ForcedMotion) -> ForcedMotion:
-    """The same press at even times: a loop that was kept away makes up for its ticks at once.
+    """Resample the press at even times: a loop that was held up makes up for its ticks at once.
 
     Positions are linear between two; a motor force stays until the next.
     """
@@ -94,7 +93,7 @@ def _evenly(motion: ForcedMotion) -> ForcedMotion:
 
 
 def aligned_force(t_s: Samples, delay_s: float, sensor_s: Samples, sensor_n: Samples) -> Samples:
-    """The sensor's force at the times t_s (n,), linear between its samples."""
+    """Return the sensor's force at the times t_s (n,), linear between its samples."""
     return np.asarray(np.interp(t_s + delay_s, sensor_s, sensor_n))
 
 
@@ -114,22 +113,16 @@ class _Signals:
     def __init__(self, motion: ForcedMotion) -> None:
         self._raw = motion
         self._dt_s = float(np.median(np.diff(motion.t_s)))
-        half = round(4 * _SMOOTH_S / self._dt_s)
-        at_s = np.arange(-half, half + 1) * self._dt_s
-        bell = np.exp(-0.5 * (at_s / _SMOOTH_S) ** 2)
-        self._bell = bell / bell.sum()
-        slope = -at_s / _SMOOTH_S**2 * self._bell
-        bend = (at_s**2 / _SMOOTH_S**4 - 1 / _SMOOTH_S**2) * self._bell
-        speed_mps = np.convolve(motion.position_m, slope, "same")
+        speed_mps = self._smooth(motion.position_m, 1)
         self.motion = np.column_stack(
             [
-                np.convolve(motion.position_m, bend - bend.mean(), "same"),
+                self._smooth(motion.position_m, 2),
                 speed_mps,
                 self._smooth(speed_mps / np.hypot(speed_mps, _CREEP_MPS)),
                 np.ones(len(speed_mps)),
             ]
         )
-        reach = round(_MAX_LATE_S / self._dt_s) + half
+        reach = round((_MAX_LATE_S + 4 * _SMOOTH_S) / self._dt_s)
         t_s, sensor_s = motion.t_s, motion.sensor_s
         off_ends = (np.arange(len(t_s)) >= reach) & (np.arange(len(t_s)) < len(t_s) - reach)
         sensed = (t_s > sensor_s[0] - _MIN_LATE_S) & (t_s < sensor_s[-1] - _MAX_LATE_S)
@@ -140,15 +133,17 @@ class _Signals:
         return self._smooth(aligned_force(raw.t_s, late_s, raw.sensor_s, raw.sensor_n))
 
     def motor(self, late_s: float) -> Samples:
-        """Each force is held for a period: between two, their mean weighted by time."""
+        """Delay the motor's force, held for a period each: between two, their mean by time."""
         t_s, raw_n = self._raw.t_s, self._raw.motor_n
         held = np.clip(np.searchsorted(t_s, t_s - late_s, side="right") - 1, 0, None)
         share = np.clip((t_s - late_s - t_s[held]) / self._dt_s, 0.0, 1.0)
         now_n, before_n = raw_n[held], raw_n[np.clip(held - 1, 0, None)]
         return self._smooth(share * now_n + (1.0 - share) * before_n)
 
-    def _smooth(self, values: Samples) -> Samples:
-        return np.asarray(np.convolve(values, self._bell, "same"))
+    def _smooth(self, values: Samples, order: int = 0) -> Samples:
+        """Smooth by a Gaussian, and differentiate `order` times."""
+        smooth = ndimage.gaussian_filter1d(values, _SMOOTH_S / self._dt_s, order=order)
+        return np.asarray(smooth / self._dt_s**order)
 
 
 class _Fit:
@@ -168,7 +163,7 @@ class _Fit:
         self.whole = sum(self.stretches, start=np.zeros_like(self.stretches[0]))
 
     def best(self, sums: NDArray[np.float64]) -> _Found:
-        """The pair that leaves least of the sensor's force unexplained."""
+        """Return the pair that leaves least of the sensor's force unexplained."""
         constant = _MOTION - 1
         forces = slice(_MOTION + len(self._motor_s), None)
         squares = np.diag(sums)[forces]

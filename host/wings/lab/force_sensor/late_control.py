@@ -41,7 +41,7 @@ class Compliance:
         self._sums += [np.bincount(place, product, _BINS) for product in products]
 
     def at(self, force_n: Samples) -> Samples:
-        """m/N at forces (n,); 0 where nothing is known."""
+        """Return the compliance at forces (n,), m/N; 0 if nothing is known."""
         known, found_mpn = self._found()
         if not len(known):
             return np.zeros_like(force_n)
@@ -49,7 +49,7 @@ class Compliance:
 
     @property
     def min_mpn(self) -> float:
-        """Where the object is stiffest; 0 where nothing is known."""
+        """Where the object is stiffest; 0 if nothing is known."""
         return float(min(self._found()[1], default=0.0))
 
     def _found(self) -> tuple[NDArray[np.intp], Samples]:
@@ -63,7 +63,7 @@ def _place(force_n: Samples) -> Samples:
 
 
 def late_gains(delay: Delay, compliance: Compliance) -> Mapping[str, float]:
-    """Of sp_press, for a sensor and a motor that are late: stable on soft and stiff objects."""
+    """Return gains of sp_press for a late sensor and motor: stable on soft and stiff objects."""
     reaction_s = _REACTION_S + delay.motor_s
     behind_s = max(0.0, delay.value_s - _OBSERVER_LATE_S)
     return {
@@ -78,7 +78,7 @@ def late_gains(delay: Delay, compliance: Compliance) -> Mapping[str, float]:
 
 
 def led_command(command_n: Samples, delay: Delay, compliance: Compliance) -> Samples:
-    """The command, and what damper and mass will take of it; (n,), N, one value a tick."""
+    """Return the command, and what damper and mass will take of it; (n,), N, one value a tick."""
     speed_mps = compliance.at(command_n) * np.gradient(command_n) * RATE_HZ
     change_mps2 = np.gradient(speed_mps) * RATE_HZ
     taken_n = _damping_nspm(delay, compliance) * speed_mps + _mass_kg(delay) * change_mps2

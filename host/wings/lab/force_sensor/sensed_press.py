@@ -100,7 +100,7 @@ class SensedPressDevice(PressedDevice):
         on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
         lead: int = 0,
     ) -> tuple[Samples, Samples]:
-        """As of every device; the next press knows how this one gave way."""
+        """Press as every device does, and learn how the object gave way for the next press."""
         position_m, force_n = super().press(command_n, on_samples, lead)
         self._compliance.learn(position_m, force_n)
         return position_m, force_n

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy import signal
 
 from springpot.basics import Samples
 from springpot.emission import LATCHED
@@ -50,7 +51,7 @@ class Excitation:
 
 
 def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
-    """Silence, then stronger and stronger pulses to and fro, up to the force limit."""
+    """Return silence, then stronger and stronger pulses to and fro, up to the force limit."""
     half, pause = round(PULSE_S * rate_hz), round(_PAUSE_S * rate_hz)
     quiet = np.zeros(round(STILL_S * rate_hz))
     count = int(np.ceil(np.log(1 / _WEAKEST) / np.log(_STRONGER)))
@@ -70,12 +71,10 @@ def pulses(rate_hz: float, limits: MoveLimits) -> Excitation:
 
 
 def sweep(rate_hz: float, limits: MoveLimits, sign: int) -> Excitation:
-    """A sine from fast to slow; the C adapts its size to the swing that is wanted."""
+    """Return a sine from fast to slow; the C adapts its size to the swing that is wanted."""
     time_s = np.arange(round(SWEEP_S * rate_hz)) / rate_hz
-    ratio = np.log(_SLOW_HZ / _FAST_HZ)
-    phase = 2 * np.pi * _FAST_HZ * SWEEP_S / ratio * np.expm1(ratio * time_s / SWEEP_S)
     return Excitation(
-        np.sin(phase),
+        signal.chirp(time_s, _FAST_HZ, SWEEP_S, _SLOW_HZ, method="logarithmic", phi=-90.0),
         1 / rate_hz,
         _FIRST_GAIN * limits.max_force_n,
         sign=sign,
@@ -84,7 +83,7 @@ def sweep(rate_hz: float, limits: MoveLimits, sign: int) -> Excitation:
 
 
 def excite_step_functions(excitation: Excitation, limits: MoveLimits) -> tuple[StepFunctions, Any]:
-    """What a loop calls, and the C state (sp_excite) that says how it went."""
+    """Return what a loop calls, and the C state (sp_excite) that says how it went."""
     library = loop_library("double")
     command = np.ascontiguousarray(excitation.command, dtype=np.float64)
     stiffness_npm = _SPRING * limits.max_force_n / limits.max_travel_m

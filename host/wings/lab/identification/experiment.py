@@ -6,6 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from springpot import DeviceError, SpringpotError
+from springpot.basics import Samples
 from springpot.host.wings.lab.identification.estimate import estimate_device
 from springpot.host.wings.lab.identification.excitation import (
     PULSE_S,
@@ -17,12 +18,13 @@ from springpot.host.wings.lab.identification.excitation import (
     pulses,
     sweep,
 )
-from springpot.host.wings.lab.identification.force_sign import positive_raises
 from springpot.host.wings.lab.identification.free_motion import FreeMotion, free_motion, unlocated
 from springpot.host.wings.lab.identification.result import DeviceMeasured
 from springpot.loop import LoopRows
 
 _DRIFTS = 0.05  # of the travel limit, while it rests
+_LATE_S = 0.005  # of the motion after its force, more or less
+_SHARE = 0.2  # of the way back that the way forth must be, to count
 
 
 class Mover(Protocol):
@@ -60,7 +62,7 @@ def identify_device(
 
 
 def find_sign(mover: Mover, limits: MoveLimits, rate_hz: float, url: str) -> tuple[FreeMotion, int]:
-    """The rest before the pulses, and 1 where a positive force pushes the tool out, else -1."""
+    """Find the rest before the pulses, and the sign: 1 if a positive force pushes the tool out."""
     excitation = pulses(rate_hz, limits)
     rows, excite = mover(excitation, limits)
     _require_awake(excite, url)
@@ -106,3 +108,32 @@ def _require_awake(excite: Any, url: str) -> None:
             f"{url}: silent for {1e3 * WATCHDOG_S:g} ms, force zero, stopped: check cable, rate "
             "and power"
         )
+
+
+def positive_raises(excitation: Excitation, position_m: Samples) -> bool:
+    """Return whether a positive force raises the position, by the last two pulses.
+
+    position_m: (n,), of the ticks that were played, the last pulse being the last.
+    """
+    score = 0.0
+    for end in (len(position_m), len(position_m) - excitation.pulse_ticks):
+        begin = end - excitation.pulse_ticks
+        if begin >= excitation.quiet_ticks:
+            pulse = slice(begin, end)
+            score += _pushed_m(excitation, excitation.command[pulse], position_m[pulse])
+    return score > 0
+
+
+def _pushed_m(excitation: Excitation, command: Samples, position_m: Samples) -> float:
+    """Return how far one pulse moved the tool the way of its force, m.
+
+    What coasts is still moving forth while the force pushes back. What is stuck one way, by
+    friction and a force that always acts, moves in the second half only.
+    """
+    half, late = round(PULSE_S / excitation.dt_s), round(_LATE_S / excitation.dt_s)
+    begin_m, middle_m, end_m = position_m[[0, half + late, 2 * half + late]]
+    forth_m, back_m = float(middle_m - begin_m), float(end_m - middle_m)
+    way = float(np.sign(command[0]))
+    if forth_m * back_m > 0 and abs(forth_m) < _SHARE * abs(back_m):
+        return -way * back_m
+    return way * (forth_m if forth_m * back_m > 0 else forth_m - back_m)

@@ -4,6 +4,7 @@ A weight w that vanishes with its slope at both ends moves the derivatives from 
 itself: m int(w'' x) - b int(w' x) + F_c int(w sign v) + bias int(w) = int(w F)."""
 
 import numpy as np
+from scipy import ndimage
 
 from springpot.basics import Samples
 from springpot.host.wings.lab.identification.free_motion import FreeMotion
@@ -22,7 +23,10 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
     weight = (1 - at**2) ** 3
     slope = np.gradient(weight, dt_s)
     bend = np.gradient(slope, dt_s)
-    speed_mps = np.gradient(_smooth(motion.position_m, max(1, round(_SMOOTH_S / dt_s))), dt_s)
+    mean_of = 2 * max(1, round(_SMOOTH_S / dt_s)) + 1
+    smooth_m = ndimage.uniform_filter1d(motion.position_m, mean_of, mode="nearest")
+    smooth_m = ndimage.uniform_filter1d(smooth_m, mean_of, mode="nearest")
+    speed_mps = np.gradient(smooth_m, dt_s)
     position_m = motion.position_m - motion.position_m.mean()
 
     def windows(values: Samples, weights: Samples) -> Samples:
@@ -58,10 +62,3 @@ def first_guess(motion: FreeMotion) -> tuple[float, float, float, float, float]:
         float(bias_n),
         best_delay_s,
     )
-
-
-def _smooth(values: Samples, half: int) -> Samples:
-    """Mean of 2 half + 1 neighbours, twice."""
-    kernel = np.ones(2 * half + 1) / (2 * half + 1)
-    padded = np.pad(values, 2 * half, mode="edge")
-    return np.convolve(np.convolve(padded, kernel, "valid"), kernel, "valid")

@@ -28,7 +28,7 @@ class FreeMotion:
 
 
 def unlocated(url: str) -> DeviceError:
-    """The refusal of a device whose position is no number."""
+    """Return the refusal of a device whose position is no number."""
     return DeviceError(
         f"{url}: sent a position that is no number, force zero, stopped: check its position sensor"
     )

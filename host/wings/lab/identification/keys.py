@@ -1,24 +1,23 @@
 """What was found as keys of a scene's [device]: text to paste, or written into the scene."""
 
-import dataclasses
 import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
-from springpot import Device, UsageError, read_scene
+from springpot import UsageError, read_scene
 from springpot.basics import written_aside
 from springpot.host.wings.lab.identification.result import DeviceMeasured, Identified
 
 _DIGITS = 4
-_TABLE = re.compile(r"[ \t]*\[[ \t]*device[ \t]*\][ \t]*(#.*)?$")
-_ANY_TABLE = re.compile(r"[ \t]*\[")
-_SAME = {"delay_s": "delay_samples"}  # a scene states one of the two
+_TABLE = re.compile(r"^[ \t]*\[[ \t]*device[ \t]*\][ \t]*(#.*)?\r?\n", re.M)
+_ANY_TABLE = re.compile(r"^[ \t]*\[", re.M)
+_OTHER_DELAY = "delay_samples"  # a scene states it or delay_s
 _MAX_DELAY_S = 0.02  # of a scene
 
 
 def device_keys(measured: DeviceMeasured) -> dict[str, float | int]:
-    """Keys of [device] that were found; no others."""
+    """Return keys of [device] that were found; no others."""
     found: dict[str, tuple[Identified, float]] = {
         "mass_kg": (measured.mass_kg, 1.0),
         "viscous_nspm": (measured.viscous_nspm, 1.0),
@@ -41,7 +40,7 @@ def device_keys(measured: DeviceMeasured) -> dict[str, float | int]:
 
 
 def keys_as_toml(keys: dict[str, float | int]) -> str:
-    """The table, ready to paste."""
+    """Return the table, ready to paste."""
     return "\n".join(["[device]", *(f"{name} = {value}" for name, value in keys.items())])
 
 
@@ -64,7 +63,7 @@ def require_writable_device(scene: Path) -> None:
 
 
 def _checked_text(scene: Path, keys: dict[str, float | int]) -> str:
-    """The scene with the keys: as TOML, the old content and them."""
+    """Return the scene with the keys: as TOML, the old content and them."""
     read_scene(scene)
     before = scene.read_bytes().decode()
     after = _with_keys(before, keys)
@@ -82,42 +81,28 @@ def _checked_text(scene: Path, keys: dict[str, float | int]) -> str:
 
 def _expected(before: str, keys: dict[str, float | int]) -> dict[str, Any]:
     content = tomllib.loads(before)
-    device = {name: value for name, value in content.get("device", {}).items()
-              if name not in _replaced(keys)}  # fmt: skip
-    return {**content, "device": {**device, **keys}}
-
-
-def _replaced(keys: dict[str, float | int]) -> set[str]:
-    """Keys whose line goes, without one of their own."""
-    return {other for name, other in _SAME.items() if name in keys}
+    device = {**content.get("device", {}), **keys}
+    if "delay_s" in keys:
+        device.pop(_OTHER_DELAY, None)
+    return {**content, "device": device}
 
 
 def _with_keys(text: str, keys: dict[str, float | int]) -> str:
-    assert set(keys) <= {field.name for field in dataclasses.fields(Device)}
-    lines = text.splitlines(keepends=True)
-    end = "\r\n" if lines and lines[0].endswith("\r\n") else "\n"
-    begin = next((k for k, line in enumerate(lines) if _TABLE.match(line.rstrip())), None)
-    if begin is None:
-        if lines and not lines[-1].endswith("\n"):
-            lines[-1] += end
-        blank = [end] if lines else []
-        return "".join([*lines, *blank, *(line + end for line in keys_as_toml(keys).split("\n"))])
-    if not lines[begin].endswith("\n"):
-        lines[begin] += end
-    after = range(begin + 1, len(lines))
-    stop = next((k for k in after if _ANY_TABLE.match(lines[k])), len(lines))
-    kept, left = [], dict(keys)
-    for line in lines[begin + 1 : stop]:
-        name = line.split("=")[0].strip()
-        if name in left:
-            kept.append(_with_value(line, left.pop(name)))
-        elif name not in _replaced(keys):
-            kept.append(line)
-    new = [f"{name} = {value}{end}" for name, value in left.items()]
-    return "".join([*lines[: begin + 1], *new, *kept, *lines[stop:]])
-
-
-def _with_value(line: str, value: float) -> str:
-    """The line with another number; its blanks and its comment stay."""
-    found = re.match(r"([^=]*=[ \t]*)[^#\s]+(.*)$", line, re.S)
-    return f"{found[1]}{value}{found[2]}" if found else line
+    """Change the lines of [device] that hold the keys, and add the others below its head."""
+    end = "\r\n" if "\r\n" in text else "\n"
+    if text and not text.endswith("\n"):
+        text += end
+    head = _TABLE.search(text)
+    if head is None:
+        lines = keys_as_toml(keys).split("\n")
+        return text + (end if text else "") + "".join(line + end for line in lines)
+    after = _ANY_TABLE.search(text, head.end())
+    stop = after.start() if after else len(text)
+    table, new = text[head.end() : stop], ""
+    for name, value in keys.items():
+        line = re.compile(rf"^([ \t]*{name}[ \t]*=[ \t]*)[^#\s]+", re.M)
+        table, count = line.subn(rf"\g<1>{value}", table)
+        new += "" if count else f"{name} = {value}{end}"
+    if "delay_s" in keys:
+        table = re.sub(rf"^[ \t]*{_OTHER_DELAY}[ \t]*=.*\n", "", table, flags=re.M)
+    return text[: head.end()] + new + table + text[stop:]

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import exprel
 
 Lanes = NDArray[np.float64]  # one value for each simulated segment, shape (lanes,)
 
-_SERIES, _SHORT = 6, 0.3  # terms, exact to 1e-9 in pieces shorter than that part of m / b
+_SHORT = 1e-2  # of m / b: shorter pieces lose digits in a difference
 _MIN_NSPM = 1e-9
 
 
@@ -34,7 +35,7 @@ def simulate_lanes(
     start_m: Lanes,
     start_mps: Lanes,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Positions, m, and velocities, m/s, at the ticks of each segment, both (lanes, ticks).
+    """Return positions, m, and velocities, m/s, at the ticks of each segment, both (lanes, ticks).
 
     force_n: (n,), positive where it raises the position, held for a tick each. begins: (lanes,),
     the first tick of each segment. start_m, start_mps: where it is then, and how fast.
@@ -58,7 +59,7 @@ def simulate_lanes(
 def _piece(
     model: ModelLanes, drive_n: Lanes, while_s: Lanes, position_m: Lanes, velocity_mps: Lanes
 ) -> tuple[Lanes, Lanes]:
-    """One piece of constant force: until it comes to rest, if it does, and then on or not."""
+    """Move through a piece of constant force: to rest, if it comes to rest, and then on or not."""
     resting = velocity_mps == 0.0
     way = np.where(resting, np.sign(drive_n), np.sign(velocity_mps))
     stuck = resting & (np.abs(drive_n) <= model.coulomb_n)
@@ -79,7 +80,7 @@ def _piece(
 
 
 def _time_to_rest(model: ModelLanes, push_n: Lanes, velocity_mps: Lanes) -> Lanes:
-    """When the velocity passes zero, s; infinite where the push does not oppose it."""
+    """Return when the velocity passes zero, s; infinite if the push does not oppose it."""
     viscous_nspm = np.maximum(model.viscous_nspm, _MIN_NSPM)
     opposes = push_n * velocity_mps < 0.0
     ratio = np.where(opposes, -velocity_mps / np.where(opposes, push_n, 1.0), 0.0)
@@ -90,7 +91,7 @@ def _time_to_rest(model: ModelLanes, push_n: Lanes, velocity_mps: Lanes) -> Lane
 def _slide(
     model: ModelLanes, push_n: Lanes, while_s: Lanes, position_m: Lanes, velocity_mps: Lanes
 ) -> tuple[Lanes, Lanes]:
-    """Without a change of direction: a first-order answer."""
+    """Move without a change of direction: a first-order answer."""
     acceleration = (push_n - model.viscous_nspm * velocity_mps) / model.mass_kg
     speed_share, distance_share = _shares(model.viscous_nspm / model.mass_kg * while_s)
     change_mps = acceleration * while_s * speed_share
@@ -99,16 +100,9 @@ def _slide(
 
 
 def _shares(decay: Lanes) -> tuple[Lanes, Lanes]:
-    """Speed and distance gained while it decays by exp(-decay), of those without decay."""
-    speed_share = distance_share = np.zeros_like(decay)
-    for k in range(_SERIES, 0, -1):
-        speed_share = 1.0 - decay / (k + 1) * speed_share
-        distance_share = 1.0 - decay / (k + 2) * distance_share
-    if (decay < _SHORT).all():
-        return speed_share, distance_share
-    lasting = np.maximum(decay, _SHORT)  # shorter ones lose digits here
-    lost = np.expm1(-lasting)
-    return (
-        np.where(decay < _SHORT, speed_share, -lost / lasting),
-        np.where(decay < _SHORT, distance_share, 2.0 * (lasting + lost) / lasting**2),
-    )
+    """Return speed and distance gained while it decays by exp(-decay), of those without decay."""
+    speed_share = exprel(-decay)
+    series = 1.0 - decay / 3.0 * (1.0 - decay / 4.0 * (1.0 - decay / 5.0))
+    lasting = np.maximum(decay, _SHORT)
+    difference = 2.0 * (1.0 - exprel(-lasting)) / lasting
+    return speed_share, np.where(decay < _SHORT, series, difference)

@@ -7,9 +7,9 @@ WIDEST = 0.1  # half of an interval, of its value: beyond it there is no value
 
 @dataclass(frozen=True)
 class Identified:
-    """One value with its interval. value: None where it was not found; why: the reason then.
+    """One value with its interval. value: None if it was not found; why: the reason then.
 
-    low, high: None where nothing is known.
+    low, high: None if nothing is known.
     """
 
     value: float | None = None
@@ -18,7 +18,7 @@ class Identified:
     why: str = ""
 
     def as_json(self) -> dict[str, float | str | None]:
-        """value, low and high; or value None, why, and the bounds where there are some."""
+        """Return value, low and high; or value None, why, and the bounds that are known."""
         if self.value is not None:
             return {"value": self.value, "low": self.low, "high": self.high}
         bounds = {"low": self.low, "high": self.high}
@@ -55,7 +55,7 @@ class DeviceMeasured:
 
 
 def judged(value: float, half_width: float, unit: str, scale: float, advice: str) -> Identified:
-    """A value that cannot be negative, or why it is none. scale: of the unit that is printed."""
+    """Return a value that cannot be negative, or why it is unknown. scale: of the printed unit."""
     value, half_width = float(value), float(half_width)
     low, high = max(0.0, value - half_width), value + half_width
     if half_width <= WIDEST * value:

@@ -37,7 +37,7 @@ class _Newest:
         self._rows = [*self._rows[-20:], rows]
 
     def position_m(self) -> Samples:
-        """Of the last moment, (n,)."""
+        """Return the positions of the last moment, (n,)."""
         rows = np.concatenate(self._rows) if self._rows else np.empty((0, len(COLUMN)))
         sampled = (rows[:, COLUMN["call"]].astype(int) & IDLE) == 0
         return np.asarray(rows[sampled, COLUMN["position_m"]][-round(_MEAN_S * _RATE_HZ) :])

@@ -54,7 +54,7 @@ def material(
 
 
 def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[str, str]:
-    """A person's view."""
+    """Return a person's view."""
     rows = {
         "stiffness": _quoted(law, "stiffness_npm", "N/m, at rest"),
         "coefficient": _quoted(law, "coefficient", "N s^order/m"),

@@ -33,16 +33,16 @@ class Solid:
 
     @property
     def coefficient(self) -> float:
-        """Of the derivative, N s^order/m; in a Zener solid, of slow motion."""
+        """Coefficient of the derivative, N s^order/m; in a Zener solid, of slow motion."""
         return self.weight * (1.0 if self.time_s is None else self.time_s**self.order)
 
     @property
     def instant_npm(self) -> float | None:
-        """Stiffness of an instant step; None where it grows without end."""
+        """Stiffness of an instant step; None if it grows without end."""
         return None if self.time_s is None else self.stiffness_npm + self.weight
 
     def dynamic_npm(self, frequency_hz: float) -> float:
-        """Magnitude of the stiffness at a frequency, N/m."""
+        """Return magnitude of the stiffness at a frequency, N/m."""
         s = 2j * np.pi * frequency_hz
         part = s**self.order if self.time_s is None else (s * self.time_s) ** self.order
         share = part if self.time_s is None else part / (1.0 + part)
@@ -63,7 +63,7 @@ class Branches:
         return float(np.log(self.tau_s[1] / self.tau_s[0]))
 
     def weights(self, order: float, time_s: float | None) -> tuple[Samples, float]:
-        """Weight of each branch, (n,), and of a spring for those slower than all of these.
+        """Return weight of each branch, (n,), and of a spring for those slower than all of these.
 
         time_s: T of the Zener solid, of weight 1 altogether; None: of the derivative, s^-order.
         """
@@ -91,26 +91,26 @@ class Branches:
 
 
 def branches_for(dt_s: float, longest_s: float) -> Branches:
-    """From a quarter of a time step to ten times the longest recording."""
+    """Space branches from a quarter of a time step to ten times the longest recording."""
     fastest_s, slowest_s = _FASTEST_STEPS * dt_s, _BEYOND * longest_s
     count = 2 + int(np.log10(slowest_s / fastest_s) * _PER_DECADE)
     return Branches(np.geomspace(fastest_s, slowest_s, count))
 
 
 def _derivative(log_tau: Samples, order: float) -> Samples:
-    """Spectrum of s^order at tau."""
+    """Return spectrum of s^order at tau."""
     found: Samples = np.sin(np.pi * order) / np.pi * np.exp(-order * log_tau)
     return found
 
 
 def _zener(log_ratio: Samples, order: float) -> Samples:
-    """Spectrum at tau, log_ratio = ln(tau / T)."""
+    """Return spectrum at tau, log_ratio = ln(tau / T)."""
     far = np.clip(order * np.asarray(log_ratio), -300.0, 300.0)
     found: Samples = np.sin(np.pi * order) / np.pi / (2.0 * (np.cosh(far) + np.cos(np.pi * order)))
     return found
 
 
 def _slower(far: float, order: float) -> float:
-    """Integral of the spectrum from far = order ln(tau / T) on."""
+    """Return integral of the spectrum from far = order ln(tau / T) on."""
     half = np.pi * order / 2.0
     return float((half - np.arctan(np.tan(half) * np.tanh(far / 2.0))) / (np.pi * order))

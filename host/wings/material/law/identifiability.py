@@ -31,7 +31,7 @@ def law_metadata(
     sizes_n: tuple[float, float, float],
     recordings: Sequence[Recording],
 ) -> dict[str, Any]:
-    """Provenance of a law, JSON values.
+    """Return provenance of a law, JSON values.
 
     others: fits that leave out one part each. profile: orders and the RMS error of each, N.
     sizes_n: RMS of force, of what the law misses, and of its rate dependence.
@@ -58,7 +58,7 @@ def law_metadata(
 
 
 def _dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
-    """Storage and loss, N/m, that cyclic recordings show by themselves, in order of frequency."""
+    """Return storage and loss, N/m, that cyclic recordings show, in order of frequency."""
     found = [cycles for cycles in map(find_cycles, recordings) if cycles is not None]
     return [
         {
@@ -71,7 +71,7 @@ def _dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
 
 
 def _jackknife(values: Sequence[float]) -> float:
-    """Half width of a 95 % interval."""
+    """Return half width of a 95 % interval."""
     n, found = len(values), np.array(values)
     error = np.sqrt((n - 1) / n * np.sum(np.square(found - found.mean())))
     return float(_CONFIDENCE * error)

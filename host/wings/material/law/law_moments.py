@@ -38,7 +38,7 @@ class Moments:
 
 
 def law_moments(data: TrainingSet, rows: NDArray[np.intp]) -> Moments:
-    """Moments of rows of a training set; branches for its rate and its longest recording."""
+    """Return moments of rows of a training set; branches for its rate and its longest recording."""
     branches = branches_for(data.dt_s, data.longest_s)
     depth_m = data.along(rows, lambda depth, at: depth[at]) - data.trained.min_m
     columns = [np.ones(len(rows)), depth_m]

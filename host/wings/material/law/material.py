@@ -22,7 +22,7 @@ _KAPPA = 3.0 - 4.0 * _POISSON
 class Law:
     """Force of unit depth: stiffness + coefficient D^order, in N/m, N s^order/m.
 
-    intervals: half widths of the 95 % intervals, under the same names; None where the recordings
+    intervals: half widths of the 95 % intervals, under the same names; None if the recordings
     do not show a number, and not_identified says why. instant_npm: of a fractional Zener solid,
     the stiffness of an instant step; else None. residual_percent: what the law misses of the
     force that varies, rms. covered_hz: frequencies of the recordings; measured: what cyclic ones
@@ -49,14 +49,14 @@ class Law:
         return float((self.coefficient / scale) ** (1.0 / self.order)) if scale > 0.0 else None
 
     def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
-        """Storage (real) and loss (imaginary) stiffness of a small sine, (n,), N/m."""
+        """Return storage (real) and loss (imaginary) stiffness of a small sine, (n,), N/m."""
         part = self.coefficient * (2j * np.pi * np.asarray(frequency_hz)) ** self.order
         if self.instant_npm is not None:
             part = part / (1.0 + part / (self.instant_npm - self.stiffness_npm))
         return (self.stiffness_npm + part).astype(np.complex128)
 
     def relaxing_npm(self, time_s: Samples) -> Samples:
-        """Force after a step of unit depth, (n,), N/m."""
+        """Return force after a step of unit depth, (n,), N/m."""
         times = np.asarray(time_s, dtype=np.float64)
         if self.instant_npm is not None:
             assert self.time_s is not None
@@ -86,7 +86,7 @@ class Prony:
         return self.long_term_npm + float(self.branch_npm.sum())
 
     def dynamic_npm(self, frequency_hz: Samples) -> NDArray[np.complex128]:
-        """Storage and loss stiffness as in `Law.dynamic_npm`, (n,), N/m."""
+        """Return storage and loss stiffness as in `Law.dynamic_npm`, (n,), N/m."""
         s = 2j * np.pi * np.asarray(frequency_hz, dtype=np.float64)[:, None] * self.tau_s
         stiffness: NDArray[np.complex128] = self.long_term_npm + (
             self.branch_npm * s / (1.0 + s)
@@ -95,7 +95,7 @@ class Prony:
 
 
 def law_of(model: Model) -> Law:
-    """Numbers of a model of kind springpot. Raises UsageError for other kinds."""
+    """Return numbers of a model of kind springpot. Raises UsageError for other kinds."""
     if model.kind != "springpot" or "material" not in model.provenance:
         raise UsageError(
             f"{model.name}: a model of kind {model.kind} has no material law: train with "
@@ -119,7 +119,7 @@ def law_of(model: Model) -> Law:
 
 
 def prony_of(model: Model) -> Prony:
-    """Spring and branches of a springpot model. Raises UsageError for other kinds."""
+    """Return spring and branches of a springpot model. Raises UsageError for other kinds."""
     law_of(model)
     passive = model.hammerstein
     assert passive is not None
@@ -132,7 +132,7 @@ def prony_of(model: Model) -> Prony:
 
 
 def shear_pa_per_npm(tip_m: float, height_m: float | None) -> float:
-    """Shear modulus of unit stiffness under a flat round tip of diameter `tip_m`, 1/m.
+    """Return shear modulus of unit stiffness under a flat round tip of diameter `tip_m`, 1/m.
 
     F = 8 G a kappa x for an incompressible specimen that is wide, bonded to its base, and pressed
     little; kappa of `layer_factor`, 1 where no height is given. Raises UsageError for sizes.
@@ -151,7 +151,7 @@ def shear_pa_per_npm(tip_m: float, height_m: float | None) -> float:
 
 
 def layer_factor(radius_per_height: float) -> float:
-    """How much stiffer an incompressible layer on a rigid base is than a half space.
+    """Return how much stiffer an incompressible layer on a rigid base is than a half space.
 
     The integral equation of Lebedev and Ufliand (1958) for a flat punch, as in Hayes et al.
     (1972), solved on Gauss-Legendre nodes. 1 for a thick specimen.
@@ -168,7 +168,7 @@ def layer_factor(radius_per_height: float) -> float:
 
 
 def _layer_compliance(y: Samples) -> Samples:
-    """Compliance of a bonded layer against a half space's, wave number times height y."""
+    """Return compliance of a bonded layer against a half space's, wave number times height y."""
     above = 2.0 * _KAPPA * np.sinh(2.0 * y) - 4.0 * y
     below = 2.0 * _KAPPA * np.cosh(2.0 * y) + 4.0 * y**2 + 1.0 + _KAPPA**2
     compliance: Samples = above / below

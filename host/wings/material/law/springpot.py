@@ -28,7 +28,7 @@ _BETTER = 0.95  # of the error on what was left out: a fourth number has to be w
 def fit_springpot(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Least squares on the law's numbers; intervals by leaving out each recording in turn."""
+    """Fit the law's numbers by least squares; intervals by leaving out each recording in turn."""
     begin = time.perf_counter()
     rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
     moments = law_moments(data, rows)
@@ -52,7 +52,7 @@ def fit_springpot(
 
 
 def to_hammerstein(solid: Solid, branches: Branches, data: TrainingSet) -> Hammerstein:
-    """The same law as a spring and Maxwell branches: passive, and rendered by the same C."""
+    """Return the same law as a spring and Maxwell branches: passive, and rendered by the same C."""
     weights, slow = branches.weights(solid.order, solid.time_s)
     span_m = data.trained.max_m - data.trained.min_m
     branch = np.zeros((len(weights), 3))
@@ -74,7 +74,7 @@ def to_hammerstein(solid: Solid, branches: Branches, data: TrainingSet) -> Hamme
 def _solved(
     moments: Moments, products: Samples, order: float, time_s: float | None
 ) -> tuple[Solid, float]:
-    """Spring and weight >= 0 for an order and a time, and the mean squared error, N^2."""
+    """Return spring and weight >= 0 for an order and a time, and the mean squared error, N^2."""
     terms = _terms(moments, order, time_s)
     matrix, vector = terms @ products[:-1, :-1] @ terms.T, terms @ products[:-1, -1]
     best, square = np.zeros(2), float(products[-1, -1])
@@ -89,13 +89,13 @@ def _solved(
 
 
 def _terms(moments: Moments, order: float, time_s: float | None) -> Samples:
-    """Spring and fractional part as combinations of the columns: (2, 1 + branches)."""
+    """Return spring and fractional part as combinations of the columns: (2, 1 + branches)."""
     weights, slow = moments.branches.weights(order, time_s)
     return np.stack([np.eye(1, 1 + len(weights))[0], np.concatenate([[slow], weights])])
 
 
 def _best(moments: Moments, units: NDArray[np.bool_], zener: bool) -> Solid:
-    """The solid of lowest error: a search on a grid, then from its best point."""
+    """Return the solid of lowest error: a search on a grid, then from its best point."""
     products = moments.of(units)
     tau_s = moments.branches.tau_s
     times: list[float | None] = [None]
@@ -107,7 +107,7 @@ def _best(moments: Moments, units: NDArray[np.bool_], zener: bool) -> Solid:
 
 
 def _refined(moments: Moments, units: NDArray[np.bool_], start: Solid) -> Solid:
-    """The solid of lowest error near another one: finer and finer grids."""
+    """Return the solid of lowest error near another one: finer and finer grids."""
     products = moments.of(units)
     top = _ZENER_ORDERS[-1] if start.time_s else _ORDERS[-1]
     shortest_s, longest_s = moments.branches.tau_s[[0, -1]].tolist()
@@ -153,7 +153,7 @@ def _with_bias(solid: Solid, moments: Moments) -> Solid:
 
 
 def _profile(moments: Moments, solid: Solid) -> tuple[Samples, Samples]:
-    """Orders and the RMS error, N, of the best solid of each order: (orders,) both."""
+    """Return orders and the RMS error, N, of the best solid of each order: (orders,) both."""
     products = moments.of(np.ones(len(moments.products), dtype=bool))
     times: list[float | None] = [None]
     if solid.time_s:
@@ -166,7 +166,7 @@ def _profile(moments: Moments, solid: Solid) -> tuple[Samples, Samples]:
 
 
 def _sizes_n(moments: Moments, solid: Solid) -> tuple[float, float, float]:
-    """RMS, N, of the force (without its means), of what the law misses, and of its rate
+    """Return RMS, N, of the force (without its means), of what the law misses, and of its rate
     dependence: what the fractional part has beyond a spring."""
     products = moments.of(np.ones(len(moments.products), dtype=bool))
     count = len(moments.products[0])

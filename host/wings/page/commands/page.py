@@ -18,8 +18,7 @@ def page(folders: tuple[Path, ...], out: Path, accept_edited: bool, as_json: boo
     The page runs the emitted C itself, as WebAssembly: needs clang and lld, or springpot[cc].
     Where node is installed, its forces are compared with those of this machine.
     """
-    from springpot.host.wings.page.page_check import check_module
-    from springpot.host.wings.page.press_page import write_press_page
+    from springpot.host.wings.page.press_page import check_module, write_press_page
     from springpot.native import missing_node
 
     with progress_bar("page"):

@@ -19,7 +19,7 @@ _DEVIATIONS = 40  # of the difference of two feelings, from a quarter of the sma
 
 
 def next_pair(study: Study, series: str, history: History) -> int:
-    """Index of the pair to show next in an open series."""
+    """Return index of the pair to show next in an open series."""
     steps, right = _answers(study, series, history)
     found = (
         staircase(study, series).next_level(right)
@@ -31,19 +31,19 @@ def next_pair(study: Study, series: str, history: History) -> int:
 
 
 def open_series(study: Study, history: History) -> list[str]:
-    """Series that need more trials."""
+    """Return series that need more trials."""
     return [name for name in study.all_series if not _is_over(study, name, history)]
 
 
 def staircase(study: Study, series: str) -> Staircase:
-    """The staircase of a series."""
+    """Return the staircase of a series."""
     rule = study.staircase
     levels = tuple(sorted(study.step(k) for k in study.pairs_of(series)))
     return Staircase(levels, rule.down, -1, rule.reversals, rule.skipped, rule.trials)
 
 
 def quest_plus(study: Study, series: str) -> QuestPlus:
-    """QUEST+ of a series, for the deviation of the difference of two feelings and for lapses."""
+    """Return QUEST+ of a series, for the deviation of a difference of feelings and for lapses."""
     levels = tuple(sorted(study.step(k) for k in study.pairs_of(series)))
     deviations = np.geomspace(levels[0] / 4, 2 * levels[-1], _DEVIATIONS)
     grid = {"deviation": deviations.tolist(), "lapse": list(_LAPSES)}

@@ -7,7 +7,6 @@ answer and what it would leave unknown, the entropy over the grid, is averaged o
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from math import erf
 
 import numpy as np
 
@@ -42,7 +41,7 @@ class QuestPlus:
         object.__setattr__(self, "_right", right)  # (levels, grid)
 
     def next_level(self, shown: Sequence[float], answers: Sequence[bool]) -> float:
-        """The level whose answer is expected to tell most; of equals, the first."""
+        """Return the level whose answer is expected to tell most; of equals, the first."""
         posterior = self.posterior(shown, answers)
         expected = np.zeros(len(self.levels))
         for outcome in (self._right, 1.0 - self._right):
@@ -53,7 +52,7 @@ class QuestPlus:
         return self.levels[int(np.argmin(np.round(expected, 14)))]  # 14: equal but for rounding
 
     def posterior(self, shown: Sequence[float], answers: Sequence[bool]) -> Samples:
-        """How likely each point of the grid is, summing to one."""
+        """Return how likely each point of the grid is, summing to one."""
         log_likelihood = np.zeros(len(self._grid))
         with np.errstate(divide="ignore"):
             for level, right in zip(shown, answers, strict=True):
@@ -64,14 +63,6 @@ class QuestPlus:
         weights = np.exp(log_likelihood - log_likelihood.max())
         return np.asarray(weights / weights.sum())
 
-    def estimate(
-        self, shown: Sequence[float], answers: Sequence[bool], mean: bool = False
-    ) -> dict[str, float]:
-        """The likeliest parameters, or the mean of each."""
-        posterior = self.posterior(shown, answers)
-        point = posterior @ self._grid if mean else self._grid[int(posterior.argmax())]
-        return dict(zip(self.parameters, map(float, point), strict=True))
-
     def _place(self, level: float) -> int:
         try:
             return self.levels.index(level)
@@ -79,21 +70,13 @@ class QuestPlus:
             raise UsageError(f"QUEST+: {level:g} is no level of this study") from None
 
 
-def weibull_db(
-    level: Samples, threshold: Samples, slope: Samples, guess: Samples, lapse: Samples
-) -> Samples:
-    """Weibull's function with level and threshold in decibel."""
-    wrong = np.exp(-(10.0 ** (slope * (level - threshold) / 20.0)))
-    return np.asarray(1.0 - lapse - (1.0 - guess - lapse) * wrong)
-
-
 def cumulative_normal(
     level: Samples, threshold: Samples, deviation: Samples, guess: Samples, lapse: Samples
 ) -> Samples:
-    """Normal distribution's function between guess and 1 - lapse."""
-    z = np.atleast_1d((level - threshold) / deviation)
-    rise = np.array([0.5 + 0.5 * erf(x / 2**0.5) for x in z])
-    return np.asarray(guess + (1.0 - guess - lapse) * rise)
+    """Return normal distribution's function between guess and 1 - lapse."""
+    from scipy.special import ndtr  # not loaded in sessions of other methods
+
+    return np.asarray(guess + (1.0 - guess - lapse) * ndtr((level - threshold) / deviation))
 
 
 def _x_log_x(x: Samples) -> Samples:

@@ -33,7 +33,7 @@ class Staircase:
             raise UsageError("staircase: more reversals have to be made than are skipped")
 
     def next_level(self, answers: Sequence[bool]) -> float | None:
-        """The level of the next trial after these answers, right or wrong; None at the end."""
+        """Return the level of the next trial after these answers, or None at the end."""
         places, turns = self._walk(answers)
         ended = len(turns) >= self.reversals or len(answers) >= self.max_trials
         return None if ended else self.levels[places[-1]]
@@ -48,7 +48,7 @@ class Staircase:
         return sum(self.levels[places[i]] for i in counted) / len(counted)
 
     def _walk(self, answers: Sequence[bool]) -> tuple[list[int], list[int]]:
-        """Place among the levels of every trial and of the next; the trials where it turned."""
+        """Return the place of every trial and of the next, and the trials at which it turned."""
         place, row, last = self.start % len(self.levels), 0, 0
         places, turns = [place], []
         for trial, right in enumerate(answers):

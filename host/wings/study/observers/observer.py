@@ -13,7 +13,7 @@ import numpy as np
 
 from springpot.basics import Samples
 from springpot.host.wings.study.definition import Study
-from springpot.host.wings.study.session.wording import answers
+from springpot.host.wings.study.session.screen_state import answers
 
 _WEBER, _WEBER_SPREAD = 0.10, 0.2  # of force, at 2 N and more (the paper's figure 8); of its log
 _DEPTHS = np.linspace(0.3, 0.9, 25)  # of the depth that all presses of a trial reached
@@ -38,7 +38,7 @@ class Observer:
 
     @classmethod
     def drawn(cls, random: np.random.Generator) -> "Observer":
-        """One of a population."""
+        """Draw a person of a population."""
         return cls(
             weber=_WEBER * math.exp(_WEBER_SPREAD * random.standard_normal()),
             lapse=float(random.uniform(0, 0.03)),
@@ -85,7 +85,7 @@ def felt_strengths(presses: Sequence[FeltPress]) -> Samples:
 def answer(
     observer: Observer, study: Study, presses: Sequence[FeltPress], random: np.random.Generator
 ) -> float | str:
-    """What the observer says of the presses of a trial, in the order of its slots."""
+    """Return what the observer says of the presses of a trial, in the order of its slots."""
     felt = felt_strengths(presses) + observer.sd * random.standard_normal(len(presses))
     choices = answers(study)
     lapses = random.uniform() < observer.lapse
@@ -103,7 +103,7 @@ def answer(
 def _rating(
     observer: Observer, difference: float, lapses: bool, random: np.random.Generator
 ) -> float:
-    """0 to 100: it falls with the difference, and few people use the ends."""
+    """Rate from 0 to 100: it falls with the difference, and few people use the ends."""
     if lapses:
         return float(random.integers(101))
     share = math.exp(-difference / observer.sd / observer.fall_jnds)

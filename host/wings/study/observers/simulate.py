@@ -112,7 +112,7 @@ class SimulatedPerson:
         self._hand = HandLoop(calls, scenes.real)
 
     def metadata(self) -> dict[str, Any]:
-        """Nobody real, no device."""
+        """Return what stands for the device."""
         return {"device": "simulated hand", "rate_hz": round(1 / self._scenes.dt_s, 3)}
 
     def trial(self, trial: PresentedTrial, record: Record) -> TrialOutcome:
@@ -137,15 +137,15 @@ class SimulatedPerson:
         return TrialOutcome(given, details)
 
     def question(self, _number: int, _of: int, question: Question) -> str:
-        """A choice at random; a simulated person has no words."""
+        """Return a choice at random; a simulated person has no words."""
         choices = question.choices
         return choices[int(self._random.integers(len(choices)))] if choices else "(simulated)"
 
     def finished(self, session: int) -> None:
-        """Nobody to thank."""
+        """Do nothing: there is nobody to thank."""
 
     def _intended_m(self, reach_m: float) -> Samples:
-        """In and out once, (n,), from above the surface."""
+        """Plan a press in and out once, (n,), from above the surface."""
         dt_s = self._scenes.dt_s
         turn = np.linspace(0, 2 * math.pi, round(_PRESS_S / dt_s))
         press_m = _START_M + (reach_m - _START_M) * 0.5 * (1 - np.cos(turn))
@@ -191,7 +191,7 @@ class SimulatedPerson:
         return FeltPress(trace.position_m, trace.force_n)
 
     def _press_real(self, stimulus: Stimulus, intended_m: Samples) -> FeltPress:
-        """The same hand on the simulated object that stands for a real one."""
+        """Return the same hand on the simulated object that stands for a real one."""
         assert stimulus.simulated is not None
         hand = SimulatedHand("mid", substeps=16, position_m=_START_M)
         pressed = ObjectMotion(parse_url(stimulus.simulated), self._scenes.dt_s)
@@ -208,7 +208,7 @@ class SimulatedPerson:
 
 
 def _still(dt_s: float) -> Scenario:
-    """One tick above the surface: the place is left."""
+    """Return one tick above the surface, in which the place is left."""
     none = np.zeros(1)
     return Scenario(np.full(1, dt_s), none + 2 * _START_M, np.full(1, np.nan), none,
                     np.zeros(1, dtype=np.uint8))  # fmt: skip

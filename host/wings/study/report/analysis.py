@@ -40,7 +40,7 @@ class Analysis:
         return [person for person in self.people if person.broken]
 
     def as_dict(self) -> dict[str, Any]:
-        """Keys of `study report --json`, without where it was written.
+        """Return keys of `study report --json`, without where it was written.
 
         Comparisons are of those left in; `everybody` holds the same of everybody."""
         return {
@@ -56,7 +56,7 @@ class Analysis:
 
 
 def analyse(study: Study, responses: Sequence[Response], replies: Sequence[Reply]) -> Analysis:
-    """All results of the answers so far."""
+    """Analyse the answers so far."""
     counted = [response for response in responses if response.session > 0]
     questions = question_rows(study, replies)
     if study.method != "similarity":
@@ -76,7 +76,7 @@ def analyse(study: Study, responses: Sequence[Response], replies: Sequence[Reply
 
 
 def question_rows(study: Study, replies: Sequence[Reply]) -> list[Row]:
-    """How often each answer was given: choices in the file's order, words most often first."""
+    """Count each answer: choices in the file's order, words most often first."""
     rows: list[Row] = []
     for number, question in enumerate(study.question):
         counts: Counter[str] = Counter(dict.fromkeys(question.choices, 0))

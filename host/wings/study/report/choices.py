@@ -37,13 +37,13 @@ class PsychometricCurve:
     why: str = ""
 
     def share(self, levels: Samples) -> Samples:
-        """The fitted share at levels of the study."""
+        """Return the fitted share at levels of the study."""
         assert self.fit is not None
         return self.fit.share(levels if self.rising else -levels)
 
 
 def psychometric_curves(study: Study, responses: Sequence[Response]) -> list[PsychometricCurve]:
-    """One a series of everybody, then one a person."""
+    """Fit the curves of each series: everybody's, then one a person."""
     if study.method not in _CHOICE:
         return []
     found = []
@@ -55,7 +55,7 @@ def psychometric_curves(study: Study, responses: Sequence[Response]) -> list[Psy
 
 
 def psychometric_rows(curves: Sequence[PsychometricCurve]) -> list[Row]:
-    """Threshold and slope of each, in levels of the study."""
+    """Return threshold and slope of each, in levels of the study."""
     rows = []
     for curve in curves:
         row: Row = {"stimulus": curve.series, "participant": curve.person,
@@ -79,7 +79,7 @@ def psychometric_rows(curves: Sequence[PsychometricCurve]) -> list[Row]:
 
 
 def sensitivity_rows(study: Study, responses: Sequence[Response]) -> list[Row]:
-    """d' of each pair of everybody, then of each person."""
+    """Return d' of each pair of everybody, then of each person."""
     if study.method == "similarity" or study.adaptive:
         return []
     rows = []
@@ -106,7 +106,7 @@ def sensitivity_rows(study: Study, responses: Sequence[Response]) -> list[Row]:
 
 
 def _people(own: Sequence[Response]) -> list[str]:
-    """Everybody, then those who answered often enough for a figure of their own."""
+    """Return everybody, then those who answered often enough for a figure of their own."""
     people = dict.fromkeys(r.participant for r in own)
     return [EVERYBODY, *(p for p in people if len(_of(own, p)) >= _MIN_TRIALS)] if own else []
 
@@ -139,7 +139,7 @@ def _curve(study: Study, series: str, person: str, own: Sequence[Response]) -> P
 
 
 def _counts(study: Study, own: Sequence[Response]) -> tuple[int, int, int, int]:
-    """Yes and trials of the first kind, yes and trials of the second."""
+    """Return yes and trials of the first kind, yes and trials of the second."""
     claimed: Callable[[Response], bool]
     first: Callable[[Response], bool]
     if study.method == "abx":

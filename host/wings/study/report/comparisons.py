@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from springpot import DataError
+from springpot.basics import Samples
 from springpot.host.wings.study.definition import Study
 from springpot.host.wings.study.report.scores import ScoreTable, by_session, score_table
 from springpot.host.wings.study.responses import Response
@@ -25,6 +26,7 @@ from springpot.host.wings.study.statistics.power import (
 
 ALPHA, TARGET_POWER = 0.05, 0.8
 Row = dict[str, Any]
+Scored = tuple[str, Samples]  # a condition, and a score a person
 
 
 @dataclass
@@ -48,7 +50,7 @@ class Comparisons:
 
 
 def compare(study: Study, responses: Sequence[Response]) -> Comparisons:
-    """All of it. What the answers so far do not suffice for is a note, and its rows are none."""
+    """Compare all conditions; what the answers do not suffice for yet is a note without rows."""
     people = tuple(dict.fromkeys(response.participant for response in responses))
     found = Comparisons(people, score_table(study, responses))
     if study.sessions > 1:
@@ -62,9 +64,8 @@ def compare(study: Study, responses: Sequence[Response]) -> Comparisons:
         _noted(found, _pairs, within, scores, levels)
         if study.equivalence is not None:
             for one, other in combinations(range(len(levels)), 2):
-                _noted(
-                    found, _alike, within, scores, levels, (one, other), study.equivalence.margin
-                )
+                first, second = ((levels[k], scores[:, k]) for k in (one, other))
+                _noted(found, _alike, within, first, second, study.equivalence.margin)
     if found.pairs:
         found.power = _power(study, found)
     return found
@@ -93,7 +94,7 @@ def _complete(found: Comparisons) -> None:
 
 
 def _slices(table: ScoreTable) -> list[tuple[str, Any, tuple[str, ...]]]:
-    """Level of the second factor, scores (people, levels of the first), names of those."""
+    """Return level of the second factor, scores (people, levels of the first), names of those."""
     if len(table.factors) == 1:
         return [("", table.scores, table.levels[0])]
     return [
@@ -119,16 +120,9 @@ def _pairs(found: Comparisons, within: str, scores: Any, levels: tuple[str, ...]
     found.letters[within] = letters(ranked, different)
 
 
-def _alike(
-    found: Comparisons,
-    within: str,
-    scores: Any,
-    levels: tuple[str, ...],
-    places: tuple[int, int],
-    margin: float,
-) -> None:
-    one, other = ((levels[k], scores[:, k]) for k in places)
-    found.equivalence.append({"within": within, **asdict(equivalence(one, other, margin, ALPHA))})
+def _alike(found: Comparisons, within: str, first: Scored, second: Scored, margin: float) -> None:
+    row = asdict(equivalence(first, second, margin, ALPHA))
+    found.equivalence.append({"within": within, **row})
 
 
 def _agreement(found: Comparisons, study: Study, responses: Sequence[Response]) -> None:
@@ -137,20 +131,15 @@ def _agreement(found: Comparisons, study: Study, responses: Sequence[Response]) 
 
 
 def _power(study: Study, found: Comparisons) -> Row:
-    """Of a comparison of two conditions whose scatter is the typical one here, root mean square."""
+    """Return the power of comparing two conditions with the root mean square scatter found here."""
     assert found.table is not None
     people = len(found.table.people)
-    sd = float(
-        np.sqrt(
-            np.mean(
-                [
-                    np.var(scores[:, i] - scores[:, j], ddof=1)
-                    for _, scores, levels in _slices(found.table)
-                    for i, j in combinations(range(len(levels)), 2)
-                ]
-            )
-        )
-    )
+    variances = [
+        np.var(scores[:, i] - scores[:, j], ddof=1)
+        for _, scores, levels in _slices(found.table)
+        for i, j in combinations(range(len(levels)), 2)
+    ]
+    sd = float(np.sqrt(np.mean(variances)))
     smallest = detectable(people, TARGET_POWER, ALPHA)
     power: Row = {
         "people": people,
@@ -158,23 +147,18 @@ def _power(study: Study, found: Comparisons) -> Row:
         "target": TARGET_POWER,
         "detectable_d_z": smallest,
         "detectable": smallest * sd,
-        "margin": None,
-        "difference": None,
-        "equivalence": None,
-        "people_for_difference": None,
-        "people_for_equivalence": None,
-    }
+        **dict.fromkeys(("margin", "difference", "equivalence", "people_for_difference",
+                         "people_for_equivalence")),
+    }  # fmt: skip
     if study.equivalence is not None and sd > 0.0:
-        effect = study.equivalence.margin / sd
+        margin = study.equivalence.margin
+        differs = partial(difference_power, d_z=margin / sd)
+        alike = partial(equivalence_power, margin_z=margin / sd)
         power |= {
-            "margin": study.equivalence.margin,
-            "difference": difference_power(people, effect),
-            "equivalence": equivalence_power(people, effect),
-            "people_for_difference": people_needed(
-                partial(difference_power, d_z=effect), TARGET_POWER
-            ),
-            "people_for_equivalence": people_needed(
-                partial(equivalence_power, margin_z=effect), TARGET_POWER
-            ),
+            "margin": margin,
+            "difference": differs(people),
+            "equivalence": alike(people),
+            "people_for_difference": people_needed(differs, TARGET_POWER),
+            "people_for_equivalence": people_needed(alike, TARGET_POWER),
         }
     return power

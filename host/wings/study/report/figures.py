@@ -17,14 +17,14 @@ COLOURS = (ERROR, PREDICTED, "#4f8a4c", "#8f6bb3", "#c58b2a", MUTED)
 
 
 def clear_figure(width_in: float, height_in: float) -> Figure:
-    """A figure without a background: the page's own shows, light or dark."""
+    """Return a figure without a background: the page's own shows, light or dark."""
     figure = Figure(figsize=(width_in, height_in), layout="constrained")
     figure.patch.set_alpha(0.0)
     return figure
 
 
 def rating_boxes(analysis: Analysis) -> str:
-    """SVG text: boxes of people's means, by group; dots with numbers are means, letters above."""
+    """Draw boxes of people's means as SVG, by group; diamonds and numbers are means."""
     study, found = analysis.study, analysis.kept_only
     assert found is not None
     means = by_condition(study, analysis.kept)
@@ -71,7 +71,7 @@ def rating_boxes(analysis: Analysis) -> str:
 
 
 def psychometric_figure(curves: Sequence[PsychometricCurve]) -> str:
-    """SVG text: a panel for each series; everybody's answers, and people's curves thin."""
+    """Return SVG text: a panel for each series; everybody's answers, and people's curves thin."""
     series = list(dict.fromkeys(curve.series for curve in curves))
     with mpl.rc_context(STYLE):
         columns = min(3, len(series))
@@ -98,7 +98,7 @@ def _factor_names(analysis: Analysis) -> tuple[str, str]:
 
 
 def _box(axes: Axes, at: float, values: list[float], colour: str) -> None:
-    """Box and whiskers to the farthest within 1.5 interquartile ranges; the mean a diamond."""
+    """Draw a box, whiskers to the farthest within 1.5 interquartile ranges, and the mean."""
     axes.boxplot(
         [values], positions=[at], widths=0.6, manage_ticks=False, showmeans=True,
         boxprops={"color": colour}, whiskerprops={"color": colour}, capprops={"color": colour},

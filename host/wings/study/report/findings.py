@@ -18,22 +18,22 @@ DIFFERENT, ALIKE, BOTH, OPEN = "different", "alike", "different, but alike", "op
 
 
 def p_words(p: float) -> str:
-    """A p value as it is printed."""
+    """Return a p value as it is printed."""
     return "p < 0.001" if p < 0.001 else f"p = {p:.3f}"
 
 
 def p_digits(p: float) -> str:
-    """A p value in a table."""
+    """Return a p value in a table."""
     return "< 0.0001" if p < 0.0001 else f"{p:.4f}"
 
 
 def percent(share: float) -> str:
-    """A share as it is printed; what is not certain is never 100 %."""
+    """Return a share as it is printed; what is not certain is never 100 %."""
     return "over 99 %" if share > 0.99 else f"{100 * share:.0f} %"
 
 
 def verdict(pair: Row, equivalence: Sequence[Row]) -> str:
-    """What is shown of a pair: a difference, likeness within the margin, both, or neither."""
+    """Decide what is shown of a pair: a difference, likeness within the margin, both, neither."""
     differs = pair["p_tukey"] < ALPHA
     alike = any(
         row["equivalent"]
@@ -44,7 +44,7 @@ def verdict(pair: Row, equivalence: Sequence[Row]) -> str:
 
 
 def summary(analysis: Analysis) -> list[str]:
-    """What a reader should know first."""
+    """Return what a reader should know first."""
     lines = [_people(analysis)]
     found = analysis.kept_only
     if found is not None:
@@ -56,7 +56,7 @@ def summary(analysis: Analysis) -> list[str]:
 
 
 def blind_words(study: Study) -> str:
-    """Which conditions nobody in the room could know."""
+    """Return which conditions nobody in the room could know."""
     blind = [k for k in range(len(study.pair)) if could_be_blind(study, k)]
     of = len(study.pair)
     if len(blind) == of:
@@ -78,7 +78,7 @@ def blind_words(study: Study) -> str:
 
 
 def excluded_words(analysis: Analysis) -> str:
-    """Who is left out, and by which rule."""
+    """Return who is left out, and by which rule."""
     rules = analysis.study.exclude
     limits = {
         "repeat_sd_above": f"repeated answers scatter by more than {rules.repeat_sd_above or 0:g}",
@@ -139,7 +139,7 @@ def _variance(found: Comparisons) -> list[str]:
 
 
 def _left_out_matter(analysis: Analysis) -> list[str]:
-    """Whether leaving people out has changed what is shown."""
+    """Return whether leaving people out has changed what is shown."""
     kept, whole = analysis.kept_only, analysis.whole
     if not analysis.excluded or kept is None or whole is None or not (kept.anova and whole.anova):
         return []

@@ -55,7 +55,7 @@ class FeltLoops:
             self.conditions[title] = depth, force
 
     def rows(self) -> list[Row]:
-        """Deepest, hardest, and the work that a loop keeps, by condition."""
+        """Return deepest, hardest, and the work that a loop keeps, by condition."""
         return [
             {
                 "participant": self.participant,
@@ -69,7 +69,7 @@ class FeltLoops:
         ]
 
     def figure(self) -> str:
-        """SVG text: small multiples on one scale."""
+        """Return SVG text: small multiples on one scale."""
         shown = list(self.conditions.items())[:_MAX_PANELS]
         columns = min(4, len(shown))
         rows = -(-len(shown) // columns)

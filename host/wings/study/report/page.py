@@ -127,7 +127,7 @@ def _verdict(pair: dict[str, Any], equivalence: list[dict[str, Any]]) -> dict[st
 
 
 def _boxes_words(analysis: Analysis) -> str:
-    """What figure 18 shows, said once."""
+    """Return what figure 18 shows, said once."""
     rows = condition_rows(analysis)
     if not rows:
         return ""

@@ -39,13 +39,13 @@ class Consistency:
 
 
 def condition_title(study: Study, pair: int) -> str:
-    """What a condition is called on the page: its factors, or its stimuli."""
+    """Return what a condition is called on the page: its factors, or its stimuli."""
     one = study.pair[pair]
     return ", ".join(one.factors.values()) if one.factors else one.title
 
 
 def score_table(study: Study, responses: Sequence[Response]) -> ScoreTable | None:
-    """The table that an analysis of variance takes; None where no pair has factors.
+    """Return the table that an analysis of variance takes; None if no pair has factors.
 
     Cells that nobody was asked in are nan, as are those of a person who has not come so far."""
     of = [pair.factors for pair in study.pair if pair.factors]
@@ -66,7 +66,7 @@ def score_table(study: Study, responses: Sequence[Response]) -> ScoreTable | Non
 
 
 def by_condition(study: Study, responses: Sequence[Response]) -> dict[int, Mapping[str, float]]:
-    """Pair -> person -> mean answer."""
+    """Return the mean answer by pair and person."""
     found: dict[int, dict[str, list[float]]] = {pair: {} for pair in range(len(study.pair))}
     for response in responses:
         of_person = found[response.pair].setdefault(response.participant, [])
@@ -78,7 +78,7 @@ def by_condition(study: Study, responses: Sequence[Response]) -> dict[int, Mappi
 
 
 def by_session(study: Study, responses: Sequence[Response]) -> Samples:
-    """(person and condition, sessions): mean answers, of those that were given in all sessions.
+    """Return mean answers (person and condition, sessions) of those given in all sessions.
 
     Of the conditions that are compared, where some are: an anchor that everybody rates alike would
     make sessions agree by itself."""
@@ -95,7 +95,7 @@ def by_session(study: Study, responses: Sequence[Response]) -> Samples:
 
 
 def consistency(study: Study, responses: Sequence[Response]) -> list[Consistency]:
-    """Every person, by the rules of [exclude]."""
+    """Judge every person by the rules of [exclude]."""
     found = []
     for participant in dict.fromkeys(response.participant for response in responses):
         own = [response for response in responses if response.participant == participant]

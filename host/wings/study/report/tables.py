@@ -42,7 +42,7 @@ def write_tables(analysis: Analysis, responses: Sequence[Response], folder: Path
 
 
 def csv_text(rows: Sequence[Mapping[str, Any]], delimiter: str = ",", missing: str = "") -> str:
-    """A table with a header; what is not known is `missing`."""
+    """Return a table with a header; what is not known is `missing`."""
     text = io.StringIO()
     names = list(dict.fromkeys(name for row in rows for name in row))
     writer = csv.writer(text, delimiter=delimiter, lineterminator="\n")
@@ -53,7 +53,7 @@ def csv_text(rows: Sequence[Mapping[str, Any]], delimiter: str = ",", missing: s
 
 
 def trial_rows(analysis: Analysis, responses: Sequence[Response]) -> list[Row]:
-    """A row a finished trial, in the order in which they were done; practice is session 0.
+    """Return a row a finished trial, in the order in which they were done; practice is session 0.
 
     counts: whether the results are made of it.
     """
@@ -90,7 +90,7 @@ def trial_rows(analysis: Analysis, responses: Sequence[Response]) -> list[Row]:
 
 
 def condition_rows(analysis: Analysis) -> list[Row]:
-    """How each condition was rated by those left in: of people's means, as figure 18 draws them."""
+    """Summarise people's means by condition, without those left out, as figure 18 draws them."""
     study = analysis.study
     if study.method != "similarity":
         return []
@@ -114,7 +114,7 @@ def condition_rows(analysis: Analysis) -> list[Row]:
 
 
 def point_rows(analysis: Analysis) -> list[Row]:
-    """Answers at each level, and what the fit says there."""
+    """Return answers at each level, and what the fit says there."""
     rows = []
     for curve in analysis.curves:
         fitted = curve.share(curve.levels) if curve.fit else [None] * len(curve.levels)
@@ -128,7 +128,7 @@ def point_rows(analysis: Analysis) -> list[Row]:
 
 
 def _of_both(analysis: Analysis, name: str) -> list[Row]:
-    """Rows of those left in, and, where somebody is left out, of everybody."""
+    """Return rows of those left in, and, where somebody is left out, of everybody."""
     groups = {"kept": analysis.kept_only}
     if analysis.excluded:
         groups["everybody"] = analysis.whole

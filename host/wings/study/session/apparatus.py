@@ -42,7 +42,7 @@ class TrialLogs:
         self._begun = False
 
     def append(self, rows: LoopRows) -> None:
-        """The next rows, from the loop's own drain thread."""
+        """Take the next rows, from the loop's own drain thread."""
         with self._lock:
             rows = self._of_this_trial(rows)
             if self._watch is not None:
@@ -51,7 +51,7 @@ class TrialLogs:
                 self._log.append(rows)
 
     def _of_this_trial(self, rows: LoopRows) -> LoopRows:
-        """Rows of the trial before may still come: they end where nothing was felt."""
+        """Return rows of the trial before may still come: they end where nothing was felt."""
         if self._begun or self._watch is None:
             return rows
         free = np.flatnonzero(PlacedNotes.of(rows[:, COLUMN["notes"]]).place == 0)
@@ -80,7 +80,7 @@ class TrialLogs:
 
 
 class Apparatus:
-    """A device with the scenes of a study. Use it as a context manager."""
+    """A device with the scenes of a study, as a context manager. `switch`: of what is felt."""
 
     def __init__(
         self,
@@ -96,7 +96,7 @@ class Apparatus:
         self.dt_s = 1 / scenes[0].rate_hz
         self.latency_s = latency_s(list(self._libraries.values()), self.dt_s)
         real = "float" if scenes[0].number == "float32" else "double"
-        self._switch = SwitchedScenes(real, self.latency_s)
+        self.switch = SwitchedScenes(real, self.latency_s)
         self._logs = TrialLogs(self.dt_s, url)
         max_n = max(scene.max_force_n for scene in scenes)
         device = Device(**scenes[0].device)
@@ -114,7 +114,7 @@ class Apparatus:
 
     def __enter__(self) -> Self:
         self._runner = SessionRunner(
-            self._switch.steps(), self.url, self._requirements, self._settings,
+            self.switch.steps(), self.url, self._requirements, self._settings,
             log=self._logs, viewer=self._viewer, report=self._report,
         )  # fmt: skip
         self._runner.start()
@@ -135,32 +135,19 @@ class Apparatus:
             line, error = self.runner.why()
             raise error or DeviceError(line)
 
-    def is_free(self) -> bool:
-        """Whether nothing is felt any more."""
-        return self._switch.active == 0
-
-    def release(self) -> None:
-        """Nothing is felt any more, as soon as the tool is above the surface."""
-        self._switch.want(0)
-
     def place(self, stimuli: Sequence[Stimulus]) -> None:
         """Put the scenes of a trial into their places; nothing may be felt meanwhile."""
-        self._switch.place([self._libraries.get(stimulus.name) for stimulus in stimuli])
+        self.switch.place([self._libraries.get(stimulus.name) for stimulus in stimuli])
 
     def want(self, slot: int) -> None:
         """Feel what is in this slot, from 0, as soon as the tool is above the surface."""
-        self._switch.want(slot + 1)
+        self.switch.want(slot + 1)
 
     @property
     def active(self) -> int | None:
         """The slot that is felt."""
-        place = self._switch.active
+        place = self.switch.active
         return place - 1 if place else None
-
-    @property
-    def overruns(self) -> int:
-        """Steps that took longer than the latency, so far."""
-        return self._switch.overruns
 
     def begin_log(self, file: Path, details: Mapping[str, Any], limits: PressLimits) -> PressWatch:
         """Keep the rows from here on, and watch them."""
@@ -169,14 +156,14 @@ class Apparatus:
         return watch
 
     def end_log(self, keep: bool) -> None:
-        """The trial is over."""
+        """End the trial's log."""
         if keep:
             time.sleep(0.05)  # the last rows are on their way
         self._logs.end(keep)
 
 
 def latency_s(libraries: Sequence[SceneLibrary], dt_s: float) -> float:
-    """How long every step is to last, so that no scene's own time can be the cue.
+    """Return how long every step is to last, so that no scene's own time can be the cue.
 
     Raises UsageError where that is too much of a period.
     """

@@ -39,7 +39,7 @@ class PresentedTrial:
 
 @dataclass(frozen=True)
 class TrialOutcome:
-    """answer: None where the experimenter voided the trial. details: for the line `done`."""
+    """answer: None if the experimenter voided the trial. details: for the line `done`."""
 
     answer: float | str | None
     details: Mapping[str, Any]
@@ -49,7 +49,7 @@ class Presenter(Protocol):
     """Who shows trials and questions: a device with two screens, or a simulated person."""
 
     def metadata(self) -> dict[str, Any]:
-        """What the session's first line says of the device."""
+        """Return what the session's first line says of the device."""
         ...
 
     def trial(self, trial: PresentedTrial, record: Record) -> TrialOutcome:
@@ -66,7 +66,7 @@ class Presenter(Protocol):
 
 
 def next_session(folder: StudyFolder, participant: str) -> int | None:
-    """The first session that is not over; None: all are. 0 is practice."""
+    """Return the first session that is not over; None: all are. 0 is practice."""
     folder.number(participant)
     for session in range(0 if folder.study.practice else 1, folder.study.sessions + 1):
         file = folder.session_folder(participant, session) / JOURNAL
@@ -92,84 +92,72 @@ def conduct(
     with StudyJournal(place / JOURNAL) as journal:
         if any(line["step"] == "end" for line in journal.lines):
             raise UsageError(f"{place}: this session is over: nothing is left to show")
-        _begin(journal, folder, participant, session, presenter)
+        sitting = _Sitting(folder, participant, session, presenter, journal)
+        sitting.begin()
         counts = {} if counts is None else counts
         progress = SessionProgress(folder, participant, session)
         while (trial := progress.next_trial(journal.lines)) is not None:
-            done = _one_trial(journal, folder, participant, progress, trial, place, presenter)
-            step = "done" if done else "void"
+            step = "done" if sitting.counts(trial, progress.trials_in_all()) else "void"
             counts[step] = counts.get(step, 0) + 1
         if session == folder.study.sessions:
-            _questions(journal, folder, presenter)
+            sitting.ask()
         journal.write("end", at=_now())
         presenter.finished(session)
 
 
-def _begin(
-    journal: StudyJournal,
-    folder: StudyFolder,
-    participant: str,
-    session: int,
-    presenter: Presenter,
-) -> None:
-    """The first line of a session, or of its going on; a trial that was open is interrupted."""
-    step = "resumed" if journal.lines else "session"
-    if journal.lines and journal.lines[-1]["step"] in ("shown", "pressed", "answered"):
-        journal.write("void", trial=journal.lines[-1]["trial"], reason=INTERRUPTED)
-    journal.write(
-        step,
-        at=_now(),
-        study=folder.hash,
-        key=folder.key.digest,
-        participant=participant,
-        session=session,
-        springpot=version("springpot"),
-        **presenter.metadata(),
-    )
+@dataclass(frozen=True, eq=False)
+class _Sitting:
+    """One participant before one presenter, with the session's journal."""
 
+    folder: StudyFolder
+    participant: str
+    session: int
+    presenter: Presenter
+    journal: StudyJournal
 
-def _one_trial(
-    journal: StudyJournal,
-    folder: StudyFolder,
-    participant: str,
-    progress: SessionProgress,
-    trial: TrialToShow,
-    place: Path,
-    presenter: Presenter,
-) -> bool:
-    """Whether it counts."""
-    codes = tuple(folder.key.code(participant, name) for name in trial.shown)
-    attempt = "" if trial.attempt == 1 else f"-{trial.attempt}"
-    presented = PresentedTrial(
-        number=trial.number,
-        attempt=trial.attempt,
-        of=progress.trials_in_all(),
-        codes=codes,
-        stimuli=tuple(folder.study.stimulus_of(name) for name in trial.shown),
-        log=place / f"trial-{trial.number:03d}{attempt}.h5",
-    )
-    journal.write("shown", trial=trial.number, attempt=trial.attempt, codes=list(codes), at=_now())
-    begin_s = time.monotonic()
+    def begin(self) -> None:
+        """Write the first line of a session, or of its going on; void a trial that was open."""
+        lines, write = self.journal.lines, self.journal.write
+        step = "resumed" if lines else "session"
+        if lines and lines[-1]["step"] in ("shown", "pressed", "answered"):
+            write("void", trial=lines[-1]["trial"], reason=INTERRUPTED)
+        write(
+            step, at=_now(), study=self.folder.hash, key=self.folder.key.digest,
+            participant=self.participant, session=self.session, springpot=version("springpot"),
+            **self.presenter.metadata(),
+        )  # fmt: skip
 
-    def record(step: str, **content: Any) -> None:
-        seconds = round(time.monotonic() - begin_s, 3)
-        journal.write(step, trial=trial.number, seconds=seconds, **content)
+    def counts(self, trial: TrialToShow, of: int | None) -> bool:
+        """Show a trial; return whether it counts, or the experimenter voided it."""
+        write, key, study = self.journal.write, self.folder.key, self.folder.study
+        codes = tuple(key.code(self.participant, name) for name in trial.shown)
+        stimuli = tuple(study.stimulus_of(name) for name in trial.shown)
+        attempt = "" if trial.attempt == 1 else f"-{trial.attempt}"
+        place = self.folder.session_folder(self.participant, self.session)
+        log = place / f"trial-{trial.number:03d}{attempt}.h5"
+        write("shown", trial=trial.number, attempt=trial.attempt, codes=list(codes), at=_now())
+        begin_s = time.monotonic()
 
-    outcome = presenter.trial(presented, record)
-    if outcome.answer is None:
-        journal.write("void", trial=trial.number, reason="by the experimenter", **outcome.details)
-        return False
-    journal.write("done", trial=trial.number, **outcome.details)
-    return True
+        def record(step: str, **content: Any) -> None:
+            seconds = round(time.monotonic() - begin_s, 3)
+            write(step, trial=trial.number, seconds=seconds, **content)
 
+        presented = PresentedTrial(trial.number, trial.attempt, of, codes, stimuli, log)
+        outcome = self.presenter.trial(presented, record)
+        if outcome.answer is None:
+            write("void", trial=trial.number, reason="by the experimenter", **outcome.details)
+            return False
+        write("done", trial=trial.number, **outcome.details)
+        return True
 
-def _questions(journal: StudyJournal, folder: StudyFolder, presenter: Presenter) -> None:
-    asked = {line["question"] for line in journal.lines if line["step"] == "reply"}
-    questions = folder.study.question
-    for k, question in enumerate(questions):
-        if k not in asked:
-            answer = presenter.question(k + 1, len(questions), question)
-            journal.write("reply", question=k, answer=answer)
+    def ask(self) -> None:
+        """Ask the questions at the end that have no reply yet."""
+        asked = {line["question"] for line in self.journal.lines if line["step"] == "reply"}
+        questions = self.folder.study.question
+        for k, question in enumerate(questions):
+            if k not in asked:
+                answer = self.presenter.question(k + 1, len(questions), question)
+                self.journal.write("reply", question=k, answer=answer)
 
 
 def _now() -> str:

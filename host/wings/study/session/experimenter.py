@@ -13,7 +13,7 @@ class PressedKeys(Protocol):
     """Where keys come from: a terminal."""
 
     def pressed(self) -> str:
-        """Keys since the last look."""
+        """Return keys since the last look."""
         ...
 
 
@@ -28,7 +28,7 @@ class Experimenter:
         self._keys, self.report = keys, report
 
     def look(self) -> bool:
-        """Whether Enter was pressed since the last look.
+        """Return whether Enter was pressed since the last look.
 
         Raises TrialVoidedError for v, SessionStoppedError for q.
         """

@@ -28,65 +28,56 @@ class StudyJournal:
 
         report: takes the line that says that a cut line was dropped.
         """
-        self.file = file
         new = not file.exists()
-        self._descriptor = os.open(file, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+        self._stream = file.open("a+b", buffering=0)
         try:
-            self._lock()
-            content = file.read_bytes()
-            self.lines, whole = parse_lines(content, str(file))
-            if whole < len(content):
+            fcntl.flock(self._stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self.lines, whole = parse_lines(file.read_bytes(), str(file))
+            if whole < file.stat().st_size:
                 report(f"{file}: its last line was cut by a crash and is dropped: that step comes "
                        "again")  # fmt: skip
-                os.ftruncate(self._descriptor, whole)
-                os.fsync(self._descriptor)
+                self._stream.truncate(whole)
+                os.fsync(self._stream)
             if new:
                 sync_folder(file.parent)
+        except BlockingIOError:
+            self._stream.close()
+            raise UsageError(
+                f"{file}: in use: this session already runs, in another window perhaps"
+            ) from None
         except BaseException:
-            os.close(self._descriptor)
+            self._stream.close()
             raise
 
     def write(self, step: str, **content: Any) -> None:
         """Add a line; returns when it is on the disk."""
         line = {"seq": len(self.lines), "step": step, **content}
         text = encoded(line)
-        written = 0
-        while written < len(text):
-            written += os.write(self._descriptor, text[written:])
-        os.fsync(self._descriptor)
+        while text:
+            text = text[self._stream.write(text) :]
+        os.fsync(self._stream)
         self.lines.append(line)
-
-    def close(self) -> None:
-        os.close(self._descriptor)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_error: object) -> None:
-        self.close()
-
-    def _lock(self) -> None:
-        try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise UsageError(
-                f"{self.file}: in use: this session already runs, in another window perhaps"
-            ) from None
+        self._stream.close()
 
 
 def read_lines(file: Path) -> list[Line]:
-    """Lines of a session, without a last one that was cut. Raises DataError for other damage."""
+    """Read a session's lines but a last one that was cut. Raises DataError for other damage."""
     return parse_lines(file.read_bytes(), str(file))[0]
 
 
 def encoded(line: Line) -> bytes:
-    """A line as it is in the file."""
+    """Return a line as it is in the file."""
     text = json.dumps(line, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return f'{text[:-1]},"crc":"{crc32c(text.encode()):08x}"}}\n'.encode()
 
 
 def parse_lines(content: bytes, where: str) -> tuple[list[Line], int]:
-    """Lines, and how many bytes they take. Raises DataError where one is not as written."""
+    """Return lines, and how many bytes they take. Raises DataError where one is not as written."""
     lines: list[Line] = []
     at = 0
     while at < len(content):
@@ -104,7 +95,7 @@ def parse_lines(content: bytes, where: str) -> tuple[list[Line], int]:
 
 
 def _decoded(text: bytes) -> Line | None:
-    """The line, or None where it is damaged."""
+    """Return the line, or None if it is damaged."""
     try:
         line = json.loads(text)
         crc = line.pop("crc")

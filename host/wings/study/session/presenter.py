@@ -9,14 +9,15 @@ from springpot.host.wings.study.folder import StudyFolder
 from springpot.host.wings.study.session.apparatus import Apparatus
 from springpot.host.wings.study.session.conduct import PresentedTrial, Record, TrialOutcome
 from springpot.host.wings.study.session.experimenter import Experimenter, TrialVoidedError
-from springpot.host.wings.study.session.presses import PressLimits, PressWatch
-from springpot.host.wings.study.session.running_trial import RunningTrial
+from springpot.host.wings.study.session.presses import PressLimits, PressWatch, RunningTrial
 from springpot.host.wings.study.session.screen import ParticipantScreen
-from springpot.host.wings.study.session.screen_state import Act, Ask, ScreenState
-from springpot.host.wings.study.session.wording import (
+from springpot.host.wings.study.session.screen_state import (
     FEEL_ALL,
     TOO_DEEP,
     TOO_FAST,
+    Act,
+    Ask,
+    ScreenState,
     answers,
     slots,
     trial_question,
@@ -44,7 +45,7 @@ class DevicePresenter:
         self._there: str | None = None  # the real object under the tool
 
     def metadata(self) -> dict[str, Any]:
-        """Of the device, for the session's first line."""
+        """Describe the device, for the session's first line."""
         if self._apparatus is None:
             return {"device": None}
         return {
@@ -68,7 +69,7 @@ class DevicePresenter:
         again = "" if trial.attempt == 1 else f", attempt {trial.attempt}"
         self._experimenter.report(f"{title}{again}")
         late = 0 if self._apparatus is None else self._apparatus.runner.state.late
-        overruns = 0 if self._apparatus is None else self._apparatus.overruns
+        overruns = 0 if self._apparatus is None else self._apparatus.switch.overruns
         run = None
         try:
             self._free(title)
@@ -86,7 +87,7 @@ class DevicePresenter:
         details = run.details()
         if self._apparatus is not None:
             details["late"] = self._apparatus.runner.state.late - late
-            details["overruns"] = self._apparatus.overruns - overruns
+            details["overruns"] = self._apparatus.switch.overruns - overruns
             details["log"] = trial.log.name
         return TrialOutcome(answer, details)
 
@@ -136,11 +137,11 @@ class DevicePresenter:
                 self._show(run, run.state)
 
     def _answer(self, act: Act) -> float | str:
-        """A number where one is asked for."""
+        """Return a number if one is asked for."""
         return str(act.value) if answers(self._study) else float(act.value)
 
     def _choose(self, run: RunningTrial, slot: int) -> None:
-        """What is felt next; real objects are changed by the experimenter."""
+        """Let the chosen slot be felt next; the experimenter changes real objects."""
         if slot in {run.state.active, run.state.wanted}:
             return
         real = run.shown.stimuli[slot].name if run.shown.stimuli[slot].real else None
@@ -164,7 +165,7 @@ class DevicePresenter:
         run.state = replace(run.state, instruction=_CHOOSE)
 
     def _look_after(self, run: RunningTrial) -> None:
-        """The experimenter's keys, the device, warnings, and what has become of a choice."""
+        """Look at the experimenter's keys, the device, warnings, and what became of a choice."""
         self._experimenter.look()
         self._require_running()
         active = run.state.wanted if self._apparatus is None else self._apparatus.active
@@ -196,9 +197,9 @@ class DevicePresenter:
         """Wait until nothing is felt any more: the tool is above the surface."""
         if self._apparatus is None:
             return
-        self._apparatus.release()
+        self._apparatus.switch.want(0)
         shown = False
-        while not self._apparatus.is_free():
+        while self._apparatus.switch.active:
             if not shown:
                 self._screen.show(ScreenState(title, _LIFT))
                 shown = True
@@ -209,10 +210,10 @@ class DevicePresenter:
     def _end(self, keep: bool) -> None:
         if self._apparatus is not None:
             self._apparatus.end_log(keep)
-            self._apparatus.release()
+            self._apparatus.switch.want(0)
 
     def _until(self, kind: str) -> Act:
-        """The next act of this kind."""
+        """Return the next act of this kind."""
         while True:
             try:
                 self._experimenter.look()
@@ -228,7 +229,7 @@ class DevicePresenter:
             self._apparatus.require_running()
 
     def _limits(self, stimuli: tuple[Stimulus, ...]) -> PressLimits:
-        """The strictest of a trial's: the same whichever is felt, so that it tells nothing."""
+        """Take the strictest limits of a trial, so that warnings tell no stimulus from another."""
         limits = self._study.limits
         depths_m = [self._folder.max_depth_m(stimulus) for stimulus in stimuli]
         known_m = [depth_m for depth_m in depths_m if depth_m is not None]

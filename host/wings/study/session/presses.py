@@ -1,4 +1,4 @@
-"""What a person does with the tool: presses, how deep and how fast; and when that is too much."""
+"""A trial under way: presses, how deep and how fast; and when that is too much."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from springpot.basics import Samples
+from springpot.host.wings.study.session.conduct import PresentedTrial, Record
+from springpot.host.wings.study.session.screen_state import ScreenState
 from springpot.host.wings.study.session.switched import MAX_PLACES, PlacedNotes
 from springpot.loop import COLUMN, LoopRows
 
@@ -65,7 +67,7 @@ class PressWatch:
         self.too_fast = fastest_mps is not None and bool((speed_mps[inside] > fastest_mps).any())
 
     def summary(self) -> dict[str, Any]:
-        """What the journal keeps of a trial, over all its slots."""
+        """Return what the journal keeps of a trial, over all its slots."""
         counts = self.counts[1:]
         return {
             "presses": sum(count.presses for count in counts),
@@ -74,7 +76,7 @@ class PressWatch:
         }
 
     def _count_presses(self, position_m: Samples, place: Samples) -> None:
-        """A press begins below `_PRESSED_M` and ends at the surface."""
+        """Count presses: one begins below `_PRESSED_M` and ends at the surface."""
         edges = np.where(position_m > _PRESSED_M, 1, np.where(position_m <= 0, -1, 0))
         changes = np.flatnonzero(edges)
         for k in changes[np.diff(edges[changes], prepend=1 if self._pressing else -1) != 0]:
@@ -83,10 +85,28 @@ class PressWatch:
                 self.counts[int(place[k])].presses += 1
 
     def _speed_mps(self, position_m: Samples) -> Samples:
-        """Speed of every sample, (n,), by the difference over `_SPEED_S`."""
+        """Return speed of every sample, (n,), by the difference over `_SPEED_S`."""
         back = max(1, round(_SPEED_S / self.dt_s))
         if not len(self._earlier_m):
             self._earlier_m = np.full(back, position_m[0])
         whole = np.concatenate((self._earlier_m, position_m))
         self._earlier_m = whole[-back:]
         return np.abs(whole[back:] - whole[:-back]) / (back * self.dt_s)
+
+
+@dataclass
+class RunningTrial:
+    """One trial under way. felt: slots that were pressed; pressed: all of them."""
+
+    shown: PresentedTrial
+    record: Record
+    watch: PressWatch
+    state: ScreenState
+    felt: set[int] = field(default_factory=set)
+    pressed: bool = False
+    warnings: int = 0
+    warned_s: float = 0.0
+
+    def details(self) -> dict[str, Any]:
+        """Return what the line `done` says of the presses."""
+        return {**self.watch.summary(), "warnings": self.warnings}

@@ -47,7 +47,7 @@ class SessionProgress:
         )
 
     def next_trial(self, lines: Sequence[Line]) -> TrialToShow | None:
-        """The trial to show, after these lines; None: the session has no more."""
+        """Return the trial to show, after these lines; None: the session has no more."""
         done = self.done(lines)
         attempts = _attempts(lines)
         planned = self._next_planned(lines, done)
@@ -66,7 +66,7 @@ class SessionProgress:
         )
 
     def done(self, lines: Sequence[Line]) -> list[DoneTrial]:
-        """Trials that count, in the order in which they were done."""
+        """Return trials that count, in the order in which they were done."""
         found: list[DoneTrial] = []
         trial: list[Line] = []
         for line in lines:
@@ -82,11 +82,11 @@ class SessionProgress:
         return found
 
     def trials_in_all(self) -> int | None:
-        """Of a session; None where answers decide it."""
+        """Return the number of a session's trials; None if answers decide it."""
         return len(self._fixed) or None
 
     def _shown(self, line: Line) -> TrialToShow:
-        """What a line says was shown: its codes opened, which must be what was planned."""
+        """Return what a line says was shown: its codes opened, which must be what was planned."""
         shown = tuple(self._key.stimulus(self._name, code) for code in line["codes"])
         number = int(line["trial"])
         planned = self._fixed[number - 1] if 0 < number <= len(self._fixed) else None
@@ -118,13 +118,13 @@ class SessionProgress:
         return None
 
     def _history(self, done: Sequence[DoneTrial]) -> list[tuple[int, bool]]:
-        """Pair and whether the answer was correct, of each trial."""
+        """Return the pair of each trial, and whether the answer was correct."""
         return [(one.trial.pair, bool(is_correct(self._study, one.trial, one.answered["answer"])))
                 for one in done]  # fmt: skip
 
 
 def queue(numbers: Sequence[int], lines: Sequence[Line]) -> list[int]:
-    """Trials that are left, in order: a voided one comes at the end, an interrupted one at once."""
+    """List the trials left: a voided one comes at the end, an interrupted one at once."""
     left = list(numbers)
     for line in lines:
         if line["step"] == "done":
@@ -136,7 +136,7 @@ def queue(numbers: Sequence[int], lines: Sequence[Line]) -> list[int]:
 
 
 def shown_stimuli(study: Study, pair: int, swapped: bool, second: bool) -> tuple[str, ...]:
-    """Names in the slots of a trial."""
+    """Return names in the slots of a trial."""
     names = (study.pair[pair].left, study.pair[pair].right)
     first, other = names[::-1] if swapped else names
     if study.method == "abx":
@@ -147,7 +147,7 @@ def shown_stimuli(study: Study, pair: int, swapped: bool, second: bool) -> tuple
 
 
 def is_correct(study: Study, trial: TrialToShow, answer: float | str) -> bool | None:
-    """Whether an answer is right; None of a similarity. Of two levels the greater one is right."""
+    """Return whether an answer is right, the greater of two levels; None for a similarity."""
     if study.method == "similarity":
         return None
     if study.method == "abx":

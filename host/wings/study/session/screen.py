@@ -70,7 +70,7 @@ class ParticipantScreen(PageServer[_LookingPage]):
             self._number, self._state, self._answered = self._number + 1, state, False
 
     def append(self, rows: LoopRows) -> None:
-        """Rows of the loop, of which the newest is shown; never waits."""
+        """Take rows of the loop, of which the newest is shown; never waits."""
         called = (rows[:, COLUMN["call"]].astype(int) & NONE) == 0
         positions_m = rows[called, COLUMN["position_m"]]
         positions_m = positions_m[np.isfinite(positions_m)]

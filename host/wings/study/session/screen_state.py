@@ -1,4 +1,4 @@
-"""What a participant's screen shows, and what a participant can do there."""
+"""What a participant's screen shows and asks, and what a participant can do there."""
 
 import re
 from dataclasses import dataclass
@@ -6,8 +6,20 @@ from typing import Literal
 
 from pydantic import TypeAdapter
 
+from springpot.host.wings.study.definition import Study
+
 LONGEST_TEXT = 1000  # characters of an answer in words
 _CLOSED = {"extra": "forbid", "strict": True}
+_QUESTIONS = {
+    "similarity": "How similar are the two? 0: entirely different. 100: the same.",
+    "constant": "Which one is stiffer?",
+    "staircase": "Which one is stiffer?",
+    "quest+": "Which one is stiffer?",
+    "abx": "Which one is the same as X?",
+    "same-different": "Are the two the same, or different?",
+}
+TOO_DEEP, TOO_FAST = "Less deep, please.", "Slower, please."
+FEEL_ALL = "Please press all of them before you answer."
 
 
 @dataclass(frozen=True)
@@ -21,7 +33,7 @@ class Ask:
     choices: tuple[str, ...] = ()
 
     def accepts(self, typed: str) -> bool:
-        """Whether it is an answer to this question."""
+        """Return whether it is an answer to this question."""
         if self.kind == "number":
             return bool(re.fullmatch("-?[0-9]{1,9}", typed)) and self.min <= int(typed) <= self.max
         if self.kind == "choice":
@@ -46,7 +58,7 @@ class ScreenState:
     guideline_m: float | None = None
 
     def accepts(self, act: "Act") -> bool:
-        """Whether a participant can do that here."""
+        """Return whether a participant can do that here."""
         if act.kind == "slot":
             return isinstance(act.value, int) and 0 <= act.value < len(self.slots)
         if act.kind == "answer":
@@ -82,3 +94,24 @@ def read_act(body: bytes) -> tuple[int, Act]:
     if isinstance(sent.value, str) != (sent.kind == "answer"):
         raise ValueError(f"{sent.kind}: not its kind of value")
     return sent.state, Act(sent.kind, sent.value)
+
+
+def slots(study: Study) -> tuple[str, ...]:
+    """Return names of what can be felt in a trial, left to right."""
+    return ("A", "B", "X") if study.method == "abx" else ("Left", "Right")
+
+
+def answers(study: Study) -> tuple[str, ...]:
+    """Return what can be answered; none: a number from 0 to 100."""
+    if study.method == "similarity":
+        return ()
+    if study.method == "abx":
+        return "A", "B"
+    return ("same", "different") if study.method == "same-different" else ("left", "right")
+
+
+def trial_question(study: Study) -> Ask:
+    """Return what the screen asks in a trial."""
+    question = study.ask or _QUESTIONS[study.method]
+    choices = answers(study)
+    return Ask("choice" if choices else "number", question, choices=choices)

@@ -6,11 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from springpot import MismatchError
 from springpot.basics import Samples
-from springpot.loop import IDLE, NONE, RESET, StepFunctions, loop_library
-from springpot.native import CLibrary, Replay, SceneLibrary
-from springpot.validation import bits_differ
+from springpot.loop import StepFunctions, loop_library
+from springpot.native import CLibrary, SceneLibrary
 
 MAX_PLACES = 3  # beside place 0, where nothing is felt
 # Far below what a hand feels, above what a smoothed force leaves behind.
@@ -30,7 +28,7 @@ class SwitchedScenes:
         self._kept: list[Any] = []
 
     def steps(self) -> StepFunctions:
-        """What a loop calls."""
+        """Return what a loop calls."""
         names = ("sp_switch_step", "sp_switch_idle", "sp_switch_reset")
         step, idle, reset = (self._library.address(getattr(self._c, name)) for name in names)
         state = self._library.address(self._switch)
@@ -63,11 +61,6 @@ class SwitchedScenes:
         """Steps that took longer than the latency, so far."""
         return int(self._switch.overruns)
 
-    @property
-    def max_step_s(self) -> float:
-        """The longest step of a scene so far."""
-        return 1e-9 * float(self._switch.max_ns)
-
     def _pointers(self, scene: SceneLibrary | None) -> dict[str, Any]:
         null = self._library.ffi.NULL
         if scene is None:
@@ -89,31 +82,6 @@ class PlacedNotes:
 
     @classmethod
     def of(cls, notes: Samples) -> "PlacedNotes":
-        """Of the column of a log."""
+        """Take the column of a log apart."""
         whole = notes.astype(np.int64)
         return cls(whole & 0xFF, (whole >> 8) & 3, (whole & (4 << 8)) != 0)
-
-
-def require_same_forces(log: str, channels: Any, scenes: Sequence[SceneLibrary | None]) -> int:
-    """Make every call of a log again through its scenes; how many ticks were compared.
-
-    Raises MismatchError where one gives another force or another note.
-    """
-    found, call = PlacedNotes.of(channels["notes"]), channels["call"].astype(np.int64)
-    compared = 0
-    for place, scene in enumerate(scenes, 1):
-        rows = (found.place == place) & ((call & NONE) == 0)
-        if scene is None or not rows.any():
-            continue
-        calls = {name: values[rows] for name, values in channels.items()}
-        calls["call"] = np.where(found.reset[rows], RESET, 0) | (call[rows] & IDLE)
-        force_n, notes = Replay(scene).repeat(calls)
-        logged_n = calls["returned_n"].astype(force_n.dtype)
-        other = bits_differ(force_n, logged_n) | (notes != found.notes[rows])
-        if wrong := int(np.sum(other)):
-            raise MismatchError(
-                f"{log}: {wrong} of {int(rows.sum())} ticks of place {place} give another force "
-                "than the emitted C: the log or the scene was changed"
-            )
-        compared += int(rows.sum())
-    return compared

@@ -27,7 +27,7 @@ class Agreement:
 
 
 def intraclass(scores: Samples, alpha: float = 0.05) -> tuple[Agreement, Agreement, Agreement]:
-    """ICC(2,1), ICC(3,1) and ICC(3,k) of scores (targets, sessions)."""
+    """Return ICC(2,1), ICC(3,1) and ICC(3,k) of scores (targets, sessions)."""
     n, k = scores.shape
     if n < 3 or k < 2 or not np.all(np.isfinite(scores)):
         raise DataError(

@@ -41,7 +41,7 @@ class Effect:
 
 
 def repeated_measures(scores: Samples, factors: Sequence[str]) -> tuple[Effect, ...]:
-    """Main effects in the order of factors, then their interaction.
+    """Return main effects in the order of factors, then their interaction.
 
     scores: (people, levels) or (people, levels of the first factor, levels of the second)."""
     if len(factors) not in {1, 2} or scores.ndim != 1 + len(factors):
@@ -96,12 +96,12 @@ def require_complete(scores: Samples) -> None:
 
 
 def contrasts(levels: int) -> Samples:
-    """Orthonormal contrasts between levels: (levels, levels - 1)."""
+    """Return orthonormal contrasts between levels: (levels, levels - 1)."""
     return np.ascontiguousarray(linalg.helmert(levels).T)
 
 
 def sphericity(z: Samples) -> tuple[float, float]:
-    """Epsilons of Greenhouse-Geisser and Huynh-Feldt of scores on d contrasts: (people, d)."""
+    """Return epsilons of Greenhouse-Geisser and Huynh-Feldt of scores on contrasts (people, d)."""
     people, d = z.shape
     if d == 1:
         return 1.0, 1.0

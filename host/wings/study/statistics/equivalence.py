@@ -32,7 +32,7 @@ class Equivalence:
 def equivalence(
     first: tuple[str, Samples], second: tuple[str, Samples], margin: float, alpha: float = 0.05
 ) -> Equivalence:
-    """Names and scores of two conditions, one score a person and in the same order."""
+    """Test names and scores of two conditions, one score a person and in the same order."""
     if not margin > 0.0:
         raise UsageError(
             f"margin {margin:g}: give the largest difference that does not matter, > 0"
@@ -44,14 +44,12 @@ def equivalence(
             f"{first[0]} and {second[0]}: {int(np.sum(np.isfinite(each)))} people have scored "
             "both; equivalence needs two, and no score missing"
         )
-    mean, error = float(each.mean()), float(each.std(ddof=1)) / people**0.5
-    if error == 0.0:
+    if not np.ptp(each):
         raise DataError(f"{first[0]} and {second[0]}: everybody scores them equally far apart")
-    df = people - 1
-    p = float(
-        max(stats.t.sf((mean + margin) / error, df), stats.t.cdf((mean - margin) / error, df))
-    )
-    half = float(stats.t.ppf(1.0 - alpha, df)) * error
+    above = stats.ttest_1samp(each, -margin, alternative="greater")
+    below = stats.ttest_1samp(each, margin, alternative="less")
+    low, high = map(float, stats.ttest_1samp(each, 0.0).confidence_interval(1.0 - 2.0 * alpha))
+    p = float(max(above.pvalue, below.pvalue))
     return Equivalence(
-        first[0], second[0], mean, mean - half, mean + half, margin, df, p, p < alpha
+        first[0], second[0], float(each.mean()), low, high, margin, people - 1, p, p < alpha
     )

@@ -7,6 +7,7 @@ own t test, which needs no equal variances, and Tukey's on the error that all co
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -37,17 +38,14 @@ class PairDifference:
 
 
 def pair_differences(scores: Samples, conditions: Sequence[str]) -> tuple[PairDifference, ...]:
-    """Every pair of columns of scores (people, conditions), in the columns' order."""
+    """Compare every pair of columns of scores (people, conditions), in the columns' order."""
     require_complete(scores)
     people, k = scores.shape
-    df = people - 1
-    error_df = df * (k - 1)
+    error_df = (people - 1) * (k - 1)
     z = scores @ contrasts(k)
     error = float(np.sum((z - z.mean(axis=0)) ** 2)) / error_df
-    quantile = float(stats.t.ppf(0.5 + _CONFIDENCE / 2, df))
-    places = list(combinations(range(k), 2))
-    rows = []
-    for i, j in places:
+    rows: list[dict[str, Any]] = []
+    for i, j in combinations(range(k), 2):
         each = scores[:, i] - scores[:, j]
         mean, deviation = float(each.mean()), float(each.std(ddof=1))
         if deviation <= _ROUNDING * float(np.abs(scores).max()):
@@ -55,35 +53,25 @@ def pair_differences(scores: Samples, conditions: Sequence[str]) -> tuple[PairDi
                 f"{conditions[i]} and {conditions[j]}: everybody scores them equally far apart, "
                 "so that there is no scatter to test against"
             )
-        half = quantile * deviation / people**0.5
-        t = mean / deviation * people**0.5
-        q = abs(mean) / (error / people) ** 0.5
-        tukey = max(0.0, float(stats.studentized_range.sf(q, k, error_df))) if k > 2 else None
-        rows.append((mean, mean - half, mean + half, t, tukey, mean / deviation))
-    p_values = [float(2.0 * stats.t.sf(abs(row[3]), df)) for row in rows]
+        test = stats.ttest_1samp(each, 0.0)
+        low, high = map(float, test.confidence_interval(_CONFIDENCE))
+        p = p_tukey = float(test.pvalue)
+        if k > 2:
+            q = abs(mean) / (error / people) ** 0.5
+            p_tukey = max(0.0, float(stats.studentized_range.sf(q, k, error_df)))
+        rows.append({
+            "first": conditions[i], "second": conditions[j], "difference": mean, "low": low,
+            "high": high, "t": float(test.statistic), "df": people - 1, "p": p,
+            "p_tukey": p_tukey, "d_z": mean / deviation,
+        })  # fmt: skip
+    adjusted = holm([row["p"] for row in rows])
     return tuple(
-        PairDifference(
-            conditions[i], conditions[j], mean, low, high, t, df, p, p_holm,
-            p if tukey is None else tukey, d_z,
-        )
-        for (i, j), (mean, low, high, t, tukey, d_z), p, p_holm in zip(
-            places, rows, p_values, holm(p_values), strict=True
-        )
-    )  # fmt: skip
-
-
-def simple_effects(
-    scores: Samples, conditions: Sequence[str], levels: Sequence[str]
-) -> dict[str, tuple[PairDifference, ...]]:
-    """Pairs of conditions within each level of the second factor: scores (people, a, b)."""
-    return {
-        level: pair_differences(scores[:, :, place], conditions)
-        for place, level in enumerate(levels)
-    }
+        PairDifference(**row, p_holm=p_holm) for row, p_holm in zip(rows, adjusted, strict=True)
+    )
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Holm's adjusted p of each (1979)."""
+    """Adjust p values as Holm does (1979)."""
     order = np.argsort(p_values)
     steps = np.arange(len(p_values), 0, -1) * np.asarray(p_values)[order]
     adjusted = np.empty(len(p_values))
@@ -92,7 +80,7 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def letters(conditions: Sequence[str], different: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Conditions that share a letter are not shown to differ; the first condition has an `a`.
+    """Letter conditions: those that share one are not shown to differ; the first has an `a`.
 
     Piepho's insertion and absorption (2004): every group that holds a pair that differs is split in
     two, one without each of them, and a group within another is dropped."""

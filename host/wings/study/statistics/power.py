@@ -5,10 +5,11 @@ simulated: the noncentral t distribution answers for the t test, and one integra
 that a study may happen to see answers for the test of equivalence.
 """
 
+from bisect import bisect_left
 from collections.abc import Callable
 
 import numpy as np
-from scipy import stats
+from scipy import optimize, stats
 
 from springpot import UsageError
 
@@ -16,7 +17,7 @@ _MAX_PEOPLE = 100_000
 
 
 def difference_power(people: int, d_z: float, alpha: float = 0.05) -> float:
-    """Share of studies whose two-sided paired t test finds a true difference."""
+    """Return share of studies whose two-sided paired t test finds a true difference."""
     df, shift = people - 1, abs(d_z) * people**0.5
     edge = float(stats.t.ppf(1.0 - alpha / 2, df))
     found = stats.nct.sf(edge, df, shift)
@@ -25,7 +26,7 @@ def difference_power(people: int, d_z: float, alpha: float = 0.05) -> float:
 
 
 def equivalence_power(people: int, margin_z: float, d_z: float = 0.0, alpha: float = 0.05) -> float:
-    """Share of studies that show equivalence within a margin, the true difference being d_z."""
+    """Return the share of studies that show equivalence within a margin, the truth being d_z."""
     df = people - 1
     edge = float(stats.t.ppf(1.0 - alpha, df))
     shares, weights = np.polynomial.legendre.leggauss(200)
@@ -37,30 +38,22 @@ def equivalence_power(people: int, margin_z: float, d_z: float = 0.0, alpha: flo
 
 
 def people_needed(power: Callable[[int], float], target: float = 0.8) -> int:
-    """The fewest people whose power reaches a target: of a function that grows with them."""
+    """Return the fewest people whose power reaches a target: of a function that grows with them."""
     if not 0.0 < target < 1.0:
         raise UsageError(f"power {target:g}: give a share between 0 and 1, as 0.8")
-    low, high = 1, 2
-    while power(high) < target:
-        low, high = high, 2 * high
-        if high > _MAX_PEOPLE:
-            raise UsageError(
-                f"more than {_MAX_PEOPLE} people for a power of {target:g}: the difference to find "
-                "is too small, or the margin"
-            )
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if power(middle) >= target else (middle, high)
-    return high
+    people = bisect_left(range(_MAX_PEOPLE + 1), target, lo=2, key=power)
+    if people > _MAX_PEOPLE:
+        raise UsageError(
+            f"more than {_MAX_PEOPLE} people for a power of {target:g}: the difference to find "
+            "is too small, or the margin"
+        )
+    return people
 
 
 def detectable(people: int, target: float = 0.8, alpha: float = 0.05) -> float:
-    """The smallest d_z that a share of studies of so many people finds."""
-    low, high = 0.0, 64.0
-    for _ in range(50):
-        middle = (low + high) / 2
-        if difference_power(people, middle, alpha) >= target:
-            high = middle
-        else:
-            low = middle
-    return high
+    """Return the smallest d_z that a share of studies of so many people finds."""
+
+    def beyond(d_z: float) -> float:
+        return difference_power(people, d_z, alpha) - target
+
+    return float(optimize.brentq(beyond, 0.0, 64.0))

@@ -42,7 +42,7 @@ class PsychometricFit:
     trials: int
 
     def share(self, levels: Samples) -> Samples:
-        """Share of right answers at levels."""
+        """Return share of right answers at levels."""
         return psychometric_share(levels, self.threshold, self.width, self.lapse, self.guess)
 
 
@@ -53,13 +53,13 @@ def psychometric_share(
     lapse: Samples | float = 0.0,
     guess: Samples | float = 0.5,
 ) -> Samples:
-    """Share of right answers at levels, by the formula above."""
+    """Return share of right answers at levels, by the formula above."""
     rise = special.ndtr((levels - threshold) * (2.0 * _Z / width))
     return np.asarray(guess + (1.0 - guess - lapse) * rise)
 
 
 def share_interval(yes: Samples, trials: Samples) -> tuple[Samples, Samples]:
-    """95 % interval of a share (Jeffreys)."""
+    """Return the 95 % interval of a share (Jeffreys)."""
     ends = (stats.beta.ppf(q, yes + 0.5, trials - yes + 0.5) for q in (0.025, 0.975))
     low, high = (np.asarray(end) for end in ends)
     return low, high
@@ -68,7 +68,7 @@ def share_interval(yes: Samples, trials: Samples) -> tuple[Samples, Samples]:
 def fit_psychometric(
     levels: Samples, right: Samples, trials: Samples, guess: float | None = 0.5
 ) -> PsychometricFit:
-    """Right answers of the trials at each level; guess: known share of chance, or to be fitted."""
+    """Fit right answers of trials at each level. guess: share of chance; None: to be fitted."""
     levels, right, trials = _pooled(levels, right, trials)
     span = float(levels[-1] - levels[0])
     step = float(np.min(np.diff(levels)))
@@ -117,7 +117,7 @@ def fit_psychometric(
 
 
 def _pooled(levels: Samples, right: Samples, trials: Samples) -> tuple[Samples, Samples, Samples]:
-    """One row a level, in rising order."""
+    """Add up the answers of each level, in rising order."""
     places, which = np.unique(np.asarray(levels, dtype=float), return_inverse=True)
     if len(places) < _LEVELS or not np.all(np.isfinite(places)):
         raise DataError(
@@ -130,12 +130,12 @@ def _pooled(levels: Samples, right: Samples, trials: Samples) -> tuple[Samples, 
 
 
 def _slope(width: Samples, lapse: Samples, guess: Samples) -> Samples:
-    """Slope at the threshold of a width; and the width of a slope."""
+    """Return slope at the threshold of a width; and the width of a slope."""
     return np.asarray((1.0 - guess - lapse) * (2.0 * _Z / (2.0 * np.pi) ** 0.5) / width)
 
 
 def _narrowed(log_posterior: Samples, axes: list[Samples], i: int, points: int) -> Samples:
-    """The part of an axis where the posterior is worth a fine grid, one coarse step wider."""
+    """Return the part of an axis with a posterior worth a fine grid, one coarse step wider."""
     axis = axes[i]
     if len(axis) == 1:
         return axis
@@ -151,7 +151,7 @@ def _refined(
     free_guess: bool,
     span: float,
 ) -> list[float]:
-    """The highest point near a point of the grid."""
+    """Return the highest point near a point of the grid."""
 
     def parameters(x: Samples) -> list[np.float64]:
         rates = np.minimum(
@@ -173,7 +173,7 @@ def _refined(
 
 
 def _interval(heights: Samples, i: int, values: Samples) -> tuple[float, float]:
-    """Where the profile along an axis is less than the cut below its top."""
+    """Return where the profile along an axis is less than the cut below its top."""
     along = heights.max(axis=tuple({0, 1, 2, 3} - {i}))
     above = along - along.max() + _CUT
     kept = np.flatnonzero(above >= 0.0)

@@ -12,10 +12,10 @@ interval, which is where the profile of the likelihood has lost no more than cha
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
-from scipy import stats
+from scipy import optimize, stats
 
 from springpot import DataError, UsageError
 from springpot.basics import Samples
@@ -27,7 +27,7 @@ _EXTREME = 1e-12  # a rate closer to 0 or 1 would have a log-likelihood without 
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """d' and its 95 % interval, whose end is infinite where the answers do not bound it."""
+    """d' and its 95 % interval, whose end is infinite if the answers do not bound it."""
 
     method: str
     d_prime: float
@@ -68,14 +68,14 @@ def sensitivity(
 
 
 def abx_correct(d: Samples) -> Samples:
-    """Share of right answers of an unbiased person, ABX by differences."""
+    """Return share of right answers of an unbiased person, ABX by differences."""
     wide, narrow = d / 2**0.5, d / 6**0.5
     right = stats.norm.cdf(wide) * stats.norm.cdf(narrow)
     return np.asarray(right + stats.norm.cdf(-wide) * stats.norm.cdf(-narrow))
 
 
 def different_rate(d: Samples, criterion: Samples) -> Samples:
-    """Rate of "different" to a pair whose stimuli are d apart; criterion: felt difference, > 0."""
+    """Return the rate of "different" to stimuli d apart; criterion: felt difference, > 0."""
     above = stats.norm.sf((criterion - d) / 2**0.5)
     return np.asarray(above + stats.norm.cdf((-criterion - d) / 2**0.5))
 
@@ -109,7 +109,7 @@ _GRIDS = {
 
 @cache
 def _logs(method: str) -> Samples:
-    """Logarithms of the rates of yes and no to both kinds, on the grid of d' and bias."""
+    """Return logarithms of the rates of yes and no to both kinds, on the grid of d' and bias."""
     shift = 0.0 if method == "same-different" else 0.8
     rates = _MODELS[method](_GRIDS[method][:, None], _BIASES[None] + shift)
     yes, alarms = (np.clip(rate, _EXTREME, 1.0 - _EXTREME) for rate in rates)
@@ -117,28 +117,23 @@ def _logs(method: str) -> Samples:
 
 
 def _estimate(method: str, yes: float, alarms: float) -> float:
-    """d' that gives these two rates exactly; 0 where a person is below chance and d' cannot be."""
+    """Return d' that gives these two rates exactly; 0 for a person below chance."""
     apart = float(stats.norm.ppf(yes) - stats.norm.ppf(alarms))
     if method == "2afc":
         return apart / 2**0.5
     if method == "abx":
         target, curve = float(stats.norm.cdf(apart / 2)), abx_correct
     else:
-        criterion = np.array(-(2**0.5) * stats.norm.ppf(alarms / 2))
         target = yes
-
-        def curve(d: Samples) -> Samples:
-            return different_rate(d, criterion)
-
-    low, high = 0.0, 2 * _LARGEST
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if curve(np.array(middle)) < target else (low, middle)
-    return low
+        criterion = np.asarray(-(2**0.5) * stats.norm.ppf(alarms / 2))
+        curve = partial(different_rate, criterion=criterion)
+    if target <= curve(np.zeros(())):
+        return 0.0
+    return float(optimize.brentq(lambda d: float(curve(d)) - target, 0.0, 4 * _LARGEST))
 
 
 def _crossing(d: Samples, likelihood: Samples, at: int, step: int) -> float:
-    """Where the likelihood falls below the cut, between a place of the grid and the next."""
+    """Return where the likelihood falls below the cut, between a place of the grid and the next."""
     beyond = at + step
     if not 0 <= beyond < len(d):
         return float(d[at]) if step < 0 and d[0] == 0.0 else step * np.inf

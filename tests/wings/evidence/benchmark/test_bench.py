@@ -16,7 +16,7 @@ from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.evidence.benchmark.choice import choose_within
-from springpot.host.wings.evidence.benchmark.instructions import uncounted
+from springpot.host.wings.evidence.benchmark.isolated import missing_for
 from springpot.host.wings.evidence.benchmark.measure import bench_scene
 from springpot.host.wings.evidence.benchmark.picks import (
     PlatformBudget,
@@ -72,7 +72,7 @@ def test_keys_and_what_is_null() -> None:
         chosen = point["pareto"] or point["key"] in picked
         assert (point["tick_ns_p999"] is not None) == chosen
         assert (point["bounded"] is not None) == chosen
-        counts = chosen and not uncounted("cortex-m4f")
+        counts = chosen and not missing_for("cortex-m4f")
         assert (point["instructions"] is not None) == counts
         assert 0.0 < point["rmse_n"] < 5.0
         assert point["cv_rmse_n"] > 0.0
@@ -84,7 +84,7 @@ def test_keys_and_what_is_null() -> None:
 
 
 def test_instructions_are_those_of_the_emulated_tick() -> None:
-    if why := uncounted("cortex-m4f"):
+    if why := missing_for("cortex-m4f"):
         pytest.skip(why)
     for item in read_result(bench_folder())["points"]:
         if item["instructions"] is None or item["number"] == "float64":
@@ -97,7 +97,7 @@ def test_instructions_are_those_of_the_emulated_tick() -> None:
 
 
 def test_no_board_no_count() -> None:
-    assert "no emulated board" in uncounted("host")
+    assert "no emulated board" in missing_for("host")
 
 
 def test_fits_that_share_are_the_fits_by_themselves() -> None:

@@ -15,10 +15,9 @@ from support.in_process import spring
 from support.paths import ROOT
 
 from springpot.host.wings.evidence.benchmark import run as bench_run
-from springpot.host.wings.evidence.benchmark.code_hash import code_hash
-from springpot.host.wings.evidence.benchmark.instructions import uncounted
+from springpot.host.wings.evidence.benchmark.isolated import missing_for
 from springpot.host.wings.evidence.benchmark.run import run_bench
-from springpot.host.wings.evidence.benchmark.store import read_result
+from springpot.host.wings.evidence.benchmark.store import code_hash, read_result
 
 
 def test_the_same_bench_again_computes_nothing() -> None:
@@ -37,7 +36,7 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
     with (
         small(),
         mock.patch(
-            "springpot.host.wings.evidence.benchmark.instructions.missing", lambda _: "no emulator"
+            "springpot.host.wings.evidence.benchmark.isolated.missing", lambda _: "no emulator"
         ),
     ):
         result = run_bench(asked(), folder, "without")
@@ -49,16 +48,15 @@ def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_pa
         assert item["instructions_why"] == "no emulator"
     with small():
         again = run_bench(asked(), folder, "with")
-    assert again["computed_isolated"] == (0 if uncounted("cortex-m4f") else len(chosen))
+    assert again["computed_isolated"] == (0 if missing_for("cortex-m4f") else len(chosen))
     assert again["points"] == read_result(bench_folder())["points"]
 
 
 def test_other_code_measures_again(tmp_path: Path) -> None:
     for floor in ("runtime_c", "codegen", "trainer", "host"):
         shutil.copytree(ROOT / floor, tmp_path / floor)
-    measuring = tuple(work.__module__ for work in bench_run._MEASURING)
-    before = code_hash(measuring)
-    assert hashed(measuring, tmp_path) == before
+    before = code_hash()
+    assert code_hash.__wrapped__(tmp_path) == before
     for name in ("runtime_c/src/sp_guard.h", "runtime_c/flags.mk", "codegen/plan/plan.py",
                  "trainer/models/rf_fd.py", "host/wings/evidence/benchmark/measure.py",
                  "host/native/replay.py", "host/stability/check.py", "host/boards/emulator.py",
@@ -66,27 +64,22 @@ def test_other_code_measures_again(tmp_path: Path) -> None:
         file = tmp_path / name
         text = file.read_text()
         file.write_text(text + "\n")
-        assert hashed(measuring, tmp_path) != before, name
+        assert code_hash.__wrapped__(tmp_path) != before, name
         file.write_text(text)
     for name in ("benchmark/report.py", "benchmark/run.py", "commands/bench.py"):
         page = tmp_path / "host" / "wings" / "evidence" / name
         page.write_text(page.read_text() + "\n")  # measures nothing
-    assert hashed(measuring, tmp_path) == before
-
-
-def hashed(modules: tuple[str, ...], root: Path) -> str:
-    """As it is now: the hash is kept for a process."""
-    return code_hash.__wrapped__(modules, root)
+    assert code_hash.__wrapped__(tmp_path) == before
 
 
 def test_points_of_other_code_are_not_taken_over(tmp_path: Path) -> None:
     one = CANDIDATES[4:5]
+    folder = tmp_path / "bench"
+    shutil.copytree(bench_folder(), folder)  # by this code, before there is another
     with (
         small(lambda *_: list(one)),
-        mock.patch.object(bench_run, "code_hash", lambda _: "another"),
+        mock.patch.object(bench_run, "code_hash", lambda: "another"),
     ):
-        folder = tmp_path / "bench"
-        shutil.copytree(bench_folder(), folder)
         result = run_bench(asked(), folder, "springpot bench")
     assert result["computed"] == 1
     assert result["computed_isolated"] >= 1

@@ -48,7 +48,7 @@ def test_what_is_stored_is_not_computed_again(
     assert judges.judged(CELL, tmp_path)["complete"]
     assert calls[once:] == ["auto"]
     # Other code: all of it.
-    monkeypatch.setattr(judges, "code_hash", lambda _modules: "other")
+    monkeypatch.setattr(judges, "code_hash", lambda: "other")
     judges.judged(CELL, tmp_path)
     assert len(calls) == 2 * once + 1
 

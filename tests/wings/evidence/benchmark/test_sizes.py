@@ -18,7 +18,7 @@ from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.wasm_module import wasm_module
 from springpot.host.wings.evidence import parallel
 from springpot.host.wings.evidence.benchmark.choice import choose_within
-from springpot.host.wings.evidence.benchmark.node_ticks import untimed
+from springpot.host.wings.evidence.benchmark.isolated import missing_for
 from springpot.host.wings.evidence.benchmark.picks import (
     PlatformBudget,
     budgets,
@@ -167,7 +167,7 @@ def test_a_machine_without_clang_says_what_to_install(
     monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))
     install = "`apt-get install clang lld` or `pip install 'springpot[cc]'`"
     remedy = f"no compiler for wasm32: {install}"
-    assert missing_tools("wasm32") == remedy == untimed()
+    assert missing_tools("wasm32") == remedy == missing_for("wasm32")
     with pytest.raises(UsageError, match="no compiler for wasm32"):
         wasm_module([], [], [])
     *_, page = budgets("wasm32")

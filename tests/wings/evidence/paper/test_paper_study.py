@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from springpot.host.simulation.objects import OBJECTS
+from springpot.host.wings.evidence.paper.evidence import STUDY, write_study_files
 from springpot.host.wings.evidence.paper.reproduce import (
     PAPER_KINDS,
     Work,
@@ -13,7 +14,6 @@ from springpot.host.wings.evidence.paper.reproduce import (
     simulated,
     validators,
 )
-from springpot.host.wings.evidence.paper.study_files import STUDY, write_study_files
 from springpot.host.wings.study.folder import write_study
 from springpot.host.wings.study.observers.simulate import simulate
 from springpot.host.wings.study.report.page import write_study_report

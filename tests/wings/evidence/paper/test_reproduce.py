@@ -69,7 +69,7 @@ def test_an_earlier_result_is_replaced(tmp_path: Path) -> None:
 def little_result(folder: Path) -> ObjectResult:
     work = Work(kinds=PAPER_KINDS, trees=5, presses=6, signals=1, paced_s=0.1)
     with validators() as pool:
-        return begin_object(simulated("dragon-skin-fx", "b", work), folder, work, pool).result()
+        return begin_object(simulated("dragon-skin-fx", "b", work), folder, work, pool)()
 
 
 def judged(result: ObjectResult) -> dict[str, Claim]:

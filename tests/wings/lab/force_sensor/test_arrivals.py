@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.host.wings.lab.force_sensor.arrivals import ArrivalLine
+from springpot.host.wings.lab.force_sensor.sensor import ArrivalLine
 
 
 @pytest.mark.parametrize("rate", [1.0, 1 + 2e-4, 1 - 2e-4])

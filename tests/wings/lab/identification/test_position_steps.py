@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.host.wings.lab.identification.sensors import position_step
+from springpot.host.wings.lab.identification.estimate import position_step
 
 MOTION_M = 0.01 * np.sin(np.linspace(0, 40, 8000)) + 0.0123
 

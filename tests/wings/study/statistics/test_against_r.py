@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.r_figures import SCRIPTS, ask_r, missing_r, stored
+from support.study.r_figures import SCRIPTS, ask_r, missing_r, stored
 
 from springpot.host.wings.study.statistics.anova import repeated_measures
 from springpot.host.wings.study.statistics.pairs import letters, pair_differences

@@ -8,12 +8,7 @@ from scipy import stats
 
 from springpot.codegen.errors import DataError
 from springpot.host.wings.study.statistics.anova import repeated_measures
-from springpot.host.wings.study.statistics.pairs import (
-    holm,
-    letters,
-    pair_differences,
-    simple_effects,
-)
+from springpot.host.wings.study.statistics.pairs import holm, letters, pair_differences
 
 
 def test_a_pair_is_a_paired_t_test() -> None:
@@ -38,13 +33,6 @@ def test_tukey_of_two_conditions_is_their_anova() -> None:
 def test_holm_as_published() -> None:
     assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
     assert holm([0.9, 0.8]) == [1.0, 1.0]
-
-
-def test_simple_effects_are_pairs_within_each_level() -> None:
-    scores = np.random.default_rng(3).normal(size=(8, 3, 2))
-    found = simple_effects(scores, ["x", "y", "z"], ["soft", "hard"])
-    assert list(found) == ["soft", "hard"]
-    assert found["hard"] == pair_differences(scores[:, :, 1], ["x", "y", "z"])
 
 
 def test_letters_are_shared_exactly_by_what_is_not_told_apart() -> None:

@@ -1,6 +1,6 @@
 """What R's packages say of the designs below: stored in tests/data/r_figures.json.
 
-`cd tests && python -m support.r_figures` makes that file anew; it needs R with afex, emmeans,
+`cd tests && python -m support.study.r_figures` makes that file anew; it needs R with afex, emmeans,
 multcompView and jsonlite (Debian: r-cran-NAME).
 """
 
