@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "sp_link.h"
+#include "declared_links.h" /* made by targets.py */
 #include "sp_wire.h"
 
 enum { RAW, SEALED, SERIAL, SLCAN, CAN, KINDS, CAPACITY = 8 };

@@ -14,6 +14,8 @@ from typing import Any
 
 from support.paths import ROOT
 
+from springpot.host.native.c_library import declarations
+
 MAX_S, MAX_MIB, MAX_INPUT = 10, 1024, 1 << 20
 _HERE = Path(__file__).parent
 _PORT = ROOT / "runtime_c" / "port"
@@ -121,9 +123,13 @@ def _judge(name: str, folder: Path, kept: Path, row: dict[str, Any]) -> None:
 def _built(program: Path) -> Path:
     """The C target, with both sanitizers."""
     sources = [_HERE / "fuzz_wire_bytes.c", _PORT / "wire" / "sp_wire.c"]
-    sources += [_PORT / "posix" / f"sp_link_{kind}.c" for kind in ("serial", "odrive", "bytes")]
+    links = [_PORT / "posix" / f"sp_link_{kind}.c" for kind in ("serial", "odrive", "bytes")]
+    sources += links
+    # What the links declare in their own files.
+    header = program.parent / "declared_links.h"
+    header.write_text(f'#include "sp_link.h"\n{declarations(links)}\n')
     include = [ROOT / "runtime_c" / "include", ROOT / "runtime_c" / "include" / "float",
-               ROOT / "runtime_c" / "sim", _PORT / "wire", _PORT / "posix"]  # fmt: skip
+               ROOT / "runtime_c" / "sim", _PORT / "wire", _PORT / "posix", header.parent]  # fmt: skip
     flags = ["-g", "-O1", "-std=c11", "-D_GNU_SOURCE", "-fno-sanitize-recover=all"]
     sanitizers = "-fsanitize=fuzzer,address,undefined"
     subprocess.run(
