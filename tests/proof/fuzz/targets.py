@@ -129,7 +129,8 @@ def _built(program: Path) -> Path:
     header = program.parent / "declared_links.h"
     header.write_text(f'#include "sp_link.h"\n{declarations(links)}\n')
     include = [ROOT / "runtime_c" / "include", ROOT / "runtime_c" / "include" / "float",
-               ROOT / "runtime_c" / "sim", _PORT / "wire", _PORT / "posix", header.parent]  # fmt: skip
+               ROOT / "runtime_c" / "sim", _PORT / "wire", _PORT / "posix",
+               header.parent]  # fmt: skip
     flags = ["-g", "-O1", "-std=c11", "-D_GNU_SOURCE", "-fno-sanitize-recover=all"]
     sanitizers = "-fsanitize=fuzzer,address,undefined"
     subprocess.run(
