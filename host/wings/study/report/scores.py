@@ -10,7 +10,7 @@ from springpot.basics import Samples
 from springpot.host.wings.study.definition import Study
 from springpot.host.wings.study.responses import Response
 
-Key = TypeVar("Key", bound=Hashable)
+_Key = TypeVar("_Key", bound=Hashable)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,10 +124,10 @@ def _side_difference(study: Study, own: Sequence[Response]) -> float | None:
 
 
 def _answers(
-    responses: Iterable[Response], key: Callable[[Response], Key]
-) -> dict[Key, list[float]]:
+    responses: Iterable[Response], key: Callable[[Response], _Key]
+) -> dict[_Key, list[float]]:
     """Return the numbers that were answered, by a key of the response."""
-    found: dict[Key, list[float]] = {}
+    found: dict[_Key, list[float]] = {}
     for response in responses:
         found.setdefault(key(response), []).append(float(response.answer))
     return found
