@@ -15,6 +15,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy import linalg
 
 from springpot import Coupling, Guard, Model, Scene
 from springpot.emission import Coupled, couple_config, make_plan
@@ -125,9 +126,7 @@ def exact_force() -> float:
     spring = (k - SPRING_NPM) * TAP_M / m
     rate[1] = [-k / m, -b / m, -spring, b * TAP_M * TAP_TURN / m, spring]
     rate[2, 3], rate[3, 2] = -TAP_TURN, TAP_TURN
-    values, vectors = np.linalg.eig(rate)
-    start = np.linalg.solve(vectors, np.array([0.0, 0.0, 1.0, 0.0, 1.0]))
-    x_p, v_p = np.real(vectors @ (np.exp(values) * start))[:2]
+    x_p, v_p = (linalg.expm(rate) @ [0.0, 0.0, 1.0, 0.0, 1.0])[:2]
     x, v = _tool(1.0)
     return float(-k * (x_p - x) - b * (v_p - v))
 

@@ -1,17 +1,22 @@
 """study.toml: what is compared with what, how people are asked, how often, and in which order."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from annotated_types import Gt, Interval
 
 MethodName = Literal["similarity", "constant", "staircase", "quest+", "abx", "same-different"]
 ADAPTIVE = ("staircase", "quest+")
-_CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
+
+
+class _Closed:
+    """Part of a study file: unknown keys and values of another type are refused."""
+
+    __pydantic_config__: ClassVar = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 
 @dataclass(frozen=True)
-class Stimulus:
+class Stimulus(_Closed):
     """Something to press: an emitted scene (a scene file or an emitted folder), or a real object.
 
     stiffer: the force at a depth is the scene's at so many times that depth. level: its place on
@@ -20,7 +25,6 @@ class Stimulus:
     stands for a real one when people are simulated.
     """
 
-    __pydantic_config__ = _CLOSED
     name: str
     scene: str | None = None
     real: str | None = None
@@ -35,7 +39,7 @@ class Stimulus:
 
 
 @dataclass(frozen=True)
-class ComparedPair:
+class ComparedPair(_Closed):
     """One condition. left, right: names of stimuli; of psychometric methods standard, comparison.
 
     repeats: trials of it in a session. sides: "balanced" swaps left and right in half of them.
@@ -43,7 +47,6 @@ class ComparedPair:
     series: pairs of one psychometric function, or of one staircase.
     """
 
-    __pydantic_config__ = _CLOSED
     left: str
     right: str
     repeats: Annotated[int, Interval(ge=1, le=1000)] = 1
@@ -57,14 +60,13 @@ class ComparedPair:
 
 
 @dataclass(frozen=True)
-class StaircaseRule:
+class StaircaseRule(_Closed):
     """One up, `down` down, on the levels of a series, from the easiest.
 
     down 2 settles at 70.7 % correct, 3 at 79.4 %. It ends after so many reversals, of which the
     first `skipped` do not count, or after so many trials.
     """
 
-    __pydantic_config__ = _CLOSED
     down: Literal[2, 3] = 2
     reversals: Annotated[int, Interval(ge=4, le=100)] = 12
     skipped: Annotated[int, Interval(ge=0, le=50)] = 4
@@ -72,65 +74,59 @@ class StaircaseRule:
 
 
 @dataclass(frozen=True)
-class QuestRule:
+class QuestRule(_Closed):
     """How many trials of QUEST+ a series gets."""
 
-    __pydantic_config__ = _CLOSED
     trials: Annotated[int, Interval(ge=4, le=1000)] = 40
 
 
 @dataclass(frozen=True)
-class StudyLimits:
+class StudyLimits(_Closed):
     """When people are warned: beyond a depth, by default the trained one; warn_speed: x trained."""
 
-    __pydantic_config__ = _CLOSED
     warn_depth_mm: Annotated[float, Gt(0)] | None = None
     warn_speed: Annotated[float, Gt(0)] = 4.0
 
 
 @dataclass(frozen=True)
-class Exclude:
+class Exclude(_Closed):
     """Rules that are decided before the data; None: no such rule.
 
     repeat_sd_above: mean over conditions of the standard deviation of repeated answers.
     side_difference_above: mean answer with the first stimulus left less that with it right.
     """
 
-    __pydantic_config__ = _CLOSED
     repeat_sd_above: Annotated[float, Gt(0)] | None = None
     side_difference_above: Annotated[float, Gt(0)] | None = None
 
 
 @dataclass(frozen=True)
-class EquivalenceRule:
+class EquivalenceRule(_Closed):
     """Two conditions are alike when their means differ by less than `margin`, in answers.
 
     sd: standard deviation of one person's difference between two conditions that the plan expects.
     """
 
-    __pydantic_config__ = _CLOSED
     margin: Annotated[float, Gt(0)]
     sd: Annotated[float, Gt(0)] | None = None
 
 
 @dataclass(frozen=True)
-class Question:
+class Question(_Closed):
     """Asked at the end. choices: numbered answers; none: free text."""
 
-    __pydantic_config__ = _CLOSED
     text: str
     choices: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
-class Study:
+class Study(_Closed):
     """A whole study file.
 
     practice: trials before the first session that do not count. trial_minutes: what the plan
     reckons with. ask: the question of a trial, where the method's own does not serve.
     """
 
-    __pydantic_config__ = _CLOSED
     schema: Literal[1]
     name: str
     method: MethodName

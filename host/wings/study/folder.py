@@ -50,6 +50,17 @@ class StudyFolder:
         return self.path / f"sub-{participant}" / f"ses-{session}"
 
     @property
+    def dt_s(self) -> float:
+        """Period of the loop that all scenes share, s; 1 ms without a scene."""
+        return next((1 / scene.rate_hz for scene in self.scenes.values()), 1e-3)
+
+    @property
+    def real(self) -> str:
+        """Type of the scenes' numbers in C."""
+        numbers = {scene.number for scene in self.scenes.values()}
+        return "double" if "float64" in numbers else "float"
+
+    @property
     def simulated(self) -> bool:
         """Whether its people were made up by `springpot study simulate`."""
         return (self.path / OBSERVERS).exists()

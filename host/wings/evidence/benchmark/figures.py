@@ -99,8 +99,8 @@ def _name_picks(axes: Axes, points: Sequence[Point], picks: Metadata) -> None:
             names.setdefault(found["point"], []).append(name)
     low_n, high_n = axes.get_ylim()
     axes.set_ylim(low_n * (low_n / high_n) ** (_STRIP * len(names)), high_n)
-    # The longest name is lowest: an arrow starts at the right end and passes beside those above.
-    for line, key in enumerate(sorted(names, key=lambda key: -len(names[key]))):
+    # The slowest is lowest: its arrow leaves to the right, and crosses none of those above.
+    for line, key in enumerate(sorted(names, key=lambda key: -by_key[key].tick_ns_hot)):
         axes.annotate(
             "pick for " + ", ".join(names[key]), (by_key[key].tick_ns_hot, by_key[key].rmse_n),
             xytext=(0.02, 0.02 + 0.06 * line), textcoords="axes fraction", fontsize=9.0,

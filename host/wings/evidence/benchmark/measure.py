@@ -2,7 +2,7 @@
 
 import os
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,19 +66,10 @@ class MeasuredPoint:
     model: bytes | None
 
 
-@dataclass(frozen=True)
-class SizeJob:
-    """What a worker needs to add the sizes of a kept point."""
-
-    key: str
-    model_file: Path
-    number: Number
-    target: Target
-
-
-def measure_sizes(job: SizeJob) -> tuple[str, Sizes]:
-    """Return the key, and the sizes of the point's C on its target."""
-    return job.key, target_sizes(read_model(job.model_file), job.number, job.target)
+def measure_sizes(job: tuple[Point, Path, Target]) -> Point:
+    """Return a point with the sizes of its C on the target; job: point, its model file, target."""
+    point, model_file, target = job
+    return replace(point, **vars(target_sizes(read_model(model_file), point.number, target)))
 
 
 def measure_point(job: Job) -> MeasuredPoint:

@@ -1,7 +1,7 @@
 """The Pareto front of a benchmark, and the point to pick for each budget."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -117,7 +117,8 @@ def pick(
     """
     best: Point | None = None
     unbounded: list[Point] = []
-    for swept in _candidates(points, budget, recorded_hz):
+    passive = [p for p in points if not p.active_cells and misfit(p, budget, recorded_hz) is None]
+    for swept in sorted(passive, key=lambda p: p.cv_rmse_n):
         if best is not None and swept.cv_rmse_n > ERROR_TOLERANCE * best.cv_rmse_n:
             break
         if best is not None and swept.tick_ns_hot >= _FASTER * best.tick_ns_hot:
@@ -132,13 +133,6 @@ def pick(
         if best is None and len(unbounded) == MAX_TRIED:
             break
     return best or next(iter(unbounded), None)
-
-
-def _candidates(
-    points: Sequence[Point], budget: PlatformBudget, recorded_hz: float
-) -> Iterator[Point]:
-    fitting = [p for p in points if misfit(p, budget, recorded_hz) is None]
-    yield from sorted((p for p in fitting if not p.active_cells), key=lambda p: p.cv_rmse_n)
 
 
 def why(point: Point, points: Sequence[Point], budget: PlatformBudget, recorded_hz: float) -> str:

@@ -22,7 +22,6 @@ from springpot.host.wings.evidence.benchmark.isolated import (
 from springpot.host.wings.evidence.benchmark.measure import (
     BenchRecordings,
     Job,
-    SizeJob,
     measure_point,
     measure_sizes,
     target_compiler,
@@ -148,10 +147,10 @@ def _with_sizes(points: Sequence[Point], target: Target, store: Store) -> tuple[
     compiler = target_compiler(target)
     found = {point.key: point for point in points}
     stale = [p for p in points if compiler is not None and p.sizes_compiler != compiler]
-    jobs = [SizeJob(p.key, store.model_file(p.key), p.number, target) for p in stale]
-    for key, sizes in in_parallel(measure_sizes, jobs, None) if jobs else ():
-        found[key] = replace(found[key], **vars(sizes))
-        store.write_point(found[key])
+    jobs = [(point, store.model_file(point.key), target) for point in stale]
+    for point in in_parallel(measure_sizes, jobs, None) if jobs else ():
+        found[point.key] = point
+        store.write_point(point)
     return list(found.values()), len(jobs)
 
 

@@ -32,10 +32,8 @@ class SerialSource:
     def __init__(self, address: Address) -> None:
         """Open and start it. Raises DeviceError."""
         address.require_known(("baud", "n_per_unit"))
-        plain = Address(
-            address.url, "serial", "", address.place,
-            {key: text for key, text in address.settings.items() if key != "n_per_unit"},
-        )  # fmt: skip
+        settings = {key: text for key, text in address.settings.items() if key != "n_per_unit"}
+        plain = Address(address.url, "serial", "", address.place, settings)
         self._factor = _factor(address)
         self._device = SerialDevice(plain, DeviceRequirements(_RATE_HZ, 0.02, 0.0, senses=True))
 

@@ -4,8 +4,7 @@ import numpy as np
 
 from springpot import SpringpotError
 from springpot.basics import Samples
-from springpot.host.wings.lab.identification.first_guess import first_guess
-from springpot.host.wings.lab.identification.fit import Matrix, MotionFit, fit_motion
+from springpot.host.wings.lab.identification.fit import Matrix, MotionFit, first_guess, fit_motion
 from springpot.host.wings.lab.identification.free_motion import FreeMotion
 from springpot.host.wings.lab.identification.result import DeviceMeasured, Identified, judged
 

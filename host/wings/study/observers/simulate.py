@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,6 @@ from springpot.simulation import (
 _START_M = -1e-3
 _PRESS_S, _LIFT_S = 0.8, 0.3  # in and out; then away
 _INTENDED_M = (0.010, 0.018)  # where the hand intends to go: its spring decides how deep it comes
-_RATE_HZ = 1000.0  # of a study without scenes
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +63,9 @@ def simulate(
                 'simulated one that stands for it, such as simulated = "sim://ecoflex-00-30"'
             )
     folder = copy_study(of, observers, out)
-    scenes = _Scenes(folder)
+    scenes = {
+        name: SceneLibrary(folder.path / scene.folder) for name, scene in folder.scenes.items()
+    }
     people = []
     for k, participant in enumerate(folder.participants):
         random = np.random.default_rng([seed, k])
@@ -80,46 +81,33 @@ def simulate(
     return SimulatedStudy(folder, counts.get("done", 0))
 
 
-class _Scenes:
-    """The scenes of a study, loaded once."""
-
-    def __init__(self, folder: StudyFolder) -> None:
-        self.libraries = {
-            name: SceneLibrary(folder.path / scene.folder) for name, scene in folder.scenes.items()
-        }
-        scenes = list(folder.scenes.values())
-        self.dt_s = 1 / (scenes[0].rate_hz if scenes else _RATE_HZ)
-        number = scenes[0].number if scenes else "float32"
-        self.real = "float" if number == "float32" else "double"
-
-
 class SimulatedPerson:
     """Presses what is in every slot once, and answers: a `Presenter`."""
 
     def __init__(
         self,
         folder: StudyFolder,
-        scenes: _Scenes,
+        scenes: Mapping[str, SceneLibrary],
         observer: Observer,
         random: np.random.Generator,
         keeps_logs: bool,
     ) -> None:
         self._folder, self._scenes, self._observer = folder, scenes, observer
         self._random, self._keeps_logs = random, keeps_logs
-        self._switch = SwitchedScenes(scenes.real)
+        self._switch = SwitchedScenes(folder.real)
         steps = self._switch.steps()
         calls = LoopCalls(steps.step, steps.idle, steps.reset, steps.state, kept=steps)
-        self._hand = HandLoop(calls, scenes.real)
+        self._hand = HandLoop(calls, folder.real)
 
     def metadata(self) -> dict[str, Any]:
         """Return what stands for the device."""
-        return {"device": "simulated hand", "rate_hz": round(1 / self._scenes.dt_s, 3)}
+        return {"device": "simulated hand", "rate_hz": round(1 / self._folder.dt_s, 3)}
 
     def trial(self, trial: PresentedTrial, record: Record) -> TrialOutcome:
         """Press every slot and answer."""
-        self._switch.place([self._scenes.libraries.get(one.name) for one in trial.stimuli])
+        self._switch.place([self._scenes.get(one.name) for one in trial.stimuli])
         intended_m = self._intended_m(float(self._random.uniform(*_INTENDED_M)))
-        watch = PressWatch(self._scenes.dt_s)
+        watch = PressWatch(self._folder.dt_s)
         presses, all_rows = [], []
         for slot, stimulus in enumerate(trial.stimuli):
             press, rows = self._press(stimulus, slot + 1, intended_m)
@@ -146,7 +134,7 @@ class SimulatedPerson:
 
     def _intended_m(self, reach_m: float) -> Samples:
         """Plan a press in and out once, (n,), from above the surface."""
-        dt_s = self._scenes.dt_s
+        dt_s = self._folder.dt_s
         turn = np.linspace(0, 2 * math.pi, round(_PRESS_S / dt_s))
         press_m = _START_M + (reach_m - _START_M) * 0.5 * (1 - np.cos(turn))
         return np.concatenate((press_m, np.full(round(_LIFT_S / dt_s), 2 * _START_M)))
@@ -165,21 +153,14 @@ class SimulatedPerson:
             self._switch.want(0)
         else:
             press = self._press_scene(intended_m, seed, rows)
-        rows[:, COLUMN["time_s"]] = self._scenes.dt_s * np.arange(len(rows))
-        rows[:, COLUMN["dt_s"]] = self._scenes.dt_s
+        rows[:, COLUMN["time_s"]] = self._folder.dt_s * np.arange(len(rows))
+        rows[:, COLUMN["dt_s"]] = self._folder.dt_s
         rows[:, COLUMN["measured_n"]] = np.nan
         return press, rows
 
     def _press_scene(self, intended_m: Samples, seed: int, rows: LoopRows) -> FeltPress:
-        n = len(intended_m)
-        scenario = Scenario(
-            dt_s=np.full(n, self._scenes.dt_s),
-            intended_m=intended_m,
-            push_n=np.full(n, np.nan),
-            error_m=np.zeros(n),
-            dropped=np.zeros(n, dtype=np.uint8),
-        )
-        trace = self._hand.run(scenario, Operator("mid", seed=seed), _START_M)
+        operator = Operator("mid", seed=seed)
+        trace = self._hand.run(self._scenario(intended_m), operator, _START_M)
         rows[:, COLUMN["position_m"]] = trace.seen_m
         rows[:, COLUMN["velocity_mps"]] = trace.seen_mps
         rows[:, COLUMN["returned_n"]] = rows[:, COLUMN["sent_n"]] = trace.force_n
@@ -187,28 +168,28 @@ class SimulatedPerson:
         if trace.notes.min() < 0 or (trace.notes[0] >> 8) & 3 == 0:
             raise DataError("the hand met no scene: the last press had not left the surface")
         self._switch.want(0)
-        self._hand.run(_still(self._scenes.dt_s), Operator("mid", seed=seed), 2 * _START_M)
+        away_m = np.full(1, 2 * _START_M)  # one tick above the surface: the place is left
+        self._hand.run(self._scenario(away_m), operator, float(away_m[0]))
         return FeltPress(trace.position_m, trace.force_n)
+
+    def _scenario(self, intended_m: Samples) -> Scenario:
+        """Let the hand intend to be there, (n,), with no disturbance."""
+        n = len(intended_m)
+        return Scenario(np.full(n, self._folder.dt_s), intended_m, np.full(n, np.nan), np.zeros(n),
+                        np.zeros(n, dtype=np.uint8))  # fmt: skip
 
     def _press_real(self, stimulus: Stimulus, intended_m: Samples) -> FeltPress:
         """Return the same hand on the simulated object that stands for a real one."""
         assert stimulus.simulated is not None
         hand = SimulatedHand("mid", substeps=16, position_m=_START_M)
-        pressed = ObjectMotion(parse_url(stimulus.simulated), self._scenes.dt_s)
+        pressed = ObjectMotion(parse_url(stimulus.simulated), self._folder.dt_s)
         position_m, force_n = hand.press(pressed, intended_m)
         return FeltPress(position_m, force_n)
 
     def _write_log(self, trial: PresentedTrial, rows: LoopRows) -> None:
         of = {"trial": trial.number, "attempt": trial.attempt, "codes": list(trial.codes)}
-        dt_s = self._scenes.dt_s
+        dt_s = self._folder.dt_s
         rows[:, COLUMN["time_s"]] = dt_s * np.arange(len(rows))
         with SessionLog(trial.log, dt_s, "simulated hand", {"study": of}) as log:
             log.append(rows)
             log.finish({})
-
-
-def _still(dt_s: float) -> Scenario:
-    """Return one tick above the surface, in which the place is left."""
-    none = np.zeros(1)
-    return Scenario(np.full(1, dt_s), none + 2 * _START_M, np.full(1, np.nan), none,
-                    np.zeros(1, dtype=np.uint8))  # fmt: skip

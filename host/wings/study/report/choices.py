@@ -17,6 +17,8 @@ from springpot.host.wings.study.statistics.sensitivity import sensitivity
 EVERYBODY = "everybody"
 _CHOICE = ("constant", "staircase", "quest+")
 _MIN_TRIALS = 20  # of a person's own fit or d'
+_FITTED = ("threshold", "low", "high", "slope", "slope_low", "slope_high", "width", "lapse",
+           "guess")  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,21 +62,13 @@ def psychometric_rows(curves: Sequence[PsychometricCurve]) -> list[Row]:
     for curve in curves:
         row: Row = {"stimulus": curve.series, "participant": curve.person,
                     "trials": int(curve.trials.sum())}  # fmt: skip
-        if curve.fit is None:
-            missing = dict.fromkeys(
-                ("threshold", "low", "high", "slope", "slope_low", "slope_high", "width", "lapse",
-                 "guess")
-            )  # fmt: skip
-            rows.append(row | missing | {"why": curve.why})
-            continue
-        fit, sign = curve.fit, 1.0 if curve.rising else -1.0
-        low, high = sorted(sign * end for end in fit.threshold_interval)
-        rows.append(row | {
-            "threshold": sign * fit.threshold, "low": low, "high": high,
-            "slope": fit.slope, "slope_low": fit.slope_interval[0],
-            "slope_high": fit.slope_interval[1], "width": fit.width, "lapse": fit.lapse,
-            "guess": fit.guess, "why": "",
-        })  # fmt: skip
+        values: list[float | None] = [None] * len(_FITTED)
+        if (fit := curve.fit) is not None:
+            sign = 1.0 if curve.rising else -1.0
+            ends = sorted(sign * end for end in fit.threshold_interval)
+            values = [sign * fit.threshold, *ends, fit.slope, *fit.slope_interval, fit.width,
+                      fit.lapse, fit.guess]  # fmt: skip
+        rows.append(row | dict(zip(_FITTED, values, strict=True)) | {"why": curve.why})
     return rows
 
 

@@ -5,6 +5,7 @@ be alike, and how often a study like this would have found what was looked for.
 """
 
 from collections.abc import Sequence
+from operator import itemgetter
 
 from springpot.host.wings.study.definition import Study
 from springpot.host.wings.study.outline import could_be_blind
@@ -34,13 +35,15 @@ def percent(share: float) -> str:
 
 def verdict(pair: Row, equivalence: Sequence[Row]) -> str:
     """Decide what is shown of a pair: a difference, likeness within the margin, both, neither."""
-    differs = pair["p_tukey"] < ALPHA
-    alike = any(
-        row["equivalent"]
-        for row in equivalence
-        if all(row[key] == pair[key] for key in ("within", "first", "second"))
-    )
+    differs, tested = pair["p_tukey"] < ALPHA, same_pair(pair, equivalence)
+    alike = tested is not None and tested["equivalent"]
     return (BOTH if alike else DIFFERENT) if differs else ALIKE if alike else OPEN
+
+
+def same_pair(pair: Row, rows: Sequence[Row]) -> Row | None:
+    """Find the row of the same pair within the same level."""
+    key = itemgetter("within", "first", "second")
+    return next((row for row in rows if key(row) == key(pair)), None)
 
 
 def summary(analysis: Analysis) -> list[str]:

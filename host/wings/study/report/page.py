@@ -23,6 +23,7 @@ from springpot.host.wings.study.report.findings import (
     excluded_words,
     p_digits,
     percent,
+    same_pair,
     summary,
     verdict,
 )
@@ -31,12 +32,11 @@ from springpot.host.wings.study.report.tables import condition_rows, csv_text, w
 from springpot.host.wings.study.responses import read_responses
 
 PAGE = "report.html"
-_VERDICT_GRADES = {DIFFERENT: "look", BOTH: "look", ALIKE: "good", OPEN: "not-judged"}
-_VERDICT_WORDS = {
-    DIFFERENT: "different",
-    ALIKE: "alike",
-    BOTH: "different, within the margin",
-    OPEN: "open",
+_VERDICTS = {  # grade and words
+    DIFFERENT: ("look", "different"),
+    ALIKE: ("good", "alike"),
+    BOTH: ("look", "different, within the margin"),
+    OPEN: ("not-judged", "open"),
 }
 
 
@@ -115,15 +115,8 @@ def _context(
 
 
 def _verdict(pair: dict[str, Any], equivalence: list[dict[str, Any]]) -> dict[str, Any]:
-    found = verdict(pair, equivalence)
-    same = [row for row in equivalence
-            if all(row[key] == pair[key] for key in ("within", "first", "second"))]  # fmt: skip
-    return {
-        **pair,
-        "grade": _VERDICT_GRADES[found],
-        "words": _VERDICT_WORDS[found],
-        "equivalence": same[0] if same else None,
-    }
+    grade, words = _VERDICTS[verdict(pair, equivalence)]
+    return {**pair, "grade": grade, "words": words, "equivalence": same_pair(pair, equivalence)}
 
 
 def _boxes_words(analysis: Analysis) -> str:

@@ -1,13 +1,16 @@
 """Answers of a study of similarity, by person and condition, and whom the rules leave out."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from springpot.basics import Samples
 from springpot.host.wings.study.definition import Study
 from springpot.host.wings.study.responses import Response
+
+_Key = TypeVar("_Key", bound=Hashable)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,16 +68,12 @@ def score_table(study: Study, responses: Sequence[Response]) -> ScoreTable | Non
     return ScoreTable(people, names, levels, total / np.where(count > 0.0, count, np.nan))
 
 
-def by_condition(study: Study, responses: Sequence[Response]) -> dict[int, Mapping[str, float]]:
+def by_condition(study: Study, responses: Sequence[Response]) -> dict[int, dict[str, float]]:
     """Return the mean answer by pair and person."""
-    found: dict[int, dict[str, list[float]]] = {pair: {} for pair in range(len(study.pair))}
-    for response in responses:
-        of_person = found[response.pair].setdefault(response.participant, [])
-        of_person.append(float(response.answer))
-    return {
-        pair: {person: float(np.mean(answers)) for person, answers in people.items()}
-        for pair, people in found.items()
-    }
+    found: dict[int, dict[str, float]] = {pair: {} for pair in range(len(study.pair))}
+    for (pair, person), answers in _answers(responses, lambda r: (r.pair, r.participant)).items():
+        found[pair][person] = float(np.mean(answers))
+    return found
 
 
 def by_session(study: Study, responses: Sequence[Response]) -> Samples:
@@ -82,15 +81,14 @@ def by_session(study: Study, responses: Sequence[Response]) -> Samples:
 
     Of the conditions that are compared, where some are: an anchor that everybody rates alike would
     make sessions agree by itself."""
-    found: dict[tuple[str, int], list[list[float]]] = {}
     compared = {k for k, pair in enumerate(study.pair) if pair.factors}
-    for response in responses:
-        if compared and response.pair not in compared:
-            continue
-        key = response.participant, response.pair
-        rows = found.setdefault(key, [[] for _ in range(study.sessions)])
-        rows[response.session - 1].append(float(response.answer))
-    whole = [[float(np.mean(one)) for one in rows] for rows in found.values() if all(rows)]
+    rated = [r for r in responses if not compared or r.pair in compared]
+    answers = _answers(rated, lambda r: (r.participant, r.pair, r.session))
+    rows = [
+        [answers.get((*key, session + 1)) for session in range(study.sessions)]
+        for key in dict.fromkeys((r.participant, r.pair) for r in rated)
+    ]
+    whole = [[float(np.mean(one or ())) for one in row] for row in rows if all(row)]
     return np.array(whole).reshape(len(whole), study.sessions)
 
 
@@ -112,17 +110,24 @@ def consistency(study: Study, responses: Sequence[Response]) -> list[Consistency
 
 
 def _repeat_sd(own: Sequence[Response]) -> float | None:
-    answers: dict[int, list[float]] = {}
-    for response in own:
-        answers.setdefault(response.pair, []).append(float(response.answer))
-    spreads = [float(np.std(a, ddof=1)) for a in answers.values() if len(a) > 1]
+    answers = _answers(own, lambda r: r.pair).values()
+    spreads = [float(np.std(some, ddof=1)) for some in answers if len(some) > 1]
     return float(np.mean(spreads)) if spreads else None
 
 
 def _side_difference(study: Study, own: Sequence[Response]) -> float | None:
-    sides: tuple[list[float], list[float]] = ([], [])
-    for response in own:
-        pair = study.pair[response.pair]
-        if pair.left != pair.right and pair.sides == "balanced":
-            sides[response.swapped].append(float(response.answer))
-    return float(np.mean(sides[0]) - np.mean(sides[1])) if all(sides) else None
+    pairs = study.pair
+    turned = [r for r in own if pairs[r.pair].left != pairs[r.pair].right
+              and pairs[r.pair].sides == "balanced"]  # fmt: skip
+    sides = _answers(turned, lambda r: r.swapped)
+    return float(np.mean(sides[False]) - np.mean(sides[True])) if len(sides) == 2 else None
+
+
+def _answers(
+    responses: Iterable[Response], key: Callable[[Response], _Key]
+) -> dict[_Key, list[float]]:
+    """Return the numbers that were answered, by a key of the response."""
+    found: dict[_Key, list[float]] = {}
+    for response in responses:
+        found.setdefault(key(response), []).append(float(response.answer))
+    return found

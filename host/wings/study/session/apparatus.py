@@ -93,10 +93,9 @@ class Apparatus:
         self._folder, self.url = folder, url
         self._libraries = {name: _loaded(folder, name) for name in folder.scenes}
         scenes = list(folder.scenes.values())
-        self.dt_s = 1 / scenes[0].rate_hz
+        self.dt_s = folder.dt_s
         self.latency_s = latency_s(list(self._libraries.values()), self.dt_s)
-        real = "float" if scenes[0].number == "float32" else "double"
-        self.switch = SwitchedScenes(real, self.latency_s)
+        self.switch = SwitchedScenes(folder.real, self.latency_s)
         self._logs = TrialLogs(self.dt_s, url)
         max_n = max(scene.max_force_n for scene in scenes)
         device = Device(**scenes[0].device)

@@ -131,14 +131,10 @@ class DevicePresenter:
             if act.kind == "slot":
                 self._choose(run, int(act.value))
             elif act.kind == "answer" and run.pressed:
-                return self._answer(act)
+                return str(act.value) if answers(self._study) else float(act.value)
             elif act.kind == "answer":
                 self._screen.warn(FEEL_ALL)
                 self._show(run, run.state)
-
-    def _answer(self, act: Act) -> float | str:
-        """Return a number if one is asked for."""
-        return str(act.value) if answers(self._study) else float(act.value)
 
     def _choose(self, run: RunningTrial, slot: int) -> None:
         """Let the chosen slot be felt next; the experimenter changes real objects."""
@@ -235,7 +231,7 @@ class DevicePresenter:
         known_m = [depth_m for depth_m in depths_m if depth_m is not None]
         if limits.warn_depth_mm is not None:
             known_m = [1e-3 * limits.warn_depth_mm]
-        scenes = [self._folder.scenes[one.name] for one in stimuli if one.name in
-                  self._folder.scenes]  # fmt: skip
-        speeds = [limits.warn_speed * scene.max_mps for scene in scenes]
+        scenes = self._folder.scenes
+        speeds = [limits.warn_speed * scenes[one.name].max_mps
+                  for one in stimuli if one.name in scenes]  # fmt: skip
         return PressLimits(min(known_m, default=None), min(speeds, default=None))

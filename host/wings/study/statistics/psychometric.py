@@ -24,6 +24,7 @@ _CUT = float(stats.chi2.ppf(0.95, 1)) / 2  # of the log-posterior: what an inter
 _TAIL = 4.0  # below the top of the log-posterior, where the second grid ends
 _MAX_LAPSE, _MAX_GUESS = 0.4, 0.55  # so that some rise is left between them
 _RARE = 10.0  # lapse and guess rates are Beta(1, 10) beforehand
+_STEPS = (0.01, 0.05, 0.01, 0.01)  # of the first simplex: spans, log width, lapse, guess
 
 
 @dataclass(frozen=True)
@@ -153,21 +154,20 @@ def _refined(
 ) -> list[float]:
     """Return the highest point near a point of the grid."""
 
+    free = 4 if free_guess else 3
+
     def parameters(x: Samples) -> list[np.float64]:
-        rates = np.minimum(
-            x[2:] ** 2, (_MAX_LAPSE, _MAX_GUESS)[: len(x) - 2]
-        )  # squares: smooth at the bound, 0
-        return [x[0] * span, np.exp(x[1]), rates[0], rates[1] if free_guess else start[3]]
+        return [x[0] * span, np.exp(x[1]), *x[2:], *start[free:]]
 
     def height(x: Samples) -> float:
         return -float(np.maximum(log_posterior(*parameters(x)), -1e9))
 
-    first = np.array([start[0] / span, np.log(start[1]), *np.sqrt(start[2:])])
-    first = first[: 4 if free_guess else 3]
-    simplex = np.vstack([first, first + np.diag([0.01, 0.05, 0.05, 0.05][: len(first)])])
+    first = np.array([start[0] / span, np.log(start[1]), *start[2:free]])
     found = optimize.minimize(
         height, first, method="Nelder-Mead",
-        options={"initial_simplex": simplex, "xatol": 1e-7, "fatol": 1e-9, "maxiter": 2000},
+        bounds=[(None, None), (None, None), (0.0, _MAX_LAPSE), (0.0, _MAX_GUESS)][:free],
+        options={"initial_simplex": np.vstack([first, first + np.diag(_STEPS[:free])]),
+                 "xatol": 1e-7, "fatol": 1e-9, "maxiter": 2000},
     )  # fmt: skip
     return [float(value) for value in parameters(found.x)]
 

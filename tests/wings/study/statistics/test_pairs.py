@@ -11,15 +11,12 @@ from springpot.host.wings.study.statistics.anova import repeated_measures
 from springpot.host.wings.study.statistics.pairs import holm, letters, pair_differences
 
 
-def test_a_pair_is_a_paired_t_test() -> None:
+def test_pairs_come_in_the_columns_order_with_holm_s_p() -> None:
     scores = np.random.default_rng(1).normal(size=(12, 3)).cumsum(axis=1)
     pairs = pair_differences(scores, ["x", "y", "z"])
     assert [(pair.first, pair.second) for pair in pairs] == [("x", "y"), ("x", "z"), ("y", "z")]
     for pair, (i, j) in zip(pairs, combinations(range(3), 2), strict=True):
-        other = stats.ttest_rel(scores[:, i], scores[:, j])
-        interval = other.confidence_interval(0.95)
-        assert (pair.t, pair.p, pair.df) == pytest.approx((other.statistic, other.pvalue, 11))
-        assert (pair.low, pair.high) == pytest.approx((interval.low, interval.high))
+        assert pair.p == pytest.approx(stats.ttest_rel(scores[:, i], scores[:, j]).pvalue)
         assert pair.d_z == pytest.approx(pair.t / 12**0.5)
     assert [pair.p_holm for pair in pairs] == pytest.approx(holm([pair.p for pair in pairs]))
 
