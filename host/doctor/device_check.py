@@ -7,6 +7,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.scene import Device
+from springpot.host.devices.device import requirements_of
 from springpot.host.devices.drivers import driver_of, parse_device
 from springpot.host.doctor.machine_check import Diagnosis
 from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows, empty_rows
@@ -14,7 +15,6 @@ from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import SessionRunner
-from springpot.host.session.session import requirements_of
 
 PUSH_N, PUSH_S = 1.0, 0.5
 _REST_S, _RISE_S = 1.0, 0.1

@@ -5,7 +5,7 @@ import resource
 import shutil
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from serial.tools import list_ports
 
@@ -32,9 +32,6 @@ class Diagnosis:
     found: bool
     seen: str
     do: str = ""
-
-    def as_dict(self) -> dict[str, object]:
-        return asdict(self)
 
 
 def examine() -> list[Diagnosis]:

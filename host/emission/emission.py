@@ -24,7 +24,7 @@ from springpot.host.emission.checksums import (
     require_replaceable,
     write_checksums,
 )
-from springpot.host.emission.result import Emission, budget_excess, budgeted_sizes, require_sizes
+from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import Footprint, measure_footprint
@@ -160,9 +160,7 @@ def _built(
         notices=tuple(notices),
     )
     budget = plan.scene.budget
-    if not accept_unmeasured:
-        require_sizes(emission, budget)
-    if over := budget_excess(emission, budget):
+    if over := over_budget(emission, budget, accept_unmeasured):
         raise BudgetError(over)
     unchecked = [
         f"not checked against the budget: {what}, at most {may} {unit}"

@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.plan.plan import Plan
-from springpot.host.metrics import SCORED_ABOVE_N
+from springpot.host.metrics import SCORED_ABOVE_N, floor_words
 from springpot.host.pages.page import plain
 from springpot.host.stability.check import Stability
 from springpot.host.stability.judgement import Grade, judged_cases
 from springpot.host.validation.error_parts import SpeedError
-from springpot.host.validation.error_ratios import floor_words
 from springpot.host.validation.relaxation import Hold, relaxed_share, settled_after_s
 
 _MOSTLY = 0.9  # of samples nearer than a hand can tell: good; below half: bad

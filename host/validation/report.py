@@ -13,7 +13,7 @@ from springpot.codegen.emit.single import SINGLE_EXAMPLE
 from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
-from springpot.host.metrics import start_up_ramp
+from springpot.host.metrics import JND_WORDS, floor_words, start_up_ramp
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.pages.page import page_text
@@ -22,7 +22,6 @@ from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section
 from springpot.host.validation import figures
 from springpot.host.validation.error_parts import errors_by_speed
-from springpot.host.validation.error_ratios import JND_WORDS, floor_words
 from springpot.host.validation.findings import (
     accuracy_findings,
     code_findings,

@@ -11,7 +11,7 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.progress import counted
-from springpot.host.console.options import NOT_NEGATIVE, FiniteRange
+from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
 from springpot.host.console.output import progress_bar, say
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.decimals import DecimalMark
@@ -41,9 +41,7 @@ AUTO_OR_N = _AutoOrNumber()
 
 
 @click.command("import")
-@click.argument(
-    "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
-)
+@click.argument("files", nargs=-1, required=True, type=PATH, metavar="FILE...")
 @click.option("--map", "map_text", metavar=EXAMPLE, help="COL: a header or a number from 1.")
 @click.option(
     "--zero",
@@ -54,7 +52,7 @@ AUTO_OR_N = _AutoOrNumber()
 )
 @click.option("--resample-hz", type=float, help="Interpolate to this rate.")
 @click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
-@click.option("--dbc", type=click.Path(path_type=Path), help="Database of a CAN log.")
+@click.option("--dbc", type=PATH, help="Database of a CAN log.")
 @click.option("--block", metavar="KIND", help="Mach-1: only such blocks, for instance Sinusoid.")
 @click.option(
     "--position-delay-s", type=FiniteRange(), default=0.0, help="Of the position's sensor."
@@ -71,7 +69,7 @@ AUTO_OR_N = _AutoOrNumber()
     metavar="auto|N",
     help="Put position 0 where force passes this; auto: just above the noise.",
 )
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
+@click.option("--out", required=True, type=PATH, help="Folder to write into.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def import_(
     files: tuple[Path, ...],

@@ -8,7 +8,7 @@ import click
 
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import POSITIVE, accept_edited_option
+from springpot.host.console.options import PATH, POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
 
@@ -17,13 +17,13 @@ from springpot.host.devices.device import RECONNECT_S
 @click.option(
     "--scene",
     "scene",
-    type=click.Path(path_type=Path),
+    type=PATH,
     required=True,
     help="Scene file, or a folder that `springpot emit` wrote.",
 )
 @click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
 @click.option("--seconds", type=POSITIVE, help="How long; by default until q or Ctrl-C.")
-@click.option("--log", type=click.Path(path_type=Path), help="File to write, ending in .h5.")
+@click.option("--log", type=PATH, help="File to write, ending in .h5.")
 @click.option("--max-force-n", type=POSITIVE, help="End the session beyond this force, N.")
 @click.option("--max-depth-mm", type=POSITIVE, help="End the session beyond this depth, mm.")
 @click.option(
