@@ -8,7 +8,7 @@ from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
-from springpot.host.devices.device import FORCE_ZERO, DeviceRequirements, at_most, too_weak
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice, at_most, too_weak
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.serial_port import require_fast_adapter
@@ -53,11 +53,8 @@ class Transmission:
         )
 
 
-class OdriveDevice:
+class OdriveDevice(OpenedDevice):
     """One axis: opened, its watchdog proved, in torque control."""
-
-    comes_back = True
-    unreached = FORCE_ZERO
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and arm it. Raises UsageError for a missing transmission, DeviceError otherwise."""
@@ -129,9 +126,6 @@ class OdriveDevice:
         while (frame := self.bus.receive(until_s)) is not None:
             estimates += frame[0] == identifier(self.node, ENCODER)
         return estimates
-
-    def rendering_board(self) -> None:
-        pass
 
     def stop(self) -> None:
         with contextlib.suppress(DeviceError):  # gone: its watchdog does it

@@ -35,7 +35,7 @@ _POLL_S, _AGAIN_S = 0.0005, 0.05
 
 
 class BoardLoop:
-    """Has the methods of a loop; the ticks are the board's."""
+    """Has the methods of CLoop; the ticks are the board's."""
 
     name = "board"
     no_sample_advice = "a board without a sensor is fed: add ?feed=RECORDING.h5 to its URL"

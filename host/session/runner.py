@@ -21,11 +21,10 @@ from springpot.host.native.loop_library import (
     empty_rows,
 )
 from springpot.host.session.board_loop import BoardLoop
-from springpot.host.session.c_loop import CLoop
+from springpot.host.session.c_loop import CLoop, StepFunctions
 from springpot.host.session.log import flight_seconds
-from springpot.host.session.loop import LinkCounts, Loop, LoopSettings, LoopState
+from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, fault_at_end, why_stopped
-from springpot.host.session.step_functions import StepFunctions
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02
@@ -245,7 +244,9 @@ class SessionRunner:
         self._loop.ask_stop()
 
 
-def _loop_for(device: OpenedDevice, steps: StepFunctions, settings: LoopSettings) -> Loop:
+def _loop_for(
+    device: OpenedDevice, steps: StepFunctions, settings: LoopSettings
+) -> CLoop | BoardLoop:
     """A board that renders keeps its own time."""
     board = device.rendering_board()
     if board is not None and settings.reversed:

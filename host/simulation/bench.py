@@ -11,8 +11,8 @@ from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import DeviceError
 from springpot.host.native.c_library import CLibrary, load
+from springpot.host.simulation.hand_loop import tool_device
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES, VARIANTS, SimulatedObject
-from springpot.host.simulation.tool_device import tool_device
 from springpot.runtime_c import paths
 
 MAX_COMMAND_N = 12.0

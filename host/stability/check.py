@@ -25,8 +25,7 @@ from springpot.host.stability.closed_loop import (
     run_closed_loop,
     stiff_plan,
 )
-from springpot.host.stability.device_advice import device_advice
-from springpot.host.stability.judgement import Grade, judge
+from springpot.host.stability.judgement import Grade, device_advice, judge
 from springpot.host.stability.small_signal import Map, small_signal_map
 
 

@@ -18,8 +18,7 @@ from springpot.host.simulation.hand_loop import Trace
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability, recommendation
 from springpot.host.stability.closed_loop import Losses, Outcome
-from springpot.host.stability.device_advice import device_advice
-from springpot.host.stability.judgement import Grade, judge, judged_cases
+from springpot.host.stability.judgement import Grade, device_advice, judge, judged_cases
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")
