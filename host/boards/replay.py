@@ -12,8 +12,8 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.device import requirements_of
 from springpot.host.devices.drivers import parse_device
+from springpot.host.devices.lines.wire import Frame, constant
 from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.devices.wire import Frame, constant
 from springpot.host.native.loop_library import IDLE, INPUT, RESET
 from springpot.host.native.replay import Replay
 

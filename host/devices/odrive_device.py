@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice, at_most, too_weak
+from springpot.host.devices.lines.can_bus import STUFFED_BITS, open_bus
+from springpot.host.devices.lines.serial_port import require_fast_adapter
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
 from springpot.host.devices.sample_rate import require_sample_rate
-from springpot.host.devices.serial_port import require_fast_adapter
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 
@@ -147,14 +147,11 @@ def require_fast_bus(url: str, bitrate: int, rate_hz: float) -> None:
 
 
 def _transmission(address: Address, requirements: DeviceRequirements) -> Transmission:
-    m_per_turn = address.number("m_per_turn", requirements.m_per_turn or 0.0, 0, 100)
-    max_torque_nm = address.number("max_torque_nm", requirements.max_torque_nm or 0.0, 0, 1e4)
-    nm_per_a = address.number("nm_per_a", requirements.nm_per_a or 0.0, 0, 1e4)
-    for key, value in (
-        ("m_per_turn", m_per_turn),
-        ("max_torque_nm", max_torque_nm),
-        ("nm_per_a", nm_per_a),
-    ):
+    stated = {
+        key: address.number(key, getattr(requirements, key) or 0.0, 0, most)
+        for key, most in (("m_per_turn", 100), ("max_torque_nm", 1e4), ("nm_per_a", 1e4))
+    }
+    for key, value in stated.items():
         if not value > 0:
             raise UsageError(
                 f"{address.url}: {key} is not known: set device.{key} in the scene, or ?{key}="
@@ -163,15 +160,13 @@ def _transmission(address: Address, requirements: DeviceRequirements) -> Transmi
     if sign not in (-1, 1):
         raise UsageError(f"{address.url}: sign={sign:g}: give 1 or -1")
     found = Transmission(
-        m_per_turn=m_per_turn,
+        **stated,
         sign=sign,
         zero_turns=address.number("zero_turns", requirements.zero_turns, -1e6, 1e6),
         surface_m=address.number("surface_mm", 1e3 * requirements.surface_m, -1e5, 1e5) / 1e3,
-        max_torque_nm=max_torque_nm,
-        nm_per_a=nm_per_a,
     )
     if found.max_n < requirements.max_n * (1 - 1e-6):
-        gives = f"{max_torque_nm:g} Nm give {at_most(found.max_n)} N"
+        gives = f"{found.max_torque_nm:g} Nm give {at_most(found.max_n)} N"
         other = ", or device.max_torque_nm"
         raise too_weak(address.url, gives, requirements, found.max_n, other)
     return found

@@ -10,10 +10,14 @@ import serial
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.device import ZERO_S, DeviceRequirements, OpenedDevice, too_weak
+from springpot.host.devices.lines.serial_port import (
+    open_port,
+    require_fast_adapter,
+    require_fast_line,
+)
+from springpot.host.devices.lines.wire import Frame, Receiver, Sender, constant, layout, messages
 from springpot.host.devices.sample_rate import require_sample_rate
-from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.url import Address
-from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
 from springpot.host.native.c_library import CLibrary
 
 BAUD = 921600

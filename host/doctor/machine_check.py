@@ -11,7 +11,7 @@ from serial.tools import list_ports
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.dhd import LIBRARY_VARIABLE, DhdLibrary, absent_reason
-from springpot.host.devices.serial_port import latency_timer
+from springpot.host.devices.lines.serial_port import latency_timer
 from springpot.host.native.compiler import (
     CompilerError,
     cache_folder,

@@ -17,8 +17,8 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.device import OpenedDevice
+from springpot.host.devices.lines.wire import Frame, constant
 from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.devices.wire import Frame, constant
 from springpot.host.native.loop_library import (
     COLUMN,
     COLUMNS,

@@ -22,7 +22,7 @@ from springpot.host.native.loop_library import (
 )
 from springpot.host.session.board_loop import BoardLoop
 from springpot.host.session.c_loop import CLoop, StepFunctions
-from springpot.host.session.log import flight_seconds
+from springpot.host.session.log import FLIGHT_S
 from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, fault_at_end, why_stopped
 from springpot.host.session.supervisor import DeviceSupervisor
@@ -190,7 +190,7 @@ class SessionRunner:
 
     def flight(self) -> LoopRows:
         """The last seconds of rows, after the end."""
-        return self._loop.flight(flight_seconds())
+        return self._loop.flight(FLIGHT_S)
 
     def lateness_s(self) -> Any:
         """Lateness of every tick, (n,)."""

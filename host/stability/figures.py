@@ -69,7 +69,7 @@ class CaseScale:
 def case_figures(outcomes: Sequence[Outcome], scale: CaseScale) -> list[str]:
     """One case: depth and force with the design hand, and the speed of every hand."""
     shown = next(item for item in outcomes if item.hand == DESIGN_HAND.name)
-    time_s = np.cumsum(shown.dt_s)
+    time_s = np.cumsum(shown.played.scenario.dt_s)
     step = stride(len(time_s), _POINTS)
 
     def depth(axes: Axes) -> None:
@@ -87,7 +87,7 @@ def case_figures(outcomes: Sequence[Outcome], scale: CaseScale) -> list[str]:
         names = [f"{item.hand}\n{item.delay_samples}" for item in outcomes]
         axes.bar(names, [1e3 * max(item.hf_speed_mps, _LEAST_MPS) for item in outcomes],
                  color=ERROR)  # fmt: skip
-        if shown.settled:
+        if shown.played.still:
             axes.axhline(1e3 * QUIET_MPS, color=PREDICTED, lw=1.0, ls="--")
         axes.set(xlabel="hand, samples of delay", ylabel="speed above 15 Hz, mm/s", yscale="log",
                  ylim=scale.speed_mmps)  # fmt: skip

@@ -45,11 +45,11 @@ class Judgement:
 
 def judge(outcome: Outcome) -> Judgement:
     """One outcome. Lost samples at four times the trained speed warn, and do not condemn."""
-    if not outcome.judged:
+    if not outcome.played.judged:
         return Judgement(outcome, Grade.UNJUDGED, "a session ends at such a rate of samples")
     lossy = outcome.losses is not None
     unbounded = not outcome.bounded
-    loud = outcome.quiet and outcome.hf_speed_mps > QUIET_MPS
+    loud = outcome.played.quiet and outcome.hf_speed_mps > QUIET_MPS
     kicks = outcome.losses is not None and outcome.losses.kicks
     unfaithful = not lossy and not outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT
     reasons = [
@@ -62,10 +62,10 @@ def judge(outcome: Outcome) -> Judgement:
         )
         if holds
     ]
-    bad = unbounded or (kicks and not outcome.beyond)
+    bad = unbounded or (kicks and not outcome.played.beyond)
     grade = Grade.BAD if bad else Grade.LOOK if reasons else Grade.GOOD
     if not reasons:
-        reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.quiet else [
+        reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.played.quiet else [
             "bounded"
         ]  # fmt: skip
     if outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT:

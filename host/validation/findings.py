@@ -91,7 +91,7 @@ def stability_finding(found: Stability) -> SceneFinding:
     """The verdict, with the gravest case first."""
     worst = judged_cases(found.outcomes)[0]
     grade = worst.grade if worst.grade in (Grade.LOOK, Grade.BAD) else Grade.GOOD
-    words = found.as_dict()["recommendation"]
+    words = found.recommendation
     if not found.check.stable:
         return SceneFinding("Stability", Grade.BAD, words, "do not render it; see [coupling]")
     if grade == Grade.GOOD:

@@ -50,7 +50,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
     inside, outside = checked.model_map.active(False), checked.model_map.active(True)
     judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.UNJUDGED]
     doubtful = [item for item in judged if item.grade != Grade.GOOD]
-    rows = {"verdict": found.as_dict()["recommendation"]}
+    rows = {"verdict": found.recommendation}
     for item in doubtful:
         rows[f"{item.grade.word}: {_named(item.outcome)}"] = (
             f"{item.words}; {_figures(item.outcome)}"

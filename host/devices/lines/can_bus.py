@@ -10,8 +10,8 @@ import time
 import serial
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.can_bridge import FRAME, REMOTE, STANDARD, CanBridge
-from springpot.host.devices.serial_port import open_port
+from springpot.host.devices.lines.can_bridge import FRAME, REMOTE, STANDARD, CanBridge
+from springpot.host.devices.lines.serial_port import open_port
 from springpot.host.devices.url import Address
 
 BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
