@@ -39,7 +39,7 @@ class Replay:
 
     def __init__(self, library: SceneLibrary) -> None:
         self._library = library
-        self._port = load_port("float" if library.dtype is np.float32 else "double")
+        self._port = load_port(library.real)
         self._step = self._port.pointer(library.address("step"))
 
     @property

@@ -1,10 +1,8 @@
 """The loop in C, the thread of runtime_c/port/posix, and the functions that it calls each tick."""
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
-
-import numpy as np
 
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.reference.notes import LATCHED
@@ -36,8 +34,8 @@ def scene_step_functions(scene: SceneLibrary) -> StepFunctions:
     """A fresh state of a scene."""
     state = scene.new_state()
     step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
-    library = loop_library("float" if scene.dtype is np.float32 else "double")
-    return StepFunctions(library, step, idle, reset, state.address, kept=(scene, state))
+    kept = (scene, state)
+    return StepFunctions(loop_library(scene.real), step, idle, reset, state.address, kept=kept)
 
 
 class CLoop:
@@ -64,7 +62,8 @@ class CLoop:
 
     def start(self, device: OpenedDevice) -> None:
         """Start the thread. Raises DeviceError where the system gives none."""
-        steps, settings = self._steps, self._settings
+        steps, stated = self._steps, asdict(self._settings)
+        real_time = stated.pop("real_time")
         pointer = self._library.pointer
         config = self._ffi.new(
             "sp_loop_config *",
@@ -74,14 +73,9 @@ class CLoop:
                 "reset": pointer(steps.reset),
                 "state": pointer(steps.state),
                 "measured_n": self._ffi.cast("double *", steps.measured_n),
-                "period_s": settings.period_s,
-                "seconds": settings.seconds,
-                "max_force_n": settings.max_force_n,
-                "max_depth_m": settings.max_depth_m,
+                **stated,
                 "latched_note": LATCHED,
-                "reversed": int(settings.reversed),
-                "sensed": int(settings.sensed),
-                "priority": _PRIORITY if settings.real_time else 0,
+                "priority": _PRIORITY if real_time else 0,
                 "cpu": _spare_cpu(),
                 "rows": self._rows(self._ring),
                 "capacity": len(self._ring),

@@ -86,15 +86,8 @@ def _stopped(what: str) -> tuple[str, SpringpotError]:
 
 def granted(loop_name: str, got: int) -> str:
     """What the system granted a C loop; got: SP_GOT_ bits."""
-    named = [
-        name
-        for bit, name in (
-            (GOT_LOCKED, "memory locked"),
-            (GOT_CPU, "own CPU"),
-            (GOT_SLACK, "1 ns timer slack"),
-        )
-        if got & bit
-    ]
+    words = {GOT_LOCKED: "memory locked", GOT_CPU: "own CPU", GOT_SLACK: "1 ns timer slack"}
+    named = [name for bit, name in words.items() if got & bit]
     policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
     return ", ".join([loop_name, policy, *named])
 

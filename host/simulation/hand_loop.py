@@ -80,9 +80,7 @@ class HandLoop:
     def __init__(self, scene: SceneLibrary | LoopCalls, real: str = "") -> None:
         """real: "float" or "double", where `scene` does not say it."""
         self._scene_of = scene
-        if isinstance(scene, SceneLibrary):
-            real = "float" if scene.dtype is np.float32 else "double"
-        self._port = _load(real)
+        self._port = _load(scene.real if isinstance(scene, SceneLibrary) else real)
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
         """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
@@ -98,14 +96,10 @@ class HandLoop:
         inputs["dropped"] = array(dropped)
         outputs = {name: array(value) for name, value in trace.items()}
         outputs["notes"] = array(notes)
+        given = new("sp_closed_loop_scenario *", inputs)
+        traced = new("sp_closed_loop_trace *", outputs)
         tool = self._tool(operator, start_m)
-        not_finite = self._port.c.sp_closed_loop_run(
-            scene,
-            tool,
-            n,
-            new("sp_closed_loop_scenario *", inputs),
-            new("sp_closed_loop_trace *", outputs),
-        )
+        not_finite = self._port.c.sp_closed_loop_run(scene, tool, n, given, traced)
         _check(not_finite)
         del held
         late = operator.device.delay_samples

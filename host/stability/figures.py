@@ -20,11 +20,6 @@ _DARK = 0.6  # of the colour scale: text in darker cells is white
 _LEAST_MPS = 1e-5
 
 
-def map_scale(*maps: Map) -> float:
-    """What the colours of all these maps end at, either way."""
-    return max(0.05, *(float(np.abs(found.sin_delta).max()) for found in maps))
-
-
 def map_figure(found: Map, title: str, most: float) -> str:
     """sin(delta) of every cell, coloured from -most to most; those that give energy are bold."""
     with mpl.rc_context(STYLE):

@@ -90,7 +90,9 @@ def write_report(folder: Path) -> Path:
         **stability_section(checked),
     }
     path = folder / _REPORT_NAME
-    write_file(path, page_text("report.html", context, angle=_angle).encode())
+    # angle: loss angle of a complex stiffness, degrees.
+    text = page_text("report.html", context, angle=lambda it: f"{np.degrees(np.angle(it)):.1f}")
+    write_file(path, text.encode())
     return path
 
 
@@ -103,11 +105,6 @@ def _ramps(plan: Plan, library: SceneLibrary, series: Sequence[Series]) -> list[
         notes = replay.run(position, backward_velocity(position, plan.dt_s))[1]
         found.append(start_up_ramp(notes))
     return found
-
-
-def _angle(swing: complex) -> str:
-    """Loss angle of a complex stiffness, degrees."""
-    return f"{np.degrees(np.angle(swing)):.1f}"
 
 
 def by_hand(folder: Path) -> str:

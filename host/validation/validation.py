@@ -162,6 +162,12 @@ def _validated(
     )
 
 
+def is_log_of(recording: Recording, scene_hash: str) -> bool:
+    """Whether a recording is the log of a session of that scene."""
+    session = recording.details.get("session")
+    return bool(session and recording.channels and session["hash"] == scene_hash)
+
+
 def repeat_session(
     replay: Replay, recording: Recording, scene_hash: str
 ) -> tuple[NDArray[Any], int] | None:
@@ -169,14 +175,12 @@ def repeat_session(
 
     None for what is no log of this scene.
     """
-    session = recording.details.get("session")
-    if session is None or not recording.channels:
-        return None
-    if session["hash"] != scene_hash:
-        notice(
-            f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces are "
-            "compared as a recording's"
-        )
+    if not is_log_of(recording, scene_hash):
+        if recording.channels and (session := recording.details.get("session")):
+            notice(
+                f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces "
+                "are compared as a recording's"
+            )
         return None
     channels, call = recording.channels, recording.channels["call"].astype(int)
     force, notes = replay.repeat(channels)

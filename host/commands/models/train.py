@@ -122,7 +122,12 @@ def train(
     as_json: bool,
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
-    _require_model_name(out)
+    from springpot.codegen.model.model_file import MODEL_SUFFIX
+
+    if out.suffix != MODEL_SUFFIX:
+        raise UsageError(
+            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
+        )
     from springpot.host.commands.models.fit_result import errors, training_result, training_rows
     from springpot.host.console.quality import report_quality
     from springpot.host.recording.next_protocol import require_surface
@@ -150,15 +155,6 @@ def train(
     rows = training_rows(fit, out, result, found, len(testing))
     result["next_presses"], rows["record next"] = _next_presses(training, fit, next_file)
     print_result(result, as_json, rows)
-
-
-def _require_model_name(out: Path) -> None:
-    from springpot.codegen.model.model_file import MODEL_SUFFIX
-
-    if out.suffix != MODEL_SUFFIX:
-        raise UsageError(
-            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
-        )
 
 
 def _next_presses(

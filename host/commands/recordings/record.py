@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,8 +90,10 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3)
     profiles = load_protocol(protocol, seed)
     total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
+    measured = sensor_url is not None
+    open_sensor: Any = required_part("force-sensor", "--force") if measured else nullcontext
     with (
-        nullcontext() if sensor_url is None else _sensor(sensor_url) as pressing,
+        open_sensor(sensor_url) as pressing,
         progress,
         stopping_on_sigterm(),
     ):
@@ -105,11 +107,6 @@ def record(
         print_json({"out": out, "recordings": qualities, "duration_s": duration_s})
     else:
         _print(qualities)
-
-
-def _sensor(url: str) -> AbstractContextManager[Any]:
-    opened: AbstractContextManager[Any] = required_part("force-sensor", "--force")(url)
-    return opened
 
 
 def _print(qualities: Sequence[PressQuality]) -> None:

@@ -1,6 +1,6 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -63,9 +63,11 @@ def run(
         if line != session.line:  # why it ended is printed once: in the table, or as the error
             _say_above(line)
 
+    # A page's `append` takes rows, `actions` are its buttons, `end` takes the last line.
+    open_page = required_part("session-page", "--page") if with_page else lambda *_: nullcontext()
     with (
         emitted_folder(scene) as folder,
-        _page(folder, accept_edited) if with_page else nullcontext() as page,
+        open_page(folder, accept_edited, _say_above) as page,
         stopping_on_sigterm(),
     ):
         session = Session(
@@ -99,14 +101,6 @@ def run(
     print_result(result, as_json, rows)
     if session.error is not None:
         raise session.error
-
-
-def _page(folder: Path, accept_edited: bool) -> AbstractContextManager[Any]:
-    """Open the session's page; `append` takes rows, `actions` its buttons, `end` the last line."""
-    opened: AbstractContextManager[Any] = required_part("session-page", "--page")(
-        folder, accept_edited, _say_above
-    )
-    return opened
 
 
 def _alarm(line: str, begins: bool) -> None:

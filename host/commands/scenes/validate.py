@@ -13,7 +13,6 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 
 if TYPE_CHECKING:
     from springpot.host.validation.validation import Validation
-    from springpot.trainer.recordings.recording import Recording
 
 
 @click.command(name="validate")
@@ -37,23 +36,18 @@ def validate_(
 ) -> None:
     """Replay recordings through the C of an emitted FOLDER."""
     from springpot.host.validation.store import store_validation
-    from springpot.host.validation.validation import fail_on_mismatch, validate
+    from springpot.host.validation.validation import fail_on_mismatch, is_log_of, validate
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, recordings))
     with progress_bar(f"{len(found)} recordings"):
         validation = validate(folder, found, device=url, accept_edited=accept_edited)
-    felt = [recording.name for recording in found if is_session_log(recording, validation)]
+    scene_hash = validation.manifest["hash"]
+    felt = [recording.name for recording in found if is_log_of(recording, scene_hash)]
     if len(felt) < len(found):  # a log says nothing of the object: the page keeps what does
         store_validation(folder, validation, found)
     print_result(validation.as_dict(), as_json, validation_rows(validation, felt))
     fail_on_mismatch(folder, validation)
-
-
-def is_session_log(recording: Recording, validation: Validation) -> bool:
-    """Whether a recording is the log of a session of this scene, whose calls were made again."""
-    session = recording.details.get("session")
-    return bool(session and recording.channels and session["hash"] == validation.manifest["hash"])
 
 
 def validation_rows(validation: Validation, felt: Sequence[str] = ()) -> dict[str, str]:
