@@ -30,18 +30,18 @@ class LazyCommand:
         return command
 
     def line(self) -> str:
-        """Return the short help, out of the function's source where it is not given: importing a
-        command is what a list of all avoids."""
+        """Return the short help; if none was given, out of the source, importing nothing."""
         if self.short_help:
             return self.short_help
         module, _, name = self.path.partition(":")
-        loaded = module
-        while loaded not in sys.modules:
-            loaded = loaded.rpartition(".")[0]
-        below = module.removeprefix(loaded).strip(".").replace(".", "/")
-        source = (files(loaded) / f"{below}.py").read_text(encoding="utf-8")
-        found = re.search(rf'^def {name}\(.*?^    """(.*?)(?:"""|$)', source, re.M | re.S)
-        return found[1] if found else ""
+        package = module.rpartition(".")[0]
+        while package and package not in sys.modules:
+            package = package.rpartition(".")[0]
+        below = module.removeprefix(package).strip(".").replace(".", "/")
+        source = files(package or __package__) / f"{below}.py"
+        text = source.read_text(encoding="utf-8") if source.is_file() else ""
+        found = re.search(rf'^def {name}\(.*?^    """(.*?)(?:"""|$)', text, re.M | re.S)
+        return found[1] if found else self.load().get_short_help_str(80)
 
 
 class LazyGroup(click.Group):

@@ -230,18 +230,17 @@ class DhdDevice(OpenedDevice):
         self._enable_force()
 
     def _position_m(self) -> list[float]:
-        place = [self._sdk.ffi.new("double *") for _ in range(3)]
-        if self._sdk.c.dhdGetPosition(*place, self.id) < 0:
+        place = self._sdk.ffi.new("double[3]")
+        if self._sdk.c.dhdGetPosition(place, place + 1, place + 2, self.id) < 0:
             raise self._sdk.error("gives no position", "check cable and power")
-        return [float(one[0]) for one in place]
+        return list(place)
 
     def _positions_until(self, until_s: float) -> int:
         """How many new positions come; forces of zero keep its watchdog quiet."""
-        place = [self._sdk.ffi.new("double *") for _ in range(3)]
-        count = 0
+        place, count = self._sdk.ffi.new("double[3]"), 0
         period_s = 0.5 / self._required.rate_hz
         while time.monotonic() < until_s:
-            count += self._sdk.c.dhdGetPosition(*place, self.id) == 0
+            count += self._sdk.c.dhdGetPosition(place, place + 1, place + 2, self.id) == 0
             with contextlib.suppress(DeviceError):
                 self._call("dhdSetForce", 0.0, 0.0, 0.0)
             time.sleep(period_s)

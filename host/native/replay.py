@@ -46,9 +46,15 @@ class Replay:
     def dtype(self) -> type[Any]:
         return self._library.dtype
 
-    def run(self, position_m: Reals, velocity_mps: Reals) -> tuple[Reals, Reals]:
-        """Forces (N) and notes of each tick from a fresh state; shapes (n,)."""
-        position, velocity = self._converted(position_m), self._converted(velocity_mps)
+    def run(self, position_m: Reals, velocity_mps: Reals | None = None) -> tuple[Reals, Reals]:
+        """Forces (N) and notes of each tick from a fresh state; shapes (n,).
+
+        velocity_mps: by default backward differences of the positions.
+        """
+        position = self._converted(position_m)
+        if velocity_mps is None:
+            velocity_mps = backward_velocity(position, self._library.manifest["dt_s"])
+        velocity = self._converted(velocity_mps)
         force = np.empty_like(position)
         notes = np.empty(len(position), dtype=np.int32)
         state = self._library.new_state()

@@ -21,7 +21,7 @@ from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings, LoopState
-from springpot.host.session.outcome import BY_USER, expected_ticks, spread_us, steal_ms
+from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
 from springpot.host.session.runner import RowTaker, SessionRunner
 from springpot.trainer.recordings.journal_reader import MIN_SAMPLES
 from springpot.trainer.recordings.recording import Zero
@@ -157,8 +157,7 @@ class Session:
             **{name: getattr(state, name) for name in _OF_LOOP},
             **{name: getattr(counts, name) for name in _OF_LINKS},
             "expected_ticks": expected_ticks(state, self._settings),
-            "lateness_us": spread_us(run.lateness_s()),
-            "tick_us": spread_us(run.ticks_s()),
+            **run.spreads_us(),
             "steal_ms": steal_ms() - self._steal_ms,
             "stale_samples": state.stale,
             "unused_samples": state.unused,

@@ -18,11 +18,8 @@ def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
     return {
         "model": model.kind,
         "seed": options.seed,
-        "rows": fit.rows,
         "rows_total": model.provenance["rows_total"],
-        "feature_s": fit.feature_s,
-        "fit_s": fit.fit_s,
-        "search_s": fit.search_s,
+        **{name: getattr(fit, name) for name in ("rows", "feature_s", "fit_s", "search_s")},
         "orders": list(model.orders),
         "window_s": model.memory_s,
         "engine": model.engine,

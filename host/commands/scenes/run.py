@@ -48,7 +48,10 @@ def run(
     accept_edited: bool,
     as_json: bool,
 ) -> None:
-    """Render a scene on a device. Keys: q stop, p pause, r reset; Ctrl-C stops too."""
+    """Render a scene on a device.
+
+    Keys: q stop, p pause, r reset; Ctrl-C stops too.
+    """
     from springpot.host.emission.folder import emitted_folder
     from springpot.host.session.session import Session
     from springpot.host.session.terminal import stopping_on_sigterm, watch
