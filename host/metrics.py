@@ -1,7 +1,8 @@
-"""Figures of a prediction against a measurement."""
+"""Figures of a prediction against a measurement, beside what no model and no hand can tell."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,11 +10,16 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.reference.notes import RAMPED
+from springpot.trainer.recordings.quality.noise_floor import NoiseFloor
 
 # Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
 # drawn, not scored.
 WEBER_FRACTION = 0.10
 SCORED_ABOVE_N = 2.0
+JND_WORDS = (
+    f"a hand can tell {100 * WEBER_FRACTION:g} % of the force from {SCORED_ABOVE_N:g} N on, "
+    f"{WEBER_FRACTION * SCORED_ABOVE_N:g} N below"
+)
 _BOOTSTRAPS = 2000
 
 
@@ -84,6 +90,41 @@ def accuracy(
         ape_below_jnd=_below_jnd(measured, error),
         error_per_jnd=rms(error / just_noticeable_n(measured)),
     )
+
+
+def error_ratios(found: Accuracy, floor: NoiseFloor) -> dict[str, Any]:
+    """JSON keys: the floor and what it is from, the RMSE over it, the error over the JND."""
+    per_floor = found.rmse_n / floor.rms_n if floor.rms_n else None
+    return floor_keys(floor) | {
+        "error_per_floor": per_floor,
+        "error_per_jnd": found.error_per_jnd,
+    }
+
+
+def floor_keys(floor: NoiseFloor) -> dict[str, Any]:
+    """JSON keys of a floor alone."""
+    return {
+        "noise_floor_n": floor.rms_n,
+        "noise_floor_from": floor.source,
+        "noise_floor": floor.words,
+    }
+
+
+def floor_words(floor: dict[str, Any]) -> str:
+    """A floor in a person's words. floor: of `floor_keys`."""
+    floor_n, words = floor["noise_floor_n"], floor["noise_floor"]
+    if floor_n is None:
+        return f"not known: {words}"
+    return f"{floor_n:.3g} N, {words}" if floor_n else f"0 N, {words}: no ratio"
+
+
+def ratio_rows(ratios: dict[str, Any]) -> dict[str, str]:
+    """Two rows under an error."""
+    words, ratio = floor_words(ratios), ratios["error_per_floor"]
+    return {
+        "error / noise floor": words if ratio is None else f"{ratio:.3g} (floor {words})",
+        "error / JND": f"{ratios['error_per_jnd']:.3g}, rms ({JND_WORDS})",
+    }
 
 
 def rms(values: Samples) -> float:

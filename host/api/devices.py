@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.host.devices.can_bridge import python_can_bus as python_can_bus
     from springpot.host.devices.device import DeviceRequirements as DeviceRequirements
     from springpot.host.devices.device import OpenedDevice as OpenedDevice
     from springpot.host.devices.device import VirtualDevice as VirtualDevice
-    from springpot.host.devices.driver import Driver as Driver
+    from springpot.host.devices.drivers import Driver as Driver
     from springpot.host.devices.drivers import (
         driver_of as driver_of,
     )
@@ -25,6 +24,9 @@ if TYPE_CHECKING:
     from springpot.host.devices.drivers import (
         parse_device as parse_device,
     )
+    from springpot.host.devices.lines.can_bridge import python_can_bus as python_can_bus
+    from springpot.host.devices.lines.wire import Sender as Sender
+    from springpot.host.devices.lines.wire import constant as constant
     from springpot.host.devices.serial_device import BAUD as BAUD
     from springpot.host.devices.serial_device import SerialDevice as SerialDevice
     from springpot.host.devices.url import (
@@ -33,8 +35,6 @@ if TYPE_CHECKING:
     from springpot.host.devices.url import (
         parse_address as parse_address,
     )
-    from springpot.host.devices.wire import Sender as Sender
-    from springpot.host.devices.wire import constant as constant
     from springpot.host.recording.indentation import (
         OPEN_LOOP as OPEN_LOOP,
     )

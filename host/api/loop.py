@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from springpot.host.devices.device import requirements_of as requirements_of
     from springpot.host.native.loop_library import (
         COLUMN as COLUMN,
     )
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from springpot.host.native.loop_library import (
         loop_library as loop_library,
     )
+    from springpot.host.session.c_loop import StepFunctions as StepFunctions
     from springpot.host.session.log import SessionLog as SessionLog
     from springpot.host.session.loop import LoopSettings as LoopSettings
     from springpot.host.session.note_words import NOTE_WORDS as NOTE_WORDS
@@ -44,7 +46,5 @@ if TYPE_CHECKING:
     from springpot.host.session.runner import (
         SessionRunner as SessionRunner,
     )
-    from springpot.host.session.session import requirements_of as requirements_of
-    from springpot.host.session.step_functions import StepFunctions as StepFunctions
 else:
     __getattr__, __all__ = lazy_names(__name__, __file__)

@@ -1,12 +1,14 @@
 """One call for each step of the job: record, train, predict, emit, validate, stability."""
 
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
     from springpot.host.stability.check import Stability
     from springpot.host.validation.validation import Validation
-    from springpot.trainer.models.fit import Fit
+    from springpot.trainer.models.fit import Fit, FitOptions
 
 
 def record(
@@ -65,10 +67,9 @@ def train(
     trusted or do not fit together.
     """
     from springpot.host.console.quality import report_quality
-    from springpot.host.validation.training import fit_options
     from springpot.trainer.kinds import fit_model
 
-    checked, training = fit_options(options), _some(recordings)
+    checked, training = _fit_options(options), _some(recordings)
     report_quality(training)
     return fit_model(kind, name or kind, training, checked, list(validation))
 
@@ -143,6 +144,21 @@ def stability(
 
     stated, chosen = _resolved(scene, model)
     return check(make_plan(chosen, stated, accept_unsafe=True))
+
+
+def _fit_options(options: Mapping[str, Any]) -> "FitOptions":
+    """Fields of FitOptions, checked. Raises UsageError naming one that is not as it must be."""
+    from springpot.trainer.models.fit import FitOptions
+
+    known = [field.name for field in fields(FitOptions)]
+    if unknown := options.keys() - set(known):
+        raise UsageError(f"no option {min(unknown)!r}: known are {', '.join(known)}")
+    try:
+        return TypeAdapter(FitOptions).validate_python(options)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        raise UsageError(f"option {key}: {first['msg']} (found {first['input']!r})") from None
 
 
 def _some(recordings: Iterable[Recording]) -> list[Recording]:

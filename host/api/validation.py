@@ -12,25 +12,25 @@ from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from springpot.host.metrics import (
+        JND_WORDS as JND_WORDS,
+    )
+    from springpot.host.metrics import (
         SCORED_ABOVE_N as SCORED_ABOVE_N,
     )
     from springpot.host.metrics import (
         WEBER_FRACTION as WEBER_FRACTION,
     )
     from springpot.host.metrics import (
+        floor_keys as floor_keys,
+    )
+    from springpot.host.metrics import (
+        floor_words as floor_words,
+    )
+    from springpot.host.metrics import (
         just_noticeable_percent as just_noticeable_percent,
     )
     from springpot.host.metrics import (
         rms as rms,
-    )
-    from springpot.host.validation.error_ratios import (
-        JND_WORDS as JND_WORDS,
-    )
-    from springpot.host.validation.error_ratios import (
-        floor_keys as floor_keys,
-    )
-    from springpot.host.validation.error_ratios import (
-        floor_words as floor_words,
     )
     from springpot.host.validation.seen import known_among as known_among
     from springpot.host.validation.seen import seen_line as seen_line

@@ -10,12 +10,12 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import LATCHED
+from springpot.host.devices.device import requirements_of
 from springpot.host.devices.drivers import parse_device
+from springpot.host.devices.lines.wire import Frame, constant
 from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.devices.wire import Frame, constant
 from springpot.host.native.loop_library import IDLE, INPUT, RESET
 from springpot.host.native.replay import Replay
-from springpot.host.session.session import requirements_of
 
 _ANSWER_S = 1.0
 _POLL_S = 0.0001

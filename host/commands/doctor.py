@@ -1,17 +1,13 @@
 """`springpot doctor`."""
 
-import json
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
 
-from springpot.host.console.output import json_option
+from springpot.host.console.options import PATH
+from springpot.host.console.output import json_option, print_json, print_table
 
 if TYPE_CHECKING:
     from springpot.host.doctor.machine_check import Diagnosis
@@ -19,9 +15,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.option("--device", "url", help="Examine this device in place of the machine.")
-@click.option(
-    "--scene", type=click.Path(path_type=Path), help="Whose [device] says what the device is."
-)
+@click.option("--scene", type=PATH, help="Whose [device] says what the device is.")
 @click.option("--yes", is_flag=True, help="The device may push with one newton for half a second.")
 @json_option
 def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> None:
@@ -38,9 +32,10 @@ def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> Non
         findings = _device_findings(url, scene, yes)
         essential, status = "reached and armed", 5
     if as_json:
-        click.echo(json.dumps({"findings": [finding.as_dict() for finding in findings]}))
+        print_json({"findings": findings})
     else:
-        _print(findings)
+        rows = [(item.what, "ok" if item.found else "--", item.seen, item.do) for item in findings]
+        print_table(("what", "", "seen", "what to do"), rows)
     if not next(finding for finding in findings if finding.what == essential).found:
         sys.exit(status)
     if url is not None and not all(finding.found for finding in findings):
@@ -60,13 +55,3 @@ def _device_findings(url: str, scene: Path | None, yes: bool) -> "list[Diagnosis
         )
     )
     return check_device(url, keys, push=push)
-
-
-def _print(findings: "Sequence[Diagnosis]") -> None:
-    table = Table("what", "", box=None, pad_edge=False)
-    for column in ("seen", "what to do"):
-        table.add_column(column, overflow="fold")  # paths are whole
-    for finding in findings:
-        cells = (finding.what, "ok" if finding.found else "--", finding.seen, finding.do)
-        table.add_row(*map(Text, cells))  # text as it is: [cc] is no markup
-    Console(file=sys.stdout).print(table)

@@ -2,9 +2,12 @@
 
 import difflib
 import importlib
+import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.resources import files
 from typing import Any
 
 import click
@@ -13,10 +16,10 @@ from click.shell_completion import CompletionItem
 
 @dataclass(frozen=True)
 class LazyCommand:
-    """path: "module:object". short_help: the first line of its own help. place: in lists."""
+    """path: "module:function". place: in lists. short_help: else the first line of its help."""
 
     path: str
-    short_help: str
+    short_help: str = ""
     place: int = 100
 
     def load(self) -> click.Command:
@@ -25,6 +28,20 @@ class LazyCommand:
         command = getattr(importlib.import_module(module), name)
         assert isinstance(command, click.Command)
         return command
+
+    def line(self) -> str:
+        """Return the short help; if none was given, out of the source, importing nothing."""
+        if self.short_help:
+            return self.short_help
+        module, _, name = self.path.partition(":")
+        package = module.rpartition(".")[0]
+        while package and package not in sys.modules:
+            package = package.rpartition(".")[0]
+        below = module.removeprefix(package).strip(".").replace(".", "/")
+        source = files(package or __package__) / f"{below}.py"
+        text = source.read_text(encoding="utf-8") if source.is_file() else ""
+        found = re.search(rf'^def {name}\(.*?^    """(.*?)(?:"""|$)', text, re.M | re.S)
+        return found[1] if found else self.load().get_short_help_str(80)
 
 
 class LazyGroup(click.Group):
@@ -77,6 +94,6 @@ class LazyGroup(click.Group):
 
     def _short_helps(self) -> list[tuple[str, str]]:
         return [
-            (name, one.short_help if isinstance(one, LazyCommand) else one.get_short_help_str(80))
+            (name, one.line() if isinstance(one, LazyCommand) else one.get_short_help_str(80))
             for name, one in self._lazy.items()
         ]

@@ -1,6 +1,7 @@
 """Types of command-line options that click does not bring."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import click
@@ -35,6 +36,7 @@ class Percent(click.ParamType[float]):
         return share
 
 
+PATH = click.Path(path_type=Path)
 SEED = click.IntRange(0, 2**32 - 1)
 POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)

@@ -3,8 +3,10 @@
 import json
 import logging
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from pathlib import Path
 from typing import Any
 
 import click
@@ -65,12 +67,42 @@ def progress_bar(text: str) -> Iterator[Progress]:
 def print_result(result: Mapping[str, Any], as_json: bool, rows: Mapping[str, str]) -> None:
     """Print `result` as JSON, or `rows` as a table of two columns."""
     if as_json:
-        click.echo(json.dumps(result, allow_nan=False))
-        return
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for name, value in rows.items():
-        table.add_row(Text(name), Text(value, overflow="fold"))
-    Console(file=sys.stdout).print(table)
+        print_json(result)
+    else:
+        print_table(("", ""), rows.items(), header=False)
+
+
+def print_json(result: Mapping[str, Any]) -> None:
+    """Print one JSON object; a dataclass in it is an object of its fields, a path is text."""
+    click.echo(json.dumps(result, allow_nan=False, default=shown_fields))
+
+
+def shown_fields(value: Any) -> Any:
+    """Return the fields of a dataclass that its repr shows, by name; a path as text."""
+    if is_dataclass(value):
+        return {item.name: getattr(value, item.name) for item in fields(value) if item.repr}
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"{value!r} is no JSON value")
+
+
+def print_table(
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    header: bool = True,
+    numbers: bool = False,
+    width: int | None = None,
+) -> None:
+    """Print a table for people; cells are whole. numbers: columns after the first align right."""
+    table = Table(show_header=header, box=None, pad_edge=False)
+    for place, name in enumerate(columns):
+        table.add_column(
+            Text(name), justify="right" if numbers and place else "left", overflow="fold"
+        )
+    for row in rows:
+        table.add_row(*map(Text, row))  # text as it is: [cc] is no markup
+    Console(file=sys.stdout, width=width).print(table)
 
 
 def paths_argument(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:

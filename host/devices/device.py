@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from springpot.codegen.errors import DeviceError
+from springpot.codegen.scene import Device
 
 if TYPE_CHECKING:
     from springpot.host.devices.serial_device import SerialDevice
@@ -54,6 +55,13 @@ class DeviceRequirements:
     weight_n: float = 0.0
 
 
+def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
+    """What the scene's [device] says, with what the scene itself wants."""
+    known = DeviceRequirements.__dataclass_fields__
+    stated = {name: value for name, value in vars(keys).items() if name in known}
+    return DeviceRequirements(surface_m=1e-3 * keys.surface_mm, **stated, **requirements)
+
+
 def too_weak(
     url: str, gives: str, required: DeviceRequirements, max_n: float, other: str = ""
 ) -> DeviceError:
@@ -70,48 +78,34 @@ def too_weak(
     return DeviceError(f"{url}: {gives} and the {who} up to {required.max_n:g} N: {setting}{other}")
 
 
-class VirtualDevice:
-    """Base of devices without hardware, which need only `__init__` and `link`."""
-
-    comes_back = False
-    unreached = FORCE_ZERO
-    rate_advice = failure = ""
-    max_n: float | None = None
-
-    def rendering_board(self) -> None:
-        """Return None: no board renders here."""
-
-    def stop(self) -> None:
-        """End nothing: there is no motor."""
-
-    def close(self) -> None:
-        """Close nothing."""
-
-
 class OpenedDevice(Protocol):
-    """A device that was opened, checked and started: it sends samples and takes forces."""
+    """A device that was opened, checked and started: it sends samples and takes forces.
 
-    comes_back: bool  # can be unplugged and plugged in again
+    comes_back: it can be unplugged and plugged in again. A driver's class may inherit what it does
+    not say otherwise.
+    """
+
+    comes_back: bool = True
 
     @property
     def unreached(self) -> str:
         """What its force does where this host cannot reach it any more."""
-        ...
+        return FORCE_ZERO
 
     @property
     def max_n(self) -> float | None:
         """The largest force that it promises; None where it says nothing."""
-        ...
+        return None
 
     @property
     def rate_advice(self) -> str:
         """What to do where it sends fewer samples than the scene wants."""
-        ...
+        return ""
 
     @property
     def failure(self) -> str:
         """Why it is gone or off, where something below it says so; or empty."""
-        ...
+        return ""
 
     def link(self, library: "CLibrary") -> Any:
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
@@ -119,10 +113,23 @@ class OpenedDevice(Protocol):
 
     def rendering_board(self) -> "SerialDevice | None":
         """The board, where it renders the scene itself and no loop runs here; else None."""
-        ...
+        return None
 
     def stop(self) -> None:
         """After the loop: no force, acknowledged where the device can. Raises nothing."""
         ...
 
     def close(self) -> None: ...
+
+
+class VirtualDevice(OpenedDevice):
+    """Base of devices without hardware, which need only `__init__` and `link`."""
+
+    comes_back = False
+    max_n: float | None = None
+
+    def stop(self) -> None:
+        """End nothing: there is no motor."""
+
+    def close(self) -> None:
+        """Close nothing."""

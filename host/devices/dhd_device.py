@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.device import FORCE_ZERO, ZERO_S, DeviceRequirements
+from springpot.host.devices.device import FORCE_ZERO, ZERO_S, DeviceRequirements, OpenedDevice
 from springpot.host.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
 from springpot.host.devices.sample_rate import require_sample_rate
 from springpot.host.devices.url import Address
@@ -35,11 +35,12 @@ _MAX_WALL_NPM = 5000.0
 _GRAVITY_N = 5.0  # room for its gravity compensation, should the SDK's limit hold that too
 
 
-class DhdDevice:
-    """One device, its tool on a line along one axis; forces on, none given yet."""
+class DhdDevice(OpenedDevice):
+    """One device, its tool on a line along one axis; forces on, none given yet.
 
-    comes_back = True
-    max_n = None  # the SDK does not say
+    max_n is None: the SDK does not say.
+    """
+
     rate_advice = (
         "end other programs, plug it into a port of its own, or render a scene of its rate "
         "([runtime] rate_hz, where the model allows it)"
@@ -91,9 +92,10 @@ class DhdDevice:
     def link(self, library: CLibrary) -> Any:
         ffi, sdk = library.ffi, self._sdk
         address = self._address
+        members = dict(ffi.typeof("sp_dhd").fields)
         functions = {
             member: ffi.cast(
-                ffi.typeof("sp_dhd").fields[_place(ffi, member)][1].type,
+                members[member].type,
                 int(sdk.ffi.cast("uintptr_t", sdk.ffi.addressof(sdk.c, name))),
             )
             for member, name in _LINKED.items()
@@ -119,9 +121,6 @@ class DhdDevice:
         self._kept = [library, memory, settings]
         self._link = library.c.sp_link_dhd_init(memory, settings)
         return self._link
-
-    def rendering_board(self) -> None:
-        pass
 
     def stop(self) -> None:
         self._sdk.c.dhdSetForce(0.0, 0.0, 0.0, self.id)
@@ -231,18 +230,17 @@ class DhdDevice:
         self._enable_force()
 
     def _position_m(self) -> list[float]:
-        place = [self._sdk.ffi.new("double *") for _ in range(3)]
-        if self._sdk.c.dhdGetPosition(*place, self.id) < 0:
+        place = self._sdk.ffi.new("double[3]")
+        if self._sdk.c.dhdGetPosition(place, place + 1, place + 2, self.id) < 0:
             raise self._sdk.error("gives no position", "check cable and power")
-        return [float(one[0]) for one in place]
+        return list(place)
 
     def _positions_until(self, until_s: float) -> int:
         """How many new positions come; forces of zero keep its watchdog quiet."""
-        place = [self._sdk.ffi.new("double *") for _ in range(3)]
-        count = 0
+        place, count = self._sdk.ffi.new("double[3]"), 0
         period_s = 0.5 / self._required.rate_hz
         while time.monotonic() < until_s:
-            count += self._sdk.c.dhdGetPosition(*place, self.id) == 0
+            count += self._sdk.c.dhdGetPosition(place, place + 1, place + 2, self.id) == 0
             with contextlib.suppress(DeviceError):
                 self._call("dhdSetForce", 0.0, 0.0, 0.0)
             time.sleep(period_s)
@@ -263,7 +261,3 @@ def _number(address: Address) -> int:
     if not address.place.isdecimal():
         raise UsageError(f"{address.url}: {address.place!r} is no device's number: use dhd://0")
     return int(address.place)
-
-
-def _place(ffi: Any, member: str) -> int:
-    return [name for name, _ in ffi.typeof("sp_dhd").fields].index(member)

@@ -6,8 +6,8 @@ import time
 from dataclasses import dataclass
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.can_bus import CanBus
 from springpot.host.devices.device import ZERO_S
+from springpot.host.devices.lines.can_bus import SlcanBus, SocketBus
 
 VERSION, HEARTBEAT, AXIS_STATE, ENCODER, CONTROLLER_MODE = 0x00, 0x01, 0x07, 0x09, 0x0B
 INPUT_TORQUE, LIMITS, CLEAR_ERRORS, TORQUES = 0x0E, 0x0F, 0x18, 0x1C
@@ -55,7 +55,7 @@ class DriveLimits:
 class Drive:
     """One axis on a bus, before the loop takes over."""
 
-    def __init__(self, bus: CanBus, node: int, url: str, limits: DriveLimits) -> None:
+    def __init__(self, bus: SlcanBus | SocketBus, node: int, url: str, limits: DriveLimits) -> None:
         self.bus, self.node, self.url, self.limits = bus, node, url, limits
         self.family = ""
         self._fed_s = 0.0  # the last command went out

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
-from springpot.host.devices.device import FORCE_ZERO, DeviceRequirements, at_most, too_weak
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice, at_most, too_weak
+from springpot.host.devices.lines.can_bus import STUFFED_BITS, open_bus
+from springpot.host.devices.lines.serial_port import require_fast_adapter
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
 from springpot.host.devices.sample_rate import require_sample_rate
-from springpot.host.devices.serial_port import require_fast_adapter
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 
@@ -53,11 +53,8 @@ class Transmission:
         )
 
 
-class OdriveDevice:
+class OdriveDevice(OpenedDevice):
     """One axis: opened, its watchdog proved, in torque control."""
-
-    comes_back = True
-    unreached = FORCE_ZERO
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and arm it. Raises UsageError for a missing transmission, DeviceError otherwise."""
@@ -109,11 +106,7 @@ class OdriveDevice:
                 "node": self.node,
                 "slcan": int(self.address.interface == "slcan"),
                 "with_torque": int(self.drive.family == "0.6"),
-                "m_per_turn": train.m_per_turn,
-                "sign": train.sign,
-                "zero_turns": train.zero_turns,
-                "surface_m": train.surface_m,
-                "max_torque_nm": train.max_torque_nm,
+                **{name: value for name, value in vars(train).items() if name != "nm_per_a"},
                 "max_turns_per_s": train.limits.turns_per_s,
                 "max_current_a": train.limits.current_a,
             },
@@ -129,9 +122,6 @@ class OdriveDevice:
         while (frame := self.bus.receive(until_s)) is not None:
             estimates += frame[0] == identifier(self.node, ENCODER)
         return estimates
-
-    def rendering_board(self) -> None:
-        pass
 
     def stop(self) -> None:
         with contextlib.suppress(DeviceError):  # gone: its watchdog does it
@@ -153,14 +143,11 @@ def require_fast_bus(url: str, bitrate: int, rate_hz: float) -> None:
 
 
 def _transmission(address: Address, requirements: DeviceRequirements) -> Transmission:
-    m_per_turn = address.number("m_per_turn", requirements.m_per_turn or 0.0, 0, 100)
-    max_torque_nm = address.number("max_torque_nm", requirements.max_torque_nm or 0.0, 0, 1e4)
-    nm_per_a = address.number("nm_per_a", requirements.nm_per_a or 0.0, 0, 1e4)
-    for key, value in (
-        ("m_per_turn", m_per_turn),
-        ("max_torque_nm", max_torque_nm),
-        ("nm_per_a", nm_per_a),
-    ):
+    stated = {
+        key: address.number(key, getattr(requirements, key) or 0.0, 0, most)
+        for key, most in (("m_per_turn", 100), ("max_torque_nm", 1e4), ("nm_per_a", 1e4))
+    }
+    for key, value in stated.items():
         if not value > 0:
             raise UsageError(
                 f"{address.url}: {key} is not known: set device.{key} in the scene, or ?{key}="
@@ -169,15 +156,13 @@ def _transmission(address: Address, requirements: DeviceRequirements) -> Transmi
     if sign not in (-1, 1):
         raise UsageError(f"{address.url}: sign={sign:g}: give 1 or -1")
     found = Transmission(
-        m_per_turn=m_per_turn,
+        **stated,
         sign=sign,
         zero_turns=address.number("zero_turns", requirements.zero_turns, -1e6, 1e6),
         surface_m=address.number("surface_mm", 1e3 * requirements.surface_m, -1e5, 1e5) / 1e3,
-        max_torque_nm=max_torque_nm,
-        nm_per_a=nm_per_a,
     )
     if found.max_n < requirements.max_n * (1 - 1e-6):
-        gives = f"{max_torque_nm:g} Nm give {at_most(found.max_n)} N"
+        gives = f"{found.max_torque_nm:g} Nm give {at_most(found.max_n)} N"
         other = ", or device.max_torque_nm"
         raise too_weak(address.url, gives, requirements, found.max_n, other)
     return found

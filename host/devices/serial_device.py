@@ -9,11 +9,15 @@ from typing import Any, Self
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.device import FORCE_ZERO, ZERO_S, DeviceRequirements, too_weak
+from springpot.host.devices.device import ZERO_S, DeviceRequirements, OpenedDevice, too_weak
+from springpot.host.devices.lines.serial_port import (
+    open_port,
+    require_fast_adapter,
+    require_fast_line,
+)
+from springpot.host.devices.lines.wire import Frame, Receiver, Sender, constant, layout, messages
 from springpot.host.devices.sample_rate import require_sample_rate
-from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.url import Address
-from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
 from springpot.host.native.c_library import CLibrary
 
 BAUD = 921600
@@ -24,12 +28,8 @@ _PROOFS = 3  # a frame may be lost, or come late
 _REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
 
 
-class SerialDevice:
+class SerialDevice(OpenedDevice):
     """A simple device (position in, force out), or a board that renders by itself."""
-
-    comes_back = True
-    unreached = FORCE_ZERO
-    failure = ""
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""

@@ -1,12 +1,11 @@
 """Is a device reached, armed, sampled and of the right sign; if not, why and what to do."""
 
-import math
-
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.scene import Device
+from springpot.host.devices.device import requirements_of
 from springpot.host.devices.drivers import driver_of, parse_device
 from springpot.host.doctor.machine_check import Diagnosis
 from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows, empty_rows
@@ -14,7 +13,6 @@ from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import SessionRunner
-from springpot.host.session.session import requirements_of
 
 PUSH_N, PUSH_S = 1.0, 0.5
 _REST_S, _RISE_S = 1.0, 0.1
@@ -80,7 +78,8 @@ class _Probe:
         try:
             runner.start()
             for progress in runner.watch(0.02):
-                if abs(progress.depth_m - kept.begin_m) > _FAR_M and command_n.any():
+                begin_m = kept.table[:1, COLUMN["position_m"]]  # nothing before the first row
+                if command_n.any() and np.any(np.abs(progress.depth_m - begin_m) > _FAR_M):
                     runner.stop()
         finally:
             runner.close()
@@ -94,15 +93,13 @@ class _Probe:
 
 
 class _Kept:
-    """All rows of a loop. begin_m: position of the first."""
+    """All rows of a loop."""
 
     def __init__(self) -> None:
-        self.table, self.begin_m = empty_rows(), math.nan
+        self.table = empty_rows()
 
     def append(self, rows: LoopRows) -> None:
         self.table = np.concatenate((self.table, rows))
-        if math.isnan(self.begin_m):
-            self.begin_m = float(rows[0, COLUMN["position_m"]])
 
 
 def _samples(rows: LoopRows) -> Diagnosis:

@@ -5,13 +5,13 @@ import resource
 import shutil
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from serial.tools import list_ports
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.dhd import LIBRARY_VARIABLE, DhdLibrary, absent_reason
-from springpot.host.devices.serial_port import latency_timer
+from springpot.host.devices.lines.serial_port import latency_timer
 from springpot.host.native.compiler import (
     CompilerError,
     cache_folder,
@@ -32,9 +32,6 @@ class Diagnosis:
     found: bool
     seen: str
     do: str = ""
-
-    def as_dict(self) -> dict[str, object]:
-        return asdict(self)
 
 
 def examine() -> list[Diagnosis]:

@@ -24,10 +24,10 @@ from springpot.host.emission.checksums import (
     require_replaceable,
     write_checksums,
 )
-from springpot.host.emission.result import Emission, budget_excess, budgeted_sizes, require_sizes
+from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.footprint import Footprint, measure_footprint
+from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
 from springpot.host.native.wasm_module import scene_module
@@ -137,7 +137,9 @@ def _built(
         if unmeasured:
             notices.append(f"flash and stack could not be measured: {unmeasured}")
         else:
-            footprint = _footprint(plan, aside)
+            tools = toolchain(plan.scene.runtime.target)
+            assert tools is not None, "nothing of it is missing"
+            footprint = measure_footprint(aside, scene_files(aside).sources[0], tools)
             if plan.scene.runtime.target == "wasm32":
                 notices += _selftest_in_node(plan, aside)
         checked = check(plan, library)
@@ -160,9 +162,7 @@ def _built(
         notices=tuple(notices),
     )
     budget = plan.scene.budget
-    if not accept_unmeasured:
-        require_sizes(emission, budget)
-    if over := budget_excess(emission, budget):
+    if over := over_budget(emission, budget, accept_unmeasured):
         raise BudgetError(over)
     unchecked = [
         f"not checked against the budget: {what}, at most {may} {unit}"
@@ -209,12 +209,6 @@ def _activity(checked: Check) -> list[str]:
         f"{outside[0]} of {outside[1]} beyond the trained depth: `springpot stability` shows what "
         "a hand makes of it"
     ]
-
-
-def _footprint(plan: Plan, folder: Path) -> Footprint:
-    tools = toolchain(plan.scene.runtime.target)
-    assert tools is not None, "the caller has looked"
-    return measure_footprint(folder, scene_files(folder).sources[0], tools)
 
 
 def _unchecked(scene: Scene) -> list[str]:

@@ -12,6 +12,10 @@ from springpot.codegen.scene import Budget
 from springpot.host.native.footprint import Footprint
 from springpot.host.stability.check import Check
 
+# Keys of `emit --json` that the manifest has too; instructions and forest of some scenes only.
+_OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "forest", "outside",
+                "accept_unsafe")  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Emission:
@@ -34,47 +38,26 @@ class Emission:
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of `emit --json`."""
-        manifest, footprint = self.manifest, self.footprint
+        footprint = self.footprint
         return {
             "out": str(self.folder),
             "hash": self.hash,
             "flash_bytes": footprint.flash_bytes if footprint else None,
             "ram_bytes": self.ram_bytes,
             "stack_bytes": footprint.stack_bytes if footprint else None,
-            "instructions": manifest.get("instructions"),
-            "units": manifest["units"],
-            "left_out": manifest["left_out"],
-            "orders": manifest["orders"],
-            "coupling": manifest["coupling"],
-            "forest": manifest.get("forest"),
-            "outside": manifest["outside"],
-            "accept_unsafe": manifest["accept_unsafe"],
+            **{key: self.manifest.get(key) for key in _OF_MANIFEST},
             "stability": self.check.as_dict() if self.check else None,
             "write_s": self.write_s,
             "compile_s": self.compile_s,
         }
 
 
-def over_budget(emission: Emission, budget: Budget) -> str:
-    """All sizes that are over the budget, with the budget's; nothing where all fit.
+def over_budget(emission: Emission, budget: Budget, accept_unmeasured: bool = False) -> str:
+    """All sizes that are over the budget, with the budget's; nothing if all fit.
 
-    Raises BudgetError where a size that has a budget cannot be measured.
+    Raises BudgetError if a size that has a budget is not known, unless that is accepted: which,
+    why, what to do.
     """
-    require_sizes(emission, budget)
-    return budget_excess(emission, budget)
-
-
-def budget_excess(emission: Emission, budget: Budget) -> str:
-    """The same of the sizes that are known."""
-    return "; ".join(
-        f"{what}: {has} {unit}, the scene's budget is {may}"
-        for what, unit, has, may in budgeted_sizes(emission, budget)
-        if has is not None and has > may
-    )
-
-
-def require_sizes(emission: Emission, budget: Budget) -> None:
-    """Raise BudgetError where a size that has a budget is not known: which, why, what to do."""
     missing = emission.unmeasured
     wasm = emission.plan.scene.runtime.target == "wasm32"
     no_stack = (
@@ -87,12 +70,16 @@ def require_sizes(emission: Emission, budget: Budget) -> None:
         "stack": missing or no_stack,
         "a tick": "the bound of instructions does not cover this scene: measure it on the board",
     }
+    over = []
     for what, unit, has, may in budgeted_sizes(emission, budget):
-        if has is None:
+        if has is None and not accept_unmeasured:
             raise BudgetError(
                 f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
                 "remove the budget's key"
             )
+        if has is not None and has > may:
+            over.append(f"{what}: {has} {unit}, the scene's budget is {may}")
+    return "; ".join(over)
 
 
 def budgeted_sizes(

@@ -62,8 +62,12 @@ def write_scene(path: Path, scene: Scene) -> None:
     lines = []
     for name, section in sections.items():
         lines += ["", f"[{name}]"] if name and section else []
-        lines += [f"{key} = {_toml(value)}" for key, value in section.items()]
-    write_file(path, "".join(f"{line}\n" for line in lines).encode())
+        # JSON writes numbers, booleans and quoted text as TOML does, but for one letter.
+        lines += [
+            f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in section.items()
+        ]
+    text = "".join(f"{line}\n" for line in lines)
+    write_file(path, text.replace("\x7f", "\\u007f").encode())
 
 
 def model_path(scene: Scene, scene_file: Path) -> Path:
@@ -95,11 +99,6 @@ def _checked(text: str, where: str) -> Scene:
     if scene.device.delay_samples and scene.device.delay_s is not None:
         raise UsageError(f"{where}: device.delay_s: beside delay_samples: state one of the two")
     return scene
-
-
-def _toml(value: str | float) -> str:
-    """A value of a key; JSON writes numbers, booleans and quoted text as TOML does."""
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _known_keys(place: tuple[Any, ...]) -> list[str]:

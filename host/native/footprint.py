@@ -11,7 +11,7 @@ from springpot.host.native.toolchain import Toolchain
 from springpot.host.native.wasm_module import scene_functions, wasm_module
 from springpot.runtime_c.paths import flags
 
-_FLASH_SECTIONS = re.compile(r"^\.(text|rodata|data)")
+_FLASH_SIZES = re.compile(r"^\.(?:text|rodata|data)\S*\s+(\d+)", re.M)
 _NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "[^"]*?(?:\\n(\d+) bytes \((\w+)[^"]*)?"')
 _NO_SELFTEST = "-DSP_NO_SELFTEST"  # where it is in the same file
 _EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
@@ -55,14 +55,9 @@ def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
         ).stdout
         info = next(Path(scratch).glob("*.ci"), None) if graph else None
         return Footprint(
-            flash_bytes=_flash_bytes(sizes),
+            flash_bytes=sum(map(int, _FLASH_SIZES.findall(sizes))),
             stack_bytes=deepest_stack(info.read_text()) if info else None,
         )
-
-
-def _flash_bytes(sizes: str) -> int:
-    rows = [line.split() for line in sizes.splitlines() if _FLASH_SECTIONS.match(line)]
-    return sum(int(row[1]) for row in rows)
 
 
 def deepest_stack(call_graph: str) -> int | None:

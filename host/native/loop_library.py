@@ -1,5 +1,6 @@
 """The C of runtime_c/port/posix, built for one number type and loaded."""
 
+import re
 from enum import IntEnum
 from functools import cache
 
@@ -10,21 +11,9 @@ from springpot.codegen.entry_points import registered
 from springpot.host.native.c_library import CLibrary, load
 from springpot.runtime_c.paths import PORT_POSIX, PORT_WIRE, SIM
 
+_ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
 # Columns of a table of rows: the members of sp_row, in order.
-COLUMNS = (
-    "time_s",
-    "position_m",
-    "velocity_mps",
-    "dt_s",
-    "returned_n",
-    "sent_n",
-    "measured_n",
-    "notes",
-    "call",
-    "age_s",
-    "lateness_s",
-    "tick_s",
-)
+COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
 COLUMN = {name: k for k, name in enumerate(COLUMNS)}
 INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call

@@ -89,6 +89,7 @@ class SceneLibrary:
         manifest = self.loaded.ffi.string(self.function("manifest")())
         self.manifest: dict[str, Any] = json.loads(manifest)
         self.dtype: type[Any] = np.float32 if self.manifest["number"] == "float32" else np.float64
+        self.real = "float" if self.dtype is np.float32 else "double"
         self.state_bytes: int = self.function("state_size")()
 
     def function(self, name: str) -> Any:
@@ -112,8 +113,7 @@ class SceneState:
     def __init__(self, library: SceneLibrary) -> None:
         self._library, self._loaded = library, library.loaded
         self._state = self._loaded.memory(library.state_bytes, f"{library._prefix}_state")
-        self._real = "float" if library.dtype is np.float32 else "double"
-        self._force = self._loaded.ffi.new(f"{self._real}[1]")
+        self._force = self._loaded.ffi.new(f"{library.real}[1]")
         library.function("init")(self._state)
 
     @property
@@ -124,7 +124,7 @@ class SceneState:
     def real_at(self, offset: int) -> float:
         """The number that the state holds at `offset` bytes: for tests of what a tick remembers."""
         cast = self._loaded.ffi.cast
-        return float(cast(f"{self._real} *", cast("char *", self._state) + offset)[0])
+        return float(cast(f"{self._library.real} *", cast("char *", self._state) + offset)[0])
 
     def reset(self) -> None:
         """Forget the past; unlatch the watchdog."""

@@ -37,8 +37,7 @@ def time_series(recordings: Sequence[Recording], report: QualityReport) -> Figur
         for axes in (upper, lower):
             axes.axvline(begin_s, color=DOUBT, lw=0.4)
     upper.set_ylabel("position, mm")
-    lower.set_ylabel("force, N")
-    lower.set_xlabel("time, s (recordings one behind the other)")
+    lower.set(ylabel="force, N", xlabel="time, s (recordings one behind the other)")
     return figure
 
 
@@ -60,8 +59,7 @@ def loops(recordings: Sequence[Recording], report: QualityReport) -> Figure:
             color=mpl.colormaps["viridis"](0.9 * share), ls=styles[amplitude % len(styles)],
             label=f"{rate:.3g} Hz, {travel * 1e3:.3g} mm" if k < _MAX_SHOWN else None,
         )  # fmt: skip
-    axes.set_xlabel("position, mm")
-    axes.set_ylabel("force, N")
+    axes.set(xlabel="position, mm", ylabel="force, N")
     axes.legend(frameon=False, fontsize=7, loc="upper left")
     return figure
 
@@ -78,8 +76,7 @@ def spectra(recordings: Sequence[Recording], report: QualityReport) -> Figure:
             frequency_hz, amplitude = _amplitudes(samples, recording.dt_s)
             axes.loglog(frequency_hz, amplitude * scale, color=colour, lw=0.6, alpha=0.7)
     upper.set_ylabel("position, mm")
-    lower.set_ylabel("force, N")
-    lower.set_xlabel("frequency, Hz")
+    lower.set(ylabel="force, N", xlabel="frequency, Hz")
     return figure
 
 
@@ -102,8 +99,9 @@ def dynamics(recordings: Sequence[Recording], report: QualityReport) -> Figure:
         why = "loss is not quoted: the channels' alignment is not known" if cyclic else "no cycles"
         lower.text(0.5, 0.5, why, ha="center", transform=lower.transAxes, color=DOUBT)
     upper.set_ylabel("stiffness, N/mm")
-    lower.set_ylabel("loss angle, rad")
-    lower.set_xlabel("frequency, Hz (bars: what the alignment leaves open)")
+    lower.set(
+        ylabel="loss angle, rad", xlabel="frequency, Hz (bars: what the alignment leaves open)"
+    )
     return figure
 
 
@@ -125,8 +123,7 @@ def coverage(recordings: Sequence[Recording], report: QualityReport) -> Figure:
         axes.xaxis.set_minor_formatter(NullFormatter())
     left.set_ylim(1e3 * found.low_m, 1.05e3 * found.high_m)
     left.invert_yaxis()
-    left.set_xlabel("speed of a stroke, mm/s")
-    left.set_ylabel("depth, mm")
+    left.set(xlabel="speed of a stroke, mm/s", ylabel="depth, mm")
     right.set_xlabel("length of a hold, s")
     return figure
 

@@ -17,9 +17,9 @@ from springpot.host.devices.drivers import driver_of
 from springpot.host.native.loop_library import loop_library
 from springpot.host.recording.press_rows import PressRows
 from springpot.host.recording.protocols import RATE_HZ
+from springpot.host.session.c_loop import StepFunctions
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, SessionRunner
-from springpot.host.session.step_functions import StepFunctions
 
 _WATCHDOG_S = 0.02
 _HEADROOM = 1.2  # of the motor over the command, for the controller
@@ -39,12 +39,16 @@ class Limits:
 
 
 class PressedDevice:
-    """Presses with commanded forces; each press starts the device anew."""
+    """Presses with commanded forces; each press starts the device anew.
+
+    object_name: of what lies under it, as part of file names. rate_hz: of the samples that are
+    kept. sensed: a sensor beside the device measures. room: of the limit of force over the command,
+    if none is given.
+    """
 
     rate_hz = RATE_HZ
-
-    sensed = False  # a sensor beside the device measures
-    room = 1.3  # of the limit of force over the command, where none is given
+    sensed = False
+    room = 1.3
 
     def __init__(
         self, url: str, object_name: str, limits: Limits, on_progress: Callable[[Progress], None]

@@ -30,13 +30,8 @@ def require_surface(path: Path, recordings: Sequence[Recording]) -> None:
 
 def profile_metadata(press: NextPress) -> dict[str, Any]:
     """Keys of a protocol's [[profile]]."""
-    if press.hold_s:
-        return {"amplitude_n": press.amplitude_n, "hold_s": press.hold_s, "rise_s": press.rise_s}
-    return {
-        "amplitude_n": press.amplitude_n,
-        "frequency_hz": press.frequency_hz,
-        "cycles": press.cycles,
-    }
+    more = ("hold_s", "rise_s") if press.hold_s else ("frequency_hz", "cycles")
+    return {name: getattr(press, name) for name in ("amplitude_n", *more)}
 
 
 def write_protocol(path: Path, presses: Sequence[NextPress]) -> None:

@@ -3,11 +3,9 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.drivers import parse_device
 from springpot.host.recording.indentation import Limits, PressedDevice
@@ -19,37 +17,6 @@ from springpot.trainer.recordings.journal import JournalWriter, refuse_where_jou
 from springpot.trainer.recordings.journal_reader import journal_of
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_name import require_recording_name, safe_recording_name
-
-
-class ForceControlled(Protocol):
-    """A device that can follow a force command."""
-
-    @property
-    def object_name(self) -> str:
-        """Name of the object under the device, as part of file names."""
-        ...
-
-    @property
-    def rate_hz(self) -> int:
-        """Of the samples that `press` returns."""
-        ...
-
-    def prepare(self) -> dict[str, Any]:
-        """Make ready for the first press; what the recordings say of the device."""
-        ...
-
-    def press(
-        self,
-        command_n: Samples,
-        on_samples: Callable[[Samples, Samples], None] = ...,
-        lead: int = 0,
-    ) -> tuple[Samples, Samples]:
-        """Drive one press from rest; command (n,), N, each ms; return position_m, force_n.
-
-        lead: of so many values at the command's beginning no sample is kept. on_samples:
-        called with the newest of both, each (k,), several times a second.
-        """
-        ...
 
 
 @dataclass(frozen=True)
@@ -72,8 +39,8 @@ def open_press_device(
     object_name: str = "object",
     limits: Limits | None = None,
     on_progress: Callable[[Progress], None] = lambda _progress: None,
-    pressing: Callable[..., ForceControlled] | None = None,
-) -> ForceControlled:
+    pressing: Callable[..., PressedDevice] | None = None,
+) -> PressedDevice | SimulatedBench:
     """Open the device of a URL; `default_seed` seeds a simulated one whose URL has no seed.
 
     object_name, limits: of what lies under a device that is not simulated. on_progress: called
@@ -92,7 +59,7 @@ def open_press_device(
 
 
 def record_session(
-    device: ForceControlled,
+    device: PressedDevice | SimulatedBench,
     source: str,
     protocol: str,
     profiles: Sequence[Profile],

@@ -17,10 +17,9 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.device import OpenedDevice
+from springpot.host.devices.lines.wire import Frame, constant
 from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.devices.wire import Frame, constant
 from springpot.host.native.loop_library import (
-    COLUMN,
     COLUMNS,
     IDLE,
     RESET,
@@ -35,7 +34,7 @@ _POLL_S, _AGAIN_S = 0.0005, 0.05
 
 
 class BoardLoop:
-    """Has the methods of a loop; the ticks are the board's."""
+    """Has the methods of CLoop; the ticks are the board's."""
 
     name = "board"
     no_sample_advice = "a board without a sensor is fed: add ?feed=RECORDING.h5 to its URL"
@@ -184,23 +183,17 @@ class BoardLoop:
 
     def _row(self, frame: Frame, now_s: float) -> list[float]:
         """One call of the board as a row of the log."""
-        values, row = frame.values, [0.0] * len(COLUMNS)
+        values = frame.values
         idle = bool(values["call"] & constant("IDLE"))
         was_reset = bool(values["call"] & constant("WAS_RESET"))
-        values = {
+        row = {name: float(values.get(name, 0.0)) for name in COLUMNS} | {
             "time_s": now_s,
-            "position_m": values["position_m"],
-            "velocity_mps": values["velocity_mps"],
-            "dt_s": values["dt_s"],
             "returned_n": values["force_n"],
             "sent_n": values["force_n"],
             "measured_n": np.nan,
-            "notes": values["notes"],
-            "call": IDLE * idle + RESET * was_reset,
+            "call": float(IDLE * idle + RESET * was_reset),
             "age_s": np.nan if idle else 0.0,
         }
-        for name, value in values.items():
-            row[COLUMN[name]] = float(value)
         state = self._state
         latched = int(bool(values["notes"] & LATCHED))
         self._counts["samples"] += not idle
@@ -212,7 +205,7 @@ class BoardLoop:
             latched=latched,
             watchdog_trips=state.watchdog_trips + (latched > state.latched),
         )
-        return row
+        return list(row.values())
 
 
 class _Feed:

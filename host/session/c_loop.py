@@ -1,22 +1,48 @@
-"""The loop in C: the thread of runtime_c/port/posix."""
+"""The loop in C, the thread of runtime_c/port/posix, and the functions that it calls each tick."""
 
 import os
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.device import OpenedDevice
-from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows
+from springpot.host.native.c_library import CLibrary
+from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows, loop_library
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
 from springpot.host.session.outcome import granted
-from springpot.host.session.step_functions import StepFunctions
 
 _RING_S = 16.0  # of rows that wait while Python does something else
 _PRIORITY = 80
 
 
+@dataclass(frozen=True)
+class StepFunctions:
+    """Addresses of the three functions and of the state that a loop calls; library: its C."""
+
+    library: CLibrary
+    step: int
+    idle: int
+    reset: int
+    state: int
+    measured_n: int = 0  # where the state wants the measured force, or 0
+    kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
+
+
+def scene_step_functions(scene: SceneLibrary) -> StepFunctions:
+    """A fresh state of a scene."""
+    state = scene.new_state()
+    step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
+    kept = (scene, state)
+    return StepFunctions(loop_library(scene.real), step, idle, reset, state.address, kept=kept)
+
+
 class CLoop:
-    """A thread of C on absolute deadlines; Python only watches."""
+    """A thread of C on absolute deadlines; Python only watches.
+
+    no_sample_advice: what to do if no sample ever came.
+    """
 
     name = "C thread"
     no_sample_advice = "check cable and power, then `springpot doctor --device URL`"
@@ -32,11 +58,12 @@ class CLoop:
         self._state = self._ffi.new("sp_loop_state *")
         self._links: list[Any] = []
         self._kept: list[Any] = []
-        self._runner = False
+        self._ticking = False
 
     def start(self, device: OpenedDevice) -> None:
         """Start the thread. Raises DeviceError where the system gives none."""
-        steps, settings = self._steps, self._settings
+        steps, stated = self._steps, asdict(self._settings)
+        real_time = stated.pop("real_time")
         pointer = self._library.pointer
         config = self._ffi.new(
             "sp_loop_config *",
@@ -46,14 +73,9 @@ class CLoop:
                 "reset": pointer(steps.reset),
                 "state": pointer(steps.state),
                 "measured_n": self._ffi.cast("double *", steps.measured_n),
-                "period_s": settings.period_s,
-                "seconds": settings.seconds,
-                "max_force_n": settings.max_force_n,
-                "max_depth_m": settings.max_depth_m,
+                **stated,
                 "latched_note": LATCHED,
-                "reversed": int(settings.reversed),
-                "sensed": int(settings.sensed),
-                "priority": _PRIORITY if settings.real_time else 0,
+                "priority": _PRIORITY if real_time else 0,
                 "cpu": _spare_cpu(),
                 "rows": self._rows(self._ring),
                 "capacity": len(self._ring),
@@ -64,16 +86,19 @@ class CLoop:
             raise DeviceError(
                 f"no thread for the loop: {os.strerror(error)}: free memory or limits"
             )
-        self._runner = True
+        self._ticking = True
 
     def attach(self, device: OpenedDevice) -> None:
+        """Go on with a device that came back."""
         self._c.sp_loop_attach(self._loop, self._adopt(device))
 
     def ask_stop(self) -> None:
-        if self._runner:
+        """End with zero force."""
+        if self._ticking:
             self._c.sp_loop_ask_stop(self._loop)
 
     def sense(self, measured_n: float) -> None:
+        """A sensor beside the device measured this, just now; from any thread."""
         self._c.sp_loop_sense(self._loop, measured_n)
 
     def pause(self, paused: bool) -> None:
@@ -81,6 +106,7 @@ class CLoop:
         self._c.sp_loop_pause(self._loop, int(paused))
 
     def reset(self) -> None:
+        """Reset the scene, and a device that tripped."""
         self._c.sp_loop_reset(self._loop)
 
     def get_status(self) -> LoopState:
@@ -100,12 +126,14 @@ class CLoop:
         )
 
     def drain(self) -> LoopRows:
+        """Rows since the last call."""
         if not self._links:
             return empty_rows()
         count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))
         return self._chunk[:count].copy()
 
     def flight(self, seconds: float) -> LoopRows:
+        """The last rows again, after the end."""
         newest = self.get_status().newest_row
         count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
         places = [(newest - count + k) % len(self._ring) for k in range(count)]
@@ -113,14 +141,16 @@ class CLoop:
 
     def join(self) -> None:
         """Wait for the end of the thread: at most a period and what the device takes."""
-        if self._runner:
+        if self._ticking:
             self._c.sp_loop_join(self._loop)
-            self._runner = False
+            self._ticking = False
 
     def scheduler(self) -> str:
+        """Who keeps the time, and what the system granted for it."""
         return granted(self.name, self.get_status().got)
 
     def refused(self) -> str:
+        """What the system refused of it, and what to do; empty if nothing."""
         if not self._settings.real_time or self.get_status().got & GOT_FIFO:
             return ""
         return (

@@ -19,7 +19,7 @@ from springpot.trainer.recordings.recording import Zero
 
 _KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
 CHANNELS = (INPUT, *_KEPT)
-_FLIGHT_S = 5.0
+FLIGHT_S = 5.0  # of the end, in a flight recorder
 
 
 class SessionLog:
@@ -93,8 +93,3 @@ def write_flight(file: Path, rows: LoopRows, why: str) -> Path:
         for row in rows.tolist():
             text.write(",".join(map(repr, row)) + "\n")
     return path
-
-
-def flight_seconds() -> float:
-    """How much of the end a flight recorder holds, s."""
-    return _FLIGHT_S

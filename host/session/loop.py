@@ -1,10 +1,6 @@
-"""The loop as a session sees it: what keeps the time, its settings and its counters."""
+"""What a session knows of its loop, whoever keeps the time: settings, state and counters."""
 
 from dataclasses import dataclass
-from typing import Protocol
-
-from springpot.host.devices.device import OpenedDevice
-from springpot.host.native.loop_library import LoopRows
 
 
 @dataclass(frozen=True)
@@ -58,62 +54,3 @@ class LinkCounts:
     unsent: int = 0
     saturated: int = 0
     device_error: int = 0
-
-
-class Loop(Protocol):
-    """What keeps the time of a session: the C thread, or a board that renders by itself."""
-
-    name: str
-    no_sample_advice: str  # what to do where none ever came
-
-    def start(self, device: OpenedDevice) -> None:
-        """Begin ticking on an opened device."""
-        ...
-
-    def attach(self, device: OpenedDevice) -> None:
-        """Go on with a device that came back."""
-        ...
-
-    def ask_stop(self) -> None:
-        """End with zero force."""
-        ...
-
-    def sense(self, measured_n: float) -> None:
-        """A sensor beside the device measured this, just now; from any thread."""
-        ...
-
-    def pause(self, paused: bool) -> None:
-        """Zero force, and no calls until it is resumed."""
-        ...
-
-    def reset(self) -> None:
-        """Reset the scene, and a device that tripped."""
-        ...
-
-    def get_status(self) -> LoopState:
-        """Counters and flags."""
-        ...
-
-    def counts(self) -> LinkCounts:
-        """Counters of the links."""
-        ...
-
-    def drain(self) -> LoopRows:
-        """Rows since the last call."""
-        ...
-
-    def flight(self, seconds: float) -> LoopRows:
-        """The last rows again, after the end."""
-        ...
-
-    def join(self) -> None:
-        """Wait for the end."""
-        ...
-
-    def scheduler(self) -> str:
-        """Who keeps the time, and what the system granted for it."""
-        ...
-
-    def refused(self) -> str:
-        """What the system refused of it, and what to do; empty where nothing."""
-        ...

@@ -2,34 +2,24 @@
 
 from collections.abc import Mapping
 
-from springpot.codegen.reference.notes import (
-    CLAMPED,
-    HELD,
-    LATCHED,
-    LIMITED,
-    OUTSIDE,
-    RAMPED,
-    RESYNC,
-)
+from springpot.codegen.reference import notes
 
-NOTE_WORDS = {
-    HELD: "no sample: the last one was held",
-    RESYNC: "history begins anew here",
-    OUTSIDE: "deeper than was recorded",
-    CLAMPED: "force kept within its limits",
-    RAMPED: "force rising from zero",
-    LATCHED: "watchdog: no force until a reset",
-    LIMITED: "force held back: faster than a touch",
+_WORDS = {
+    "held": "no sample: the last one was held",
+    "resync": "history begins anew here",
+    "outside": "deeper than was recorded",
+    "clamped": "force kept within its limits",
+    "ramped": "force rising from zero",
+    "latched": "watchdog: no force until a reset",
+    "limited": "force held back: faster than a touch",
 }
-NOTE_NAMES = {HELD: "held", RESYNC: "resync", OUTSIDE: "outside", CLAMPED: "clamped",
-              RAMPED: "ramped", LATCHED: "latched", LIMITED: "limited"}  # fmt: skip
+NOTE_NAMES: dict[int, str] = {getattr(notes, name.upper()): name for name in _WORDS}
+NOTE_WORDS = {bit: _WORDS[name] for bit, name in NOTE_NAMES.items()}
 
 
 def notes_in_words(counts: Mapping[str, int]) -> str:
     """What the C noted; counts: of the ticks with each note, by its name."""
     told = [
-        f"{name} {counts[name]} ({NOTE_WORDS[bit]})"
-        for bit, name in NOTE_NAMES.items()
-        if counts.get(name)
+        f"{name} {counts[name]} ({words})" for name, words in _WORDS.items() if counts.get(name)
     ]
     return ", ".join(told) or "none"

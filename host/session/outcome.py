@@ -86,15 +86,8 @@ def _stopped(what: str) -> tuple[str, SpringpotError]:
 
 def granted(loop_name: str, got: int) -> str:
     """What the system granted a C loop; got: SP_GOT_ bits."""
-    named = [
-        name
-        for bit, name in (
-            (GOT_LOCKED, "memory locked"),
-            (GOT_CPU, "own CPU"),
-            (GOT_SLACK, "1 ns timer slack"),
-        )
-        if got & bit
-    ]
+    words = {GOT_LOCKED: "memory locked", GOT_CPU: "own CPU", GOT_SLACK: "1 ns timer slack"}
+    named = [name for bit, name in words.items() if got & bit]
     policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
     return ", ".join([loop_name, policy, *named])
 
@@ -118,6 +111,5 @@ def steal_ms() -> float:
 def spread_us(seconds: Any) -> dict[str, float]:
     """Percentiles and the maximum of seconds (n,), us."""
     seconds = seconds if len(seconds) else np.zeros(1)
-    p50, p99, p999 = np.percentile(seconds, [50, 99, 99.9])
-    spread = {"p50": p50, "p99": p99, "p999": p999, "max": seconds.max()}
-    return {name: round(1e6 * float(value), 3) for name, value in spread.items()}
+    shares = {"p50": 50, "p99": 99, "p999": 99.9, "max": 100}
+    return {name: round(1e6 * float(np.percentile(seconds, q)), 3) for name, q in shares.items()}

@@ -5,7 +5,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -21,11 +21,10 @@ from springpot.host.native.loop_library import (
     empty_rows,
 )
 from springpot.host.session.board_loop import BoardLoop
-from springpot.host.session.c_loop import CLoop
-from springpot.host.session.log import flight_seconds
-from springpot.host.session.loop import LinkCounts, Loop, LoopSettings, LoopState
-from springpot.host.session.outcome import BY_USER, fault_at_end, why_stopped
-from springpot.host.session.step_functions import StepFunctions
+from springpot.host.session.c_loop import CLoop, StepFunctions
+from springpot.host.session.log import FLIGHT_S
+from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
+from springpot.host.session.outcome import BY_USER, fault_at_end, spread_us, why_stopped
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02
@@ -74,8 +73,8 @@ class SessionRunner:
         self.error: SpringpotError | None = None
         self._drain_thread: threading.Thread | None = None
         self._latest = empty_rows(1)
-        self._lateness: list[Any] = []
-        self._ticks_s: list[Any] = []
+        self._lateness_s = [np.zeros(0, dtype=np.float32)]
+        self._ticks_s = [np.zeros(0, dtype=np.float32)]
         self._stopped = False
 
     @property
@@ -191,15 +190,12 @@ class SessionRunner:
 
     def flight(self) -> LoopRows:
         """The last seconds of rows, after the end."""
-        return self._loop.flight(flight_seconds())
+        return self._loop.flight(FLIGHT_S)
 
-    def lateness_s(self) -> Any:
-        """Lateness of every tick, (n,)."""
-        return np.concatenate(self._lateness) if self._lateness else np.zeros(1)
-
-    def ticks_s(self) -> Any:
-        """Time of every call, (n,)."""
-        return np.concatenate(self._ticks_s) if self._ticks_s else np.zeros(1)
+    def spreads_us(self) -> dict[str, dict[str, float]]:
+        """Percentiles and maximum: how late ticks began, and how long the calls took, us."""
+        times_s = {"lateness_us": self._lateness_s, "tick_us": self._ticks_s}
+        return {name: spread_us(np.concatenate(parts)) for name, parts in times_s.items()}
 
     def scheduler(self) -> str:
         """Who keeps the time, and what the system granted for it."""
@@ -229,7 +225,7 @@ class SessionRunner:
         if not len(rows):
             return
         self._latest = rows[-1:]
-        self._lateness.append(rows[:, COLUMN["lateness_s"]].astype(np.float32))
+        self._lateness_s.append(rows[:, COLUMN["lateness_s"]].astype(np.float32))
         called = (rows[:, COLUMN["call"]].astype(int) & (IDLE | NONE)) == 0
         self._ticks_s.append(rows[called, COLUMN["tick_s"]].astype(np.float32))
         if np.isfinite(rows[:, COLUMN["age_s"]]).any():
@@ -245,7 +241,9 @@ class SessionRunner:
         self._loop.ask_stop()
 
 
-def _loop_for(device: OpenedDevice, steps: StepFunctions, settings: LoopSettings) -> Loop:
+def _loop_for(
+    device: OpenedDevice, steps: StepFunctions, settings: LoopSettings
+) -> CLoop | BoardLoop:
     """A board that renders keeps its own time."""
     board = device.rendering_board()
     if board is not None and settings.reversed:

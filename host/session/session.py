@@ -6,34 +6,29 @@ brings back a device that was unplugged. However the session is left, the force 
 
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, Self
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.codegen.scene import Device
 from springpot.host.console.output import say
-from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
+from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings, LoopState
-from springpot.host.session.outcome import (
-    BY_USER,
-    expected_ticks,
-    spread_us,
-    steal_ms,
-)
+from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
 from springpot.host.session.runner import RowTaker, SessionRunner
-from springpot.host.session.step_functions import scene_step_functions
 from springpot.trainer.recordings.journal_reader import MIN_SAMPLES
 from springpot.trainer.recordings.recording import Zero
 
-
-def _no_alarm(_line: str, _begins: bool) -> None:
-    """Nobody is there to be warned; the log and the result have the warnings."""
+# Results of `run --json` that the loop and its links count.
+_OF_LOOP = ("ticks", "late", "ring_dropped", "watchdog_trips", "disconnects", "resets")
+_OF_LINKS = ("samples", "sequence_gaps", "crc_errors", "unsent", "saturated")
 
 
 class Session:
@@ -60,7 +55,7 @@ class Session:
         report: Callable[[str], None] = say,
         accept_edited: bool = False,
         viewer: RowTaker | None = None,
-        alarm: Alarm = _no_alarm,
+        alarm: Alarm = lambda _line, _begins: None,
     ) -> None:
         emitted = read_emission(Path(folder), accept_edited)
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
@@ -72,7 +67,7 @@ class Session:
             max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
             reversed=plan.scene.device.force_sign == -1,
         )
-        self._settings, self._report = settings, report
+        self._settings, self._report, self._url = settings, report, url
         requirements = requirements_of(
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
@@ -81,17 +76,15 @@ class Session:
             hash=self._hash,
         )
         self._zero: Zero = "none" if plan.contact else "first"
-        self._file, self._url = None if log is None else Path(log), url
+        self._file = None if log is None else Path(log)
         self._log: SessionLog | None = None
-        self._args = (scene_step_functions(self._scene), url, requirements, settings)
         self._warnings = LiveWarnings(plan, alarm)
         self._warned: list[dict[str, Any]] = []
-        self._options: dict[str, Any] = {
-            "reconnect_s": reconnect_s,
-            "report": report,
-            "viewer": viewer,
-            "warnings": self._warnings,
-        }
+        steps = scene_step_functions(self._scene)
+        self._open = partial(
+            SessionRunner, steps, url, requirements, settings, viewer=viewer,
+            warnings=self._warnings, reconnect_s=reconnect_s, report=report,
+        )  # fmt: skip
         self._run: SessionRunner | None = None
         self._steal_ms = steal_ms()
         self.line = ""
@@ -106,7 +99,7 @@ class Session:
                 self._file, self._settings.period_s, self._url, details, zero=self._zero
             )
         try:
-            self._run = SessionRunner(*self._args, log=self._log, **self._options)
+            self._run = self._open(log=self._log)
         except BaseException:
             if self._log is not None:
                 self._log.discard()
@@ -161,23 +154,13 @@ class Session:
         run = self.runner
         state, counts = run.state, run.counts
         return {
-            "ticks": state.ticks,
+            **{name: getattr(state, name) for name in _OF_LOOP},
+            **{name: getattr(counts, name) for name in _OF_LINKS},
             "expected_ticks": expected_ticks(state, self._settings),
-            "late": state.late,
-            "lateness_us": spread_us(run.lateness_s()),
-            "tick_us": spread_us(run.ticks_s()),
+            **run.spreads_us(),
             "steal_ms": steal_ms() - self._steal_ms,
-            "ring_dropped": state.ring_dropped,
-            "sequence_gaps": counts.sequence_gaps,
-            "samples": counts.samples,
             "stale_samples": state.stale,
             "unused_samples": state.unused,
-            "unsent": counts.unsent,
-            "saturated": counts.saturated,
-            "crc_errors": counts.crc_errors,
-            "watchdog_trips": state.watchdog_trips,
-            "disconnects": state.disconnects,
-            "resets": state.resets,
             "latched": bool(state.latched or state.tripped),
             "log": str(self._file) if self._file is not None else None,
             "flight": str(self.flight_file) if self.flight_file is not None else None,
@@ -215,19 +198,3 @@ def _left_by(error: BaseException | None, state: LoopState) -> str:
         sent = ": zero force was sent" if state.connected else ""
         return f"interrupted by {str(error) or 'Ctrl-C'}{sent}"
     return f"stopped by {type(error).__name__}"
-
-
-def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
-    """What the scene's [device] says, with what the scene itself wants."""
-    return DeviceRequirements(
-        surface_m=1e-3 * keys.surface_mm,
-        m_per_turn=keys.m_per_turn,
-        sign=keys.sign,
-        force_sign=keys.force_sign,
-        zero_turns=keys.zero_turns,
-        max_torque_nm=keys.max_torque_nm,
-        nm_per_a=keys.nm_per_a,
-        effector_mass_kg=keys.effector_mass_kg,
-        weight_n=keys.weight_n,
-        **requirements,
-    )

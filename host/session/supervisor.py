@@ -7,7 +7,9 @@ from collections.abc import Callable
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import open_device
-from springpot.host.session.loop import Loop, LoopState
+from springpot.host.session.board_loop import BoardLoop
+from springpot.host.session.c_loop import CLoop
+from springpot.host.session.loop import LoopState
 
 _RETRY_S = 0.05
 
@@ -15,13 +17,13 @@ _RETRY_S = 0.05
 class DeviceSupervisor:
     """Reports a device that tripped, brings back one that was unplugged, gives up a silent one.
 
-    url, wanted: how `device` was opened. reconnect_s: how long one that is gone is waited for.
-    report: takes lines for people; fail: the error that ends the session.
+    url, requirements: how `device` was opened. reconnect_s: how long one that is gone is waited
+    for. report: takes lines for people; fail: the error that ends the session.
     """
 
     def __init__(
         self,
-        loop: Loop,
+        loop: CLoop | BoardLoop,
         device: OpenedDevice,
         url: str,
         requirements: DeviceRequirements,

@@ -11,8 +11,8 @@ from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import DeviceError
 from springpot.host.native.c_library import CLibrary, load
+from springpot.host.simulation.hand_loop import tool_device
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES, VARIANTS, SimulatedObject
-from springpot.host.simulation.tool_device import tool_device
 from springpot.runtime_c import paths
 
 MAX_COMMAND_N = 12.0
@@ -33,27 +33,15 @@ class ObjectMotion:
         """Put a fresh object under the tool: dt_s between samples, substeps within each."""
         self._library = _library()
         self.state = _new("sim_object")
-        _check(
-            self._library.c.sim_object_init(
-                self.state,
-                ALL_OBJECTS.index(simulated.name),
-                VARIANTS.index(simulated.variant),
-                simulated.stiffer,
-                dt_s,
-                substeps,
-            )
-        )
+        init = self._library.c.sim_object_init
+        _check(init(self.state, *_object_arguments(simulated), dt_s, substeps))
 
     def move(self, position_m: Samples) -> Samples:
         """Return the true force (n,), N, at each position (n,), m, linear between samples."""
         position_m = np.ascontiguousarray(position_m, dtype=np.float64)
         force_n = np.empty_like(position_m)
-        at = self._library.array
-        _check(
-            self._library.c.sim_object_move(
-                self.state, len(position_m), at(position_m), at(force_n)
-            )
-        )
+        arrays = map(self._library.array, (position_m, force_n))
+        _check(self._library.c.sim_object_move(self.state, len(position_m), *arrays))
         return force_n
 
 
@@ -124,28 +112,17 @@ class SimulatedBench:
 
     def _put_object(self) -> None:
         self._state, self._ticks = _new("sim_bench"), 0
-        _check(
-            self._library.c.sim_bench_init(
-                self._state,
-                ALL_OBJECTS.index(self.simulated.name),
-                VARIANTS.index(self.simulated.variant),
-                self.simulated.stiffer,
-                (self.simulated.seed << 32) + self._presses,
-                self.simulated.delay_samples,
-                self._substeps,
-            )
-        )
+        seed = (self.simulated.seed << 32) + self._presses
+        of_object = _object_arguments(self.simulated)
+        delay_samples, init = self.simulated.delay_samples, self._library.c.sim_bench_init
+        _check(init(self._state, *of_object, seed, delay_samples, self._substeps))
 
     def _move(self, command_n: Samples) -> tuple[Samples, Samples]:
         """Follow a command; position_m and force_n of every ms, both (n,)."""
         command_n = np.ascontiguousarray(command_n)
         position_m, force_n = np.empty_like(command_n), np.empty_like(command_n)
-        at = self._library.array
-        _check(
-            self._library.c.sim_bench_record(
-                self._state, len(command_n), at(command_n), at(position_m), at(force_n)
-            )
-        )
+        arrays = map(self._library.array, (command_n, position_m, force_n))
+        _check(self._library.c.sim_bench_record(self._state, len(command_n), *arrays))
         self._ticks += len(command_n)
         return position_m, force_n
 
@@ -169,17 +146,9 @@ class SimulatedHand:
         """Hold the device at rest at position_m."""
         self._library = _library()
         self.state = _new("sim_tool")
-        _check(
-            self._library.c.sim_tool_init(
-                self.state,
-                HAND_NAMES.index(hand),
-                tool_device(self._library, device),
-                substeps,
-                int(noisy),
-                seed,
-                position_m,
-            )
-        )
+        holder, held = HAND_NAMES.index(hand), tool_device(self._library, device)
+        init = self._library.c.sim_tool_init
+        _check(init(self.state, holder, held, substeps, int(noisy), seed, position_m))
         self._out_m = self._library.ffi.new("double *")
         self._out_mps = self._library.ffi.new("double *")
 
@@ -201,17 +170,9 @@ class SimulatedHand:
         """Press the object itself along `intended_m` (n,); return position_m, true force_n."""
         intended_m = np.ascontiguousarray(intended_m, dtype=np.float64)
         position_m, force_n = np.empty_like(intended_m), np.empty_like(intended_m)
-        at = self._library.array
-        _check(
-            self._library.c.sim_tool_press(
-                self.state,
-                pressed.state,
-                len(intended_m),
-                at(intended_m),
-                at(position_m),
-                at(force_n),
-            )
-        )
+        arrays = map(self._library.array, (intended_m, position_m, force_n))
+        press = self._library.c.sim_tool_press
+        _check(press(self.state, pressed.state, len(intended_m), *arrays))
         return position_m, force_n
 
 
@@ -228,6 +189,12 @@ def _check_names(library: CLibrary, kind: str, expected: Sequence[str]) -> None:
     name = getattr(library.c, f"sim_{kind}_name")
     found = tuple(library.ffi.string(name(i)).decode() for i in range(count))
     assert found == tuple(expected), f"sim {kind}s {found} are not {expected}"
+
+
+def _object_arguments(simulated: SimulatedObject) -> tuple[int, int, float]:
+    """Which object and variant, and how much stiffer, as the C takes them."""
+    names = ALL_OBJECTS.index(simulated.name), VARIANTS.index(simulated.variant)
+    return *names, simulated.stiffer
 
 
 def _new(kind: str) -> Any:

@@ -14,7 +14,6 @@ from springpot.codegen.errors import SpringpotError
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
-from springpot.host.simulation.tool_device import tool_device
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 
 _TRACED = ("position_m", "velocity_mps", "seen_m", "seen_mps", "force_n")
@@ -81,9 +80,7 @@ class HandLoop:
     def __init__(self, scene: SceneLibrary | LoopCalls, real: str = "") -> None:
         """real: "float" or "double", where `scene` does not say it."""
         self._scene_of = scene
-        if isinstance(scene, SceneLibrary):
-            real = "float" if scene.dtype is np.float32 else "double"
-        self._port = _load(real)
+        self._port = _load(scene.real if isinstance(scene, SceneLibrary) else real)
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
         """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
@@ -99,44 +96,15 @@ class HandLoop:
         inputs["dropped"] = array(dropped)
         outputs = {name: array(value) for name, value in trace.items()}
         outputs["notes"] = array(notes)
+        given = new("sp_closed_loop_scenario *", inputs)
+        traced = new("sp_closed_loop_trace *", outputs)
         tool = self._tool(operator, start_m)
-        not_finite = self._port.c.sp_closed_loop_run(
-            scene,
-            tool,
-            n,
-            new("sp_closed_loop_scenario *", inputs),
-            new("sp_closed_loop_trace *", outputs),
-        )
+        not_finite = self._port.c.sp_closed_loop_run(scene, tool, n, given, traced)
         _check(not_finite)
         del held
         late = operator.device.delay_samples
         felt_n = np.concatenate([np.zeros(late), trace["force_n"]])[:n]
         return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
-
-    def press(
-        self, operator: Operator, ticks: int, dt_s: float, reach_m: float
-    ) -> dict[str, float]:
-        """Random presses; returns the members of sp_closed_loop_presses."""
-        scene, held = self._scene()
-        tool = self._tool(operator, -0.001)
-        found = self._port.ffi.new("sp_closed_loop_presses *")
-        _check(
-            self._port.c.sp_closed_loop_press(
-                scene, tool, ticks, dt_s, reach_m, operator.seed, found
-            )
-        )
-        del held
-        names = [name for name, _ in self._port.ffi.typeof("sp_closed_loop_presses").fields]
-        return {name: getattr(found, name) for name in names}
-
-    def fuzz(
-        self, ticks: int, dt_s: float, depth_m: float, limits_n: tuple[float, float], seed: int
-    ) -> int:
-        """Half random bit patterns, half motion with faults: forces not finite or not allowed."""
-        scene, held = self._scene()
-        wrong = int(self._port.c.sp_closed_loop_fuzz(scene, ticks, depth_m, dt_s, *limits_n, seed))
-        del held
-        return wrong
 
     def _scene(self) -> tuple[Any, Any]:
         """The scene's functions with a fresh state, and what keeps that alive."""
@@ -156,6 +124,20 @@ class HandLoop:
             _SUBSTEPS, 1, operator.seed, start_m,
         ))  # fmt: skip
         return tool
+
+
+def tool_device(library: CLibrary, device: LoopDevice) -> Any:
+    """The device as the C of the simulated hand takes it, for a call of sim_tool_init."""
+    return library.ffi.new(
+        "sim_tool_device *",
+        {
+            "mass_kg": device.mass_kg,
+            "viscous_nspm": device.viscous_nspm,
+            "coulomb_n": device.coulomb_n,
+            "encoder_step_m": device.resolution_um / 1e6,
+            "delay_samples": device.delay_samples,
+        },
+    )
 
 
 def _check(status: int) -> None:

@@ -1,8 +1,9 @@
 """The simulated objects by name, and what a URL `sim://OBJECT` says of one."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qsl, urlsplit
 
@@ -64,28 +65,18 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
     if parts.netloc not in ALL_OBJECTS or parts.path not in ("", "/"):
         known = ", ".join(ALL_OBJECTS)
         raise UsageError(f"{url}: no object {parts.netloc + parts.path!r}: use one of {known}")
-    settings: dict[str, Any] = {"seed": default_seed}
-    presses: dict[str, Any] = {}
+    found: dict[str, Any] = {"seed": default_seed}
     for key, value in parse_qsl(parts.query, keep_blank_values=True):
-        match key:
-            case "variant":
-                settings["variant"] = _one_of(url, key, value, VARIANTS)
-            case "hand":
-                settings["hand"] = _one_of(url, key, value, HAND_NAMES)
-            case "stiffer":
-                settings["stiffer"] = _number(url, key, value, (0.01, 1000), "a factor")
-            case "seed":
-                settings["seed"] = _seed(url, value)
-            case "delay":
-                settings["delay_samples"] = int(_one_of(url, key, value, ("0", "1")))
-            case "rest" | "rate" | "drift" | "glitch":
-                presses |= _press_setting(url, key, value)
-            case _:
-                raise UsageError(
-                    f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay; to "
-                    "record, rest, rate, drift or glitch too"
-                )
-    simulated = SimulatedObject(parts.netloc, **settings, presses=PressSettings(**presses))
+        if key not in _SETTINGS:
+            raise UsageError(
+                f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay; to "
+                "record, rest, rate, drift or glitch too"
+            )
+        name, read = _SETTINGS[key]
+        found[name] = read(url, key, value)
+    of_presses = found.keys() & set(PressSettings.__dataclass_fields__)
+    presses = PressSettings(**{name: found.pop(name) for name in of_presses})
+    simulated = SimulatedObject(parts.netloc, **found, presses=presses)
     if simulated.name in FOREIGN_OBJECTS and simulated.variant != "a":
         raise UsageError(
             f"{url}: variant={simulated.variant}: {simulated.name} has no variants, they are of "
@@ -109,24 +100,17 @@ def own_class_line(sources: Iterable[str]) -> str:
     )
 
 
-def _press_setting(url: str, key: str, value: str) -> dict[str, Any]:
-    match key:
-        case "rest":
-            return {"rest_s": _number(url, key, value, (0, 3600), "seconds")}
-        case "rate":
-            return {"rate_hz": _rate_hz(url, value)}
-        case "drift":
-            return {"drift_npmin": _number(url, key, value, (-1, 1), "N a minute")}
-    return {"glitch": _one_of(url, key, value, ("0", "1")) == "1"}
-
-
-def _one_of(url: str, key: str, value: str, known: Sequence[str]) -> str:
+def _one_of(url: str, key: str, value: str, *, known: Sequence[str]) -> str:
     if value not in known:
         raise UsageError(f"{url}: no {key} {value!r}: use one of {', '.join(known)}")
     return value
 
 
-def _number(url: str, key: str, value: str, limits: tuple[float, float], what: str) -> float:
+def _bit(url: str, key: str, value: str) -> int:
+    return int(_one_of(url, key, value, known=("0", "1")))
+
+
+def _number(url: str, key: str, value: str, *, limits: tuple[float, float], what: str) -> float:
     try:
         number = float(value)
     except ValueError:
@@ -137,7 +121,7 @@ def _number(url: str, key: str, value: str, limits: tuple[float, float], what: s
     return number
 
 
-def _rate_hz(url: str, value: str) -> int:
+def _rate_hz(url: str, _key: str, value: str) -> int:
     rate_hz = int(value) if value.isascii() and value.isdigit() else 0
     if not (0 < rate_hz <= BENCH_RATE_HZ and BENCH_RATE_HZ % rate_hz == 0):
         raise UsageError(
@@ -147,7 +131,21 @@ def _rate_hz(url: str, value: str) -> int:
     return rate_hz
 
 
-def _seed(url: str, value: str) -> int:
+def _seed(url: str, _key: str, value: str) -> int:
     if not (value.isascii() and value.isdigit() and int(value) < 2**31):
         raise UsageError(f"{url}: seed={value}: give a whole number below 2147483648")
     return int(value)
+
+
+# Keys of a URL: the field that each one sets, and how it is read.
+_SETTINGS: dict[str, tuple[str, Callable[[str, str, str], Any]]] = {
+    "variant": ("variant", partial(_one_of, known=VARIANTS)),
+    "hand": ("hand", partial(_one_of, known=HAND_NAMES)),
+    "stiffer": ("stiffer", partial(_number, limits=(0.01, 1000), what="a factor")),
+    "seed": ("seed", _seed),
+    "delay": ("delay_samples", _bit),
+    "rest": ("rest_s", partial(_number, limits=(0, 3600), what="seconds")),
+    "rate": ("rate_hz", _rate_hz),
+    "drift": ("drift_npmin", partial(_number, limits=(-1, 1), what="N a minute")),
+    "glitch": ("glitch", lambda *given: bool(_bit(*given))),
+}

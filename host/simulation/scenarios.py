@@ -143,26 +143,20 @@ def pressing(
     needed_n = force(x) + damping_nspm * v + mass_kg * a
     if space.device.coulomb_n > 0.0:
         needed_n += space.device.coulomb_n * np.tanh(v / _STICKING_MPS)
-    return Scenario(
-        dt_s=dt_s,
-        intended_m=x + needed_n / hand.stiffness_npm,
-        push_n=np.full(n, np.nan),
-        error_m=np.zeros(n),
-        dropped=np.zeros(n, dtype=np.uint8),
-    )
+    return _undisturbed(dt_s, x + needed_n / hand.stiffness_npm, np.full(n, np.nan))
 
 
 def pushing(space: Workspace) -> Scenario:
     """A push that rises in half a second and stays for two, in place of the hand's spring."""
     n = round(2.5 / space.dt_s)
     t = np.arange(1, n + 1) * space.dt_s
-    return Scenario(
-        dt_s=np.full(n, space.dt_s),
-        intended_m=np.zeros(n),
-        push_n=PUSH_OF_CLAMP * space.max_n * smooth(t / 0.5),
-        error_m=np.zeros(n),
-        dropped=np.zeros(n, dtype=np.uint8),
-    )
+    push_n = PUSH_OF_CLAMP * space.max_n * smooth(t / 0.5)
+    return _undisturbed(np.full(n, space.dt_s), np.zeros(n), push_n)
+
+
+def _undisturbed(dt_s: Samples, intended_m: Samples, push_n: Samples) -> Scenario:
+    n = len(dt_s)
+    return Scenario(dt_s, intended_m, push_n, np.zeros(n), np.zeros(n, dtype=np.uint8))
 
 
 def hold_case(name: str, space: Workspace, force: Force, hand: Hand, stiffer: bool = False) -> Case:

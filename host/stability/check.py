@@ -25,8 +25,7 @@ from springpot.host.stability.closed_loop import (
     run_closed_loop,
     stiff_plan,
 )
-from springpot.host.stability.device_advice import device_advice
-from springpot.host.stability.judgement import Grade, judge
+from springpot.host.stability.judgement import Grade, device_advice, judge
 from springpot.host.stability.small_signal import Map, small_signal_map
 
 
@@ -80,8 +79,13 @@ class Stability:
                 "felt_stiffness_npm": self.stiff.coupling.felt_npm,
             },
             "closed_loop": [outcome.as_dict() for outcome in self.outcomes],
-            "recommendation": recommendation(self),
+            "recommendation": self.recommendation,
         }
+
+    @property
+    def recommendation(self) -> str:
+        """The verdict in words."""
+        return " ".join(_verdict(self))
 
 
 def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
@@ -202,11 +206,6 @@ def _rendered(plan: Plan, stack: ExitStack) -> Rendered:
 def _model_library(plan: Plan, library: SceneLibrary, stack: ExitStack) -> SceneLibrary:
     model = uncoupled(plan)
     return library if model is plan else stack.enter_context(built(model))
-
-
-def recommendation(result: Stability) -> str:
-    """The verdict in words."""
-    return " ".join(_verdict(result))
 
 
 def _verdict(result: Stability) -> Iterator[str]:

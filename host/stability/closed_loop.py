@@ -51,14 +51,13 @@ class Losses:
 class Outcome:
     """One case with one hand. model_only_n: the model alone under the same motion, (n,), N.
 
-    settled: vibration was measured over the ticks at which the tool should be still. quiet,
-    stiffer, judged, beyond: as of the Case. late: with one more sample of delay than the device's
-    own.
+    late: with one more sample of delay than the device's own.
     """
+
+    played: Case
 
     hand: str
     delay_samples: int
-    case: str
     bounded: bool
     max_depth_m: float
     max_force_n: float
@@ -67,14 +66,18 @@ class Outcome:
     energy_out_j: float
     trace: Trace
     model_only_n: Samples
-    dt_s: Samples
     losses: Losses | None = None
     late: bool = False
-    settled: bool = False
-    quiet: bool = False
-    stiffer: bool = False
-    judged: bool = True
-    beyond: bool = False
+
+    @property
+    def case(self) -> str:
+        """Name of the case."""
+        return self.played.name
+
+    @property
+    def stiffer(self) -> bool:
+        """Whether the object was made stiffer."""
+        return self.played.stiffer
 
     def as_dict(self) -> dict[str, object]:
         names = (
@@ -180,15 +183,10 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
     still = case.still or (slice(0, len(trace.velocity_mps)),)
     error_n = np.sqrt(np.mean((trace.felt_n - model_only_n) ** 2))
     return Outcome(
+        played=case,
         hand=hand.name,
         delay_samples=operator.device.delay_samples,
         late=more_delay > 0,
-        case=case.name,
-        settled=bool(case.still),
-        quiet=case.quiet,
-        stiffer=case.stiffer,
-        judged=case.judged,
-        beyond=case.beyond,
         bounded=bool(allowed.all() and inside and trace.not_finite == 0),
         max_depth_m=deepest_m,
         max_force_n=float(trace.force_n.max()),
@@ -197,5 +195,4 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
         energy_out_j=-float(np.sum(trace.felt_n[:-1] * np.diff(trace.position_m))),
         trace=trace,
         model_only_n=model_only_n,
-        dt_s=case.scenario.dt_s,
     )

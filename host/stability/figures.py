@@ -20,11 +20,6 @@ _DARK = 0.6  # of the colour scale: text in darker cells is white
 _LEAST_MPS = 1e-5
 
 
-def map_scale(*maps: Map) -> float:
-    """What the colours of all these maps end at, either way."""
-    return max(0.05, *(float(np.abs(found.sin_delta).max()) for found in maps))
-
-
 def map_figure(found: Map, title: str, most: float) -> str:
     """sin(delta) of every cell, coloured from -most to most; those that give energy are bold."""
     with mpl.rc_context(STYLE):
@@ -38,8 +33,7 @@ def map_figure(found: Map, title: str, most: float) -> str:
         axes.set_xticks(range(len(found.frequency_hz)), [f"{f:.3g}" for f in found.frequency_hz])
         axes.set_yticks(range(len(found.share)), [f"{100 * s:.0f} %" for s in found.share])
         axes.axhline(float(np.sum(found.share <= 1.0)) - 0.5, color=MEASURED, lw=1.2)
-        axes.set_xlabel("frequency, Hz")
-        axes.set_ylabel("depth, of the trained one")
+        axes.set(xlabel="frequency, Hz", ylabel="depth, of the trained one")
         axes.set_title(title, loc="left", fontsize=9)
         figure.colorbar(image, ax=axes, label="sin δ: below 0 gives energy", shrink=0.9)
         return svg_text(figure)
@@ -70,7 +64,7 @@ class CaseScale:
 def case_figures(outcomes: Sequence[Outcome], scale: CaseScale) -> list[str]:
     """One case: depth and force with the design hand, and the speed of every hand."""
     shown = next(item for item in outcomes if item.hand == DESIGN_HAND.name)
-    time_s = np.cumsum(shown.dt_s)
+    time_s = np.cumsum(shown.played.scenario.dt_s)
     step = stride(len(time_s), _POINTS)
 
     def depth(axes: Axes) -> None:
@@ -88,7 +82,7 @@ def case_figures(outcomes: Sequence[Outcome], scale: CaseScale) -> list[str]:
         names = [f"{item.hand}\n{item.delay_samples}" for item in outcomes]
         axes.bar(names, [1e3 * max(item.hf_speed_mps, _LEAST_MPS) for item in outcomes],
                  color=ERROR)  # fmt: skip
-        if shown.settled:
+        if shown.played.still:
             axes.axhline(1e3 * QUIET_MPS, color=PREDICTED, lw=1.0, ls="--")
         axes.set(xlabel="hand, samples of delay", ylabel="speed above 15 Hz, mm/s", yscale="log",
                  ylim=scale.speed_mmps)  # fmt: skip

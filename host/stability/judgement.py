@@ -1,9 +1,10 @@
-"""What an outcome of the closed loop means for a hand: a grade and a few words."""
+"""What the checks mean for a hand: outcomes graded, figures of the device in sentences."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
+from springpot.codegen.plan.plan import Plan
 from springpot.host.stability.closed_loop import Outcome
 
 QUIET_MPS = 1e-3
@@ -44,11 +45,11 @@ class Judgement:
 
 def judge(outcome: Outcome) -> Judgement:
     """One outcome. Lost samples at four times the trained speed warn, and do not condemn."""
-    if not outcome.judged:
+    if not outcome.played.judged:
         return Judgement(outcome, Grade.UNJUDGED, "a session ends at such a rate of samples")
     lossy = outcome.losses is not None
     unbounded = not outcome.bounded
-    loud = outcome.quiet and outcome.hf_speed_mps > QUIET_MPS
+    loud = outcome.played.quiet and outcome.hf_speed_mps > QUIET_MPS
     kicks = outcome.losses is not None and outcome.losses.kicks
     unfaithful = not lossy and not outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT
     reasons = [
@@ -61,10 +62,10 @@ def judge(outcome: Outcome) -> Judgement:
         )
         if holds
     ]
-    bad = unbounded or (kicks and not outcome.beyond)
+    bad = unbounded or (kicks and not outcome.played.beyond)
     grade = Grade.BAD if bad else Grade.LOOK if reasons else Grade.GOOD
     if not reasons:
-        reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.quiet else [
+        reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.played.quiet else [
             "bounded"
         ]  # fmt: skip
     if outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT:
@@ -80,3 +81,21 @@ def judged_cases(outcomes: Sequence[Outcome]) -> list[Judgement]:
         if case not in worst or found.beyond > worst[case].beyond:
             worst[case] = found
     return sorted(worst.values(), key=lambda item: item.beyond, reverse=True)
+
+
+def device_advice(plan: Plan) -> Iterator[str]:
+    """Yield what the largest force and the noise of the velocity, where stated, mean."""
+    device = plan.scene.device
+    if device.max_force_n is not None and device.max_force_n < plan.max_force_n:
+        yield (
+            f"The scene's force may reach {plan.max_force_n:.3g} N and its device gives "
+            f"{device.max_force_n:g} N, so `run` will refuse it: set guard.max_force_n = "
+            f"{device.max_force_n:g}."
+        )
+    if device.velocity_noise_mps and plan.needs_device_velocity:
+        noise_n = plan.coupling.coupling.damping_nspm * device.velocity_noise_mps
+        yield (
+            f"The device's velocity, noisy by {device.velocity_noise_mps:.2g} m/s, puts "
+            f"{noise_n:.2g} N of noise into the force: "
+            'device.velocity = "estimate" does without it.'
+        )

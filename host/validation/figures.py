@@ -34,8 +34,7 @@ def prediction_figure(item: Series) -> str:
         upper.set_title(item.name, loc="left", fontsize=9)
         lower.plot(time_s, (item.predicted_n - item.measured_n)[::step], color=ERROR, lw=0.8)
         lower.axhline(0.0, color=MUTED, lw=0.6)
-        lower.set_ylabel("error, N")
-        lower.set_xlabel("time, s")
+        lower.set(ylabel="error, N", xlabel="time, s")
         return svg_text(figure)
 
 
@@ -73,8 +72,7 @@ def _whole_loop(item: Series) -> str:
         depth_mm = 1e3 * item.position_m[::step]
         axes.plot(depth_mm, item.measured_n[::step], color=MEASURED, lw=0.9, label="measured")
         axes.plot(depth_mm, item.predicted_n[::step], color=PREDICTED, lw=0.8, ls="--", label="C")
-        axes.set_xlabel("depth, mm")
-        axes.set_ylabel("force, N")
+        axes.set(xlabel="depth, mm", ylabel="force, N")
         axes.legend(loc="upper left", frameon=False)
         return svg_text(figure)
 
@@ -93,10 +91,12 @@ def held_forces(scene: Hold, recorded: Hold | None) -> str:
             kept = np.unique(np.geomspace(1, len(force_n), 600).astype(int)) - 1
             axes.plot((kept + 1) * hold.dt_s, 100.0 * force_n[kept] / force_n[0], color=colour,
                       ls=dashes, lw=1.3, label=name)  # fmt: skip
-        axes.set_xscale("log")
-        axes.set_ylim(0.0, 110.0)
-        axes.set_xlabel("time held still, s")
-        axes.set_ylabel("force, % of the first")
+        axes.set(
+            xscale="log",
+            ylim=(0.0, 110.0),
+            xlabel="time held still, s",
+            ylabel="force, % of the first",
+        )
         axes.legend(frameon=False, loc="lower left")
         return svg_text(figure)
 
@@ -120,8 +120,9 @@ def percentage_error(series: Sequence[Series]) -> str:
         axes.axvline(SCORED_ABOVE_N, color=MUTED, lw=0.8, ls=":")
         axes.set_ylim(0.0, 50.0)
         axes.set_xlim(left=0.0)
-        axes.set_xlabel("measured force, N (scored right of the dotted line)")
-        axes.set_ylabel("absolute error, %")
+        axes.set(
+            xlabel="measured force, N (scored right of the dotted line)", ylabel="absolute error, %"
+        )
         axes.legend(loc="upper right", frameon=False)
         return svg_text(figure)
 
@@ -132,8 +133,7 @@ def importance(orders: Sequence[float], shares: Sequence[float]) -> str:
         figure = Figure(figsize=(4.4, 3.0), layout="constrained")
         axes = figure.subplots()
         axes.bar([f"{order:g}" for order in orders], shares, color=ERROR)
-        axes.set_xlabel("fractional order")
-        axes.set_ylabel("share of the variance removed")
+        axes.set(xlabel="fractional order", ylabel="share of the variance removed")
         axes.tick_params(axis="x", labelrotation=45)
         return svg_text(figure)
 
@@ -148,8 +148,6 @@ def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
         bins = np.geomspace(0.8 * low, 1.2 * high, 60)
         axes.hist(tick_us, bins=list(bins), color=ERROR, label="paced, cold caches")
         axes.axvline(hot_ns * 1e-3, color=PREDICTED, lw=1.4, ls="--", label="hot median")
-        axes.set_xscale("log")
-        axes.set_xlabel("time of a tick, µs")
-        axes.set_ylabel("ticks")
+        axes.set(xscale="log", xlabel="time of a tick, µs", ylabel="ticks")
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2)
         return svg_text(figure)

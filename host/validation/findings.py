@@ -5,12 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.plan.plan import Plan
-from springpot.host.metrics import SCORED_ABOVE_N
+from springpot.host.metrics import SCORED_ABOVE_N, floor_words
 from springpot.host.pages.page import plain
 from springpot.host.stability.check import Stability
 from springpot.host.stability.judgement import Grade, judged_cases
 from springpot.host.validation.error_parts import SpeedError
-from springpot.host.validation.error_ratios import floor_words
 from springpot.host.validation.relaxation import Hold, relaxed_share, settled_after_s
 
 _MOSTLY = 0.9  # of samples nearer than a hand can tell: good; below half: bad
@@ -92,7 +91,7 @@ def stability_finding(found: Stability) -> SceneFinding:
     """The verdict, with the gravest case first."""
     worst = judged_cases(found.outcomes)[0]
     grade = worst.grade if worst.grade in (Grade.LOOK, Grade.BAD) else Grade.GOOD
-    words = found.as_dict()["recommendation"]
+    words = found.recommendation
     if not found.check.stable:
         return SceneFinding("Stability", Grade.BAD, words, "do not render it; see [coupling]")
     if grade == Grade.GOOD:

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan.plan import Plan
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.scenarios import RISE_S, Workspace, holding
 from springpot.host.validation.store import Series
 
@@ -38,13 +36,12 @@ class Hold:
         return len(self.force_n) * self.dt_s
 
 
-def scene_hold(plan: Plan, library: SceneLibrary) -> Hold:
+def scene_hold(plan: Plan, replay: Replay) -> Hold:
     """Press the emitted C to 60 % of its trained depth, and hold it there for a minute."""
     space = Workspace.of(plan)
     motion, seconds = holding(space, (_SHARE,), HOLD_FOR_S)
     time_s = np.arange(round(seconds / plan.dt_s), dtype=np.float64) * plan.dt_s
-    position_m = np.asarray(motion(time_s), dtype=plan.dtype)
-    force_n, _ = Replay(library).run(position_m, backward_velocity(position_m, plan.dt_s))
+    force_n, _ = replay.run(motion(time_s))
     still = np.asarray(force_n[round(RISE_S / plan.dt_s) :], dtype=np.float64)
     return Hold("the emitted C", space.at(_SHARE), plan.dt_s, still)
 

@@ -1,19 +1,16 @@
 """The report: one self-contained HTML page on an emitted and validated scene."""
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.atomic_write import write_file
-from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.emit.single import SINGLE_EXAMPLE
 from springpot.codegen.errors import DataError
-from springpot.codegen.plan.plan import Plan
 from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
-from springpot.host.metrics import start_up_ramp
+from springpot.host.metrics import JND_WORDS, floor_words, start_up_ramp
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.pages.page import page_text
@@ -22,7 +19,6 @@ from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section
 from springpot.host.validation import figures
 from springpot.host.validation.error_parts import errors_by_speed
-from springpot.host.validation.error_ratios import JND_WORDS, floor_words
 from springpot.host.validation.findings import (
     accuracy_findings,
     code_findings,
@@ -30,7 +26,7 @@ from springpot.host.validation.findings import (
     stability_finding,
 )
 from springpot.host.validation.relaxation import recorded_hold, scene_hold
-from springpot.host.validation.store import Series, Stored, read_validation
+from springpot.host.validation.store import Stored, read_validation
 
 _REPORT_NAME = "report.html"
 
@@ -53,10 +49,12 @@ def write_report(folder: Path) -> Path:
     plan, model = emitted.plan, emitted.model
     library = SceneLibrary(folder)
     manifest = json.loads((folder / "manifest.json").read_text())
-    ramps = _ramps(plan, library, stored.series)
+    replay = Replay(library)
+    # Samples of each recording while the force rose from zero: no error counts them.
+    ramps = [start_up_ramp(replay.run(item.position_m)[1]) for item in stored.series]
     speeds = errors_by_speed(stored.series, ramps)
     mean_error_n = result["mean_error_n"]
-    hold, recorded = scene_hold(plan, library), recorded_hold(stored.series)
+    hold, recorded = scene_hold(plan, replay), recorded_hold(stored.series)
     checked = stability(plan)
     shares = model.provenance.get("importance", [])
     orders = getattr(model.features, "orders", ())
@@ -91,24 +89,10 @@ def write_report(folder: Path) -> Path:
         **stability_section(checked),
     }
     path = folder / _REPORT_NAME
-    write_file(path, page_text("report.html", context, angle=_angle).encode())
+    # angle: loss angle of a complex stiffness, degrees.
+    text = page_text("report.html", context, angle=lambda it: f"{np.degrees(np.angle(it)):.1f}")
+    write_file(path, text.encode())
     return path
-
-
-def _ramps(plan: Plan, library: SceneLibrary, series: Sequence[Series]) -> list[int]:
-    """Samples of each recording while the force rose from zero: no error counts them."""
-    replay = Replay(library)
-    found = []
-    for item in series:
-        position = item.position_m.astype(plan.dtype)
-        notes = replay.run(position, backward_velocity(position, plan.dt_s))[1]
-        found.append(start_up_ramp(notes))
-    return found
-
-
-def _angle(swing: complex) -> str:
-    """Loss angle of a complex stiffness, degrees."""
-    return f"{np.degrees(np.angle(swing)):.1f}"
 
 
 def by_hand(folder: Path) -> str:

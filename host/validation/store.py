@@ -18,6 +18,7 @@ from springpot.trainer.recordings.recording import Recording
 _FOLDER = "validation"
 _METADATA = "result.json"
 _SERIES = "series.npz"
+_ARRAYS = ("position_m", "measured_n", "predicted_n")  # of a recording
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +55,8 @@ def store_validation(folder: Path, validation: Validation, recordings: Sequence[
     }
     arrays = {"tick_ns": validation.ticks.paced_ns}
     for i, (rec, predicted_n) in enumerate(zip(recordings, validation.predicted_n, strict=True)):
-        arrays[f"position_m_{i}"] = rec.position_m
-        arrays[f"measured_n_{i}"] = rec.force_n
-        arrays[f"predicted_n_{i}"] = predicted_n
+        samples = (rec.position_m, rec.force_n, predicted_n)
+        arrays |= {f"{name}_{i}": values for name, values in zip(_ARRAYS, samples, strict=True)}
     with written_aside(target / _SERIES) as aside, aside.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
@@ -69,13 +69,7 @@ def read_validation(folder: Path) -> Stored:
         metadata = json.loads((target / _METADATA).read_text())
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             series = tuple(
-                Series(
-                    name=rec["name"],
-                    dt_s=rec["dt_s"],
-                    position_m=stored[f"position_m_{i}"],
-                    measured_n=stored[f"measured_n_{i}"],
-                    predicted_n=stored[f"predicted_n_{i}"],
-                )
+                Series(rec["name"], rec["dt_s"], *(stored[f"{name}_{i}"] for name in _ARRAYS))
                 for i, rec in enumerate(metadata["recordings"])
             )
             return Stored(metadata=metadata, series=series, tick_ns=stored["tick_ns"])

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +15,13 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
 from springpot.codegen.progress import counted
 from springpot.codegen.reference.run import run_reference
+from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
-from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
+from springpot.host.metrics import Accuracy, accuracy, error_ratios, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.note_words import NOTE_NAMES
-from springpot.host.validation.error_ratios import error_ratios
 from springpot.host.validation.seen import seen_by
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.notices import notice
@@ -56,22 +56,15 @@ class Validation:
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of `validate --json`."""
-        found = self.accuracy
+        errors = asdict(self.accuracy)
         return {
-            "samples": found.samples,
-            "ramped_samples": found.ramped,
-            "rmse_n": found.rmse_n,
-            "rmse_percent_of_peak": found.rmse_percent_of_peak,
-            "mean_recording_rmse_n": found.mean_recording_rmse_n,
-            "mean_recording_rmse_interval_n": found.interval_n,
-            "mean_error_n": found.mean_error_n,
-            "max_abs_error_n": found.max_abs_error_n,
-            "p99_abs_error_n": found.p99_abs_error_n,
-            "ape_below_jnd": found.ape_below_jnd,
-            **error_ratios(found, self.floor),
+            "ramped_samples": errors.pop("ramped"),
+            "mean_recording_rmse_interval_n": errors.pop("interval_n"),
+            **errors,
+            **error_ratios(self.accuracy, self.floor),
             "mismatches": self.mismatches,
             "notes": self.notes,
-            "tick_ns": self.ticks.as_dict(),
+            "tick_ns": shown_fields(self.ticks),
             "hash": self.manifest["hash"],
             "edited": list(self.edited),
             "seen": self.seen,
@@ -169,6 +162,12 @@ def _validated(
     )
 
 
+def is_log_of(recording: Recording, scene_hash: str) -> bool:
+    """Whether a recording is the log of a session of that scene."""
+    session = recording.details.get("session")
+    return bool(session and recording.channels and session["hash"] == scene_hash)
+
+
 def repeat_session(
     replay: Replay, recording: Recording, scene_hash: str
 ) -> tuple[NDArray[Any], int] | None:
@@ -176,14 +175,12 @@ def repeat_session(
 
     None for what is no log of this scene.
     """
-    session = recording.details.get("session")
-    if session is None or not recording.channels:
-        return None
-    if session["hash"] != scene_hash:
-        notice(
-            f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces are "
-            "compared as a recording's"
-        )
+    if not is_log_of(recording, scene_hash):
+        if recording.channels and (session := recording.details.get("session")):
+            notice(
+                f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces "
+                "are compared as a recording's"
+            )
         return None
     channels, call = recording.channels, recording.channels["call"].astype(int)
     force, notes = replay.repeat(channels)

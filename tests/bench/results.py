@@ -24,8 +24,8 @@ from typing import Any
 from judges_table import judges_section, judges_summary
 from wasm import wasm_section
 
+from springpot.host.metrics import JND_WORDS, floor_words
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, own_class
-from springpot.host.validation.error_ratios import JND_WORDS, floor_words
 from springpot.host.wings.evidence.benchmark.figures import front_figure
 from springpot.host.wings.evidence.benchmark.labels import kilobytes, label
 from springpot.host.wings.evidence.benchmark.point import Point, points_of

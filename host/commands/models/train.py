@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import NOT_NEGATIVE, PERCENT, POSITIVE, SEED, FiniteRange
+from springpot.host.console.options import NOT_NEGATIVE, PATH, PERCENT, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
     json_option,
     paths_argument,
@@ -18,7 +18,6 @@ from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
-    from springpot.host.metrics import Accuracy
     from springpot.trainer.models.fit import Engine, Fit, FitOptions
     from springpot.trainer.recordings.recording import Recording
 
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
     metavar="REC",
     help="Recording or folder to report the error on; may be repeated.",
 )
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Model file to write.")
+@click.option("--out", type=PATH, required=True, help="Model file to write.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option(
     "--fraction",
@@ -98,7 +97,7 @@ if TYPE_CHECKING:
 @click.option(
     "--next",
     "next_file",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE.toml",
     help="Write the three presses that would tell most as a protocol for `springpot record`.",
 )
@@ -123,10 +122,16 @@ def train(
     as_json: bool,
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
-    _require_model_name(out)
+    from springpot.codegen.model.model_file import MODEL_SUFFIX
+
+    if out.suffix != MODEL_SUFFIX:
+        raise UsageError(
+            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
+        )
+    from springpot.host.commands.models.fit_result import errors, training_result, training_rows
     from springpot.host.console.quality import report_quality
     from springpot.host.recording.next_protocol import require_surface
-    from springpot.host.validation.training import training_result, training_rows
+    from springpot.host.validation.seen import seen_line
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
     from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -143,20 +148,13 @@ def train(
     fit = _fitted(kind, out, training, testing, options)
     result = training_result(fit, options) | _written(fit, out)
     compared_s = smooth_s if smooth_validation else 0.0
-    found, errors = _errors(fit, training, testing, compared_s) if testing else (None, {})
-    result |= errors
+    found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
+    result |= figures
+    if figures.get("seen"):
+        say(seen_line(figures["seen"], len(testing)))
     rows = training_rows(fit, out, result, found, len(testing))
     result["next_presses"], rows["record next"] = _next_presses(training, fit, next_file)
     print_result(result, as_json, rows)
-
-
-def _require_model_name(out: Path) -> None:
-    from springpot.codegen.model.model_file import MODEL_SUFFIX
-
-    if out.suffix != MODEL_SUFFIX:
-        raise UsageError(
-            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
-        )
 
 
 def _next_presses(
@@ -192,27 +190,3 @@ def _written(fit: "Fit", out: Path) -> dict[str, Any]:
 
     out.parent.mkdir(parents=True, exist_ok=True)
     return {"out": str(out), "hash": write_model(out, fit.model)}
-
-
-def _errors(
-    fit: "Fit", training: "list[Recording]", testing: "list[Recording]", compared_s: float
-) -> "tuple[Accuracy, dict[str, Any]]":
-    """The error on `testing`, smoothed over compared_s, and the keys of `--json` about it."""
-    from springpot.host.validation.error_ratios import error_ratios
-    from springpot.host.validation.seen import seen_by, seen_line
-    from springpot.host.validation.training import validated
-    from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
-    from springpot.trainer.recordings.smoothing import smoothed
-
-    found = validated(fit.model, testing, compared_s)
-    floor = find_noise_floor([smoothed(rec, compared_s) for rec in (*training, *testing)])
-    seen = seen_by(fit.model, testing)
-    if seen and (line := seen_line(seen, len(testing))):
-        say(line)
-    return found, {
-        "seen": seen,
-        "rmse_n": found.rmse_n,
-        "rmse_percent_of_peak": found.rmse_percent_of_peak,
-        "mean_recording_rmse_n": found.mean_recording_rmse_n,
-        **error_ratios(found, floor),
-    }

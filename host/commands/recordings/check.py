@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from rich.console import Console
-from rich.table import Table
 
-from springpot.host.console.output import json_option, paths_argument, progress_bar
+from springpot.host.console.output import (
+    json_option,
+    paths_argument,
+    print_json,
+    print_table,
+    progress_bar,
+)
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.report import QualityReport
@@ -27,17 +30,15 @@ def check_(recordings: tuple[str, ...], as_json: bool) -> None:
     with progress_bar("check"):
         report = check_recordings(read_recordings(map(Path, recordings)))
     if as_json:
-        click.echo(json.dumps(report.as_dict(), allow_nan=False))
+        print_json(report.as_dict())
     else:
         _print(report)
     report.refuse()
 
 
 def _print(report: QualityReport) -> None:
-    table = Table("recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad", box=None)
-    for figures in report.recordings:
-        table.add_row(*_row(figures))
-    Console(width=140).print(table)
+    columns = ("recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad")
+    print_table(columns, map(_row, report.recordings), width=140)
     click.echo(report.figures["signs"])
     _print_coverage(report.figures["coverage"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
@@ -63,16 +64,16 @@ def _print_coverage(coverage: dict[str, Any]) -> None:
     """Strokes by depth and speed, and the longest hold at each depth; what to record next."""
     speeds = [f"{1e3 * speed:.3g}" for speed in coverage["speeds_mps"]]
     click.echo("your recordings cover (strokes, by how deep they go and how fast they are):")
-    table = Table("mm deep", *(f"from {speed} mm/s" for speed in speeds), "longest hold", box=None)
-    for row in coverage["table"]:
-        low_m, high_m = row["depth_m"]
-        held_s = row["longest_hold_s"]
-        table.add_row(
-            f"{1e3 * low_m:.3g} .. {1e3 * high_m:.3g}",
+    rows = (
+        (
+            "{:.3g} .. {:.3g}".format(*(1e3 * edge_m for edge_m in row["depth_m"])),
             *(str(count or "-") for count in row["strokes"]),
-            f"{held_s:.3g} s" if held_s else "-",
+            f"{held_s:.3g} s" if (held_s := row["longest_hold_s"]) else "-",
         )
-    Console(width=140).print(table)
+        for row in coverage["table"]
+    )
+    columns = ("mm deep", *(f"from {speed} mm/s" for speed in speeds), "longest hold")
+    print_table(columns, rows, width=140)
     for line in coverage["record_next"]:
         click.echo(f"record next: {line}")
 

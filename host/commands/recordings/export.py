@@ -9,6 +9,7 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.progress import counted
+from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, paths_argument, print_result, progress_bar
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 @click.command("export")
 @paths_argument("recordings")
 @click.option("--to", "form", type=click.Choice(["csv", "mat"]), required=True, help="Format.")
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
+@click.option("--out", required=True, type=PATH, help="Folder to write into.")
 @json_option
 def export_(recordings: tuple[str, ...], form: ExportFormat, out: Path, as_json: bool) -> None:
     """Write RECORDINGS (files or folders) as files that other programs read."""

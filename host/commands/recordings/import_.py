@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,8 +10,8 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.progress import counted
-from springpot.host.console.options import NOT_NEGATIVE, FiniteRange
-from springpot.host.console.output import progress_bar, say
+from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
+from springpot.host.console.output import json_option, print_json, progress_bar, say
 from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 
@@ -38,12 +37,11 @@ class _AutoOrNumber(click.ParamType[Any]):
 
 
 AUTO_OR_N = _AutoOrNumber()
+_OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  # of a recording
 
 
 @click.command("import")
-@click.argument(
-    "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
-)
+@click.argument("files", nargs=-1, required=True, type=PATH, metavar="FILE...")
 @click.option("--map", "map_text", metavar=EXAMPLE, help="COL: a header or a number from 1.")
 @click.option(
     "--zero",
@@ -54,7 +52,7 @@ AUTO_OR_N = _AutoOrNumber()
 )
 @click.option("--resample-hz", type=float, help="Interpolate to this rate.")
 @click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
-@click.option("--dbc", type=click.Path(path_type=Path), help="Database of a CAN log.")
+@click.option("--dbc", type=PATH, help="Database of a CAN log.")
 @click.option("--block", metavar="KIND", help="Mach-1: only such blocks, for instance Sinusoid.")
 @click.option(
     "--position-delay-s", type=FiniteRange(), default=0.0, help="Of the position's sensor."
@@ -71,8 +69,8 @@ AUTO_OR_N = _AutoOrNumber()
     metavar="auto|N",
     help="Put position 0 where force passes this; auto: just above the noise.",
 )
-@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@click.option("--out", required=True, type=PATH, help="Folder to write into.")
+@json_option
 def import_(
     files: tuple[Path, ...],
     map_text: str | None,
@@ -104,7 +102,6 @@ def import_(
         position_delay_s, force_delay_s, align, mass_kg, tare, contact_force
     )
     options = ImportOptions(dbc, block, decimal, conditioning)
-    recordings, guesses = [], []
     with progress_bar("import"):
         results = [
             import_file(file, mapping, zero, resample_hz, options)
@@ -112,19 +109,16 @@ def import_(
         ]
     for result in results:
         say(result.guess)
-        recordings += result.recordings
-        guesses.append(result.guess)
+    recordings = [recording for result in results for recording in result.recordings]
     report = report_quality(recordings)
-    written = _write(out, recordings)
-    signs = [figures["signs"] for figures in report.recordings]
     rows = [
-        {**_summary(path, recording), "signs": of_one}
-        for (path, recording), of_one in zip(written, signs, strict=True)
+        {"file": str(file), **{key: figures[key] for key in _OF_REPORT}}
+        for file, figures in zip(_write(out, recordings), report.recordings, strict=True)
     ]
     if as_json:
-        result_ = {"out": str(out), "recordings": rows, "guess": "\n".join(guesses)}
+        guess = "\n".join(result.guess for result in results)
         findings = [finding.metadata() for finding in report.findings]
-        click.echo(json.dumps(result_ | {"findings": findings}))
+        print_json({"out": out, "recordings": rows, "guess": guess, "findings": findings})
         return
     for row in rows:
         (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]
@@ -135,7 +129,7 @@ def import_(
         )
 
 
-def _write(out: Path, recordings: list[Recording]) -> list[tuple[Path, Recording]]:
+def _write(out: Path, recordings: list[Recording]) -> list[Path]:
     """Write all recordings, or none of them where one file exists already."""
     from springpot.trainer.recordings.recording import RECORDING_SUFFIX
     from springpot.trainer.recordings.recording_file import write_recording
@@ -161,15 +155,4 @@ def _write(out: Path, recordings: list[Recording]) -> list[tuple[Path, Recording
         ) from None
     except OSError as error:
         raise UsageError(f"{out}: cannot write here ({error}): choose another --out") from None
-    return list(files.items())
-
-
-def _summary(path: Path, recording: Recording) -> dict[str, Any]:
-    return {
-        "name": recording.name,
-        "file": str(path),
-        "samples": len(recording.position_m),
-        "rate_hz": recording.rate_hz,
-        "position_m": [float(recording.position_m.min()), float(recording.position_m.max())],
-        "force_n": [float(recording.force_n.min()), float(recording.force_n.max())],
-    }
+    return list(files)

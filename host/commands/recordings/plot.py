@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, paths_argument, print_result, progress_bar
 
 
@@ -11,7 +12,7 @@ from springpot.host.console.output import json_option, paths_argument, print_res
 @paths_argument("recordings")
 @click.option(
     "--out",
-    type=click.Path(path_type=Path),
+    type=PATH,
     default=Path("plots"),
     show_default=True,
     help="Folder to write into.",

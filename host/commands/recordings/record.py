@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from springpot.codegen.entry_points import required_part
-from springpot.host.console.options import POSITIVE
+from springpot.host.console.options import PATH, POSITIVE
+from springpot.host.console.output import (
+    json_option,
+    print_json,
+    print_table,
+    progress_console,
+)
 
 if TYPE_CHECKING:
     from springpot.host.recording.session import PressQuality
@@ -31,7 +34,7 @@ if TYPE_CHECKING:
     "and test: left-out-depth, third-repeat, slow-ramps, one-long, one-speed, preload.",
 )
 @click.option("--force", "sensor_url", help="Force sensor beside it: serial:///... or can://...")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write to.")
+@click.option("--out", type=PATH, required=True, help="Folder to write to.")
 @click.option(
     "--seed",
     type=click.IntRange(0, 2**31 - 1),
@@ -47,7 +50,7 @@ if TYPE_CHECKING:
 @click.option(
     "--max-depth-mm", type=POSITIVE, default=30.0, show_default=True, help="Stop beyond this depth."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+@json_option
 def record(
     url: str,
     protocol: str,
@@ -73,7 +76,7 @@ def record(
         BarColumn(),
         TextColumn("{task.completed:.0f}/{task.total:.0f} s"),
         TimeRemainingColumn(),
-        console=Console(stderr=True),
+        console=progress_console,
         transient=True,
     )
     task = progress.add_task("")
@@ -87,8 +90,10 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3)
     profiles = load_protocol(protocol, seed)
     total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
+    measured = sensor_url is not None
+    open_sensor: Any = required_part("force-sensor", "--force") if measured else nullcontext
     with (
-        nullcontext() if sensor_url is None else _sensor(sensor_url) as pressing,
+        open_sensor(sensor_url) as pressing,
         progress,
         stopping_on_sigterm(),
     ):
@@ -97,39 +102,17 @@ def record(
         )
         progress.update(task, description=device.object_name, total=total_s)
         qualities = record_session(device, url, protocol, profiles, out, on_press)
-    click.echo(_as_json(out, qualities) if as_json else _as_text(qualities), nl=False)
+    if as_json:
+        duration_s = sum(quality.duration_s for quality in qualities)
+        print_json({"out": out, "recordings": qualities, "duration_s": duration_s})
+    else:
+        _print(qualities)
 
 
-def _sensor(url: str) -> AbstractContextManager[Any]:
-    opened: AbstractContextManager[Any] = required_part("force-sensor", "--force")(url)
-    return opened
-
-
-def _as_json(out: Path, qualities: Sequence[PressQuality]) -> str:
-    recordings = [
-        {
-            "name": quality.name,
-            "file": str(quality.file),
-            "samples": quality.samples,
-            "duration_s": quality.duration_s,
-            "max_depth_m": quality.max_depth_m,
-            "max_force_n": quality.max_force_n,
-            "max_command_n": quality.max_command_n,
-            "tracking_rms_n": quality.tracking_rms_n,
-        }
-        for quality in qualities
-    ]
-    duration_s = sum(quality.duration_s for quality in qualities)
-    result = {"out": str(out), "recordings": recordings, "duration_s": duration_s}
-    return json.dumps(result, indent=2) + "\n"
-
-
-def _as_text(qualities: Sequence[PressQuality]) -> str:
-    table = Table("recording", "s", "depth mm", "force N", "of", "tracking error N rms", box=None)
-    for column in table.columns[1:]:
-        column.justify = "right"
-    for quality in qualities:
-        table.add_row(
+def _print(qualities: Sequence[PressQuality]) -> None:
+    columns = ("recording", "s", "depth mm", "force N", "of", "tracking error N rms")
+    rows = (
+        (
             quality.name,
             f"{quality.duration_s:.2f}",
             f"{quality.max_depth_m * 1e3:.2f}",
@@ -137,9 +120,8 @@ def _as_text(qualities: Sequence[PressQuality]) -> str:
             f"{quality.max_command_n:.2f}",
             f"{quality.tracking_rms_n:.3f}",
         )
-    console = Console(width=100)
-    with console.capture() as capture:
-        console.print(table)
+        for quality in qualities
+    )
+    print_table(columns, rows, numbers=True, width=100)
     folders = Counter(quality.file.parent for quality in qualities)
-    where = ", ".join(f"{count} recordings in {folder}" for folder, count in folders.items())
-    return f"{capture.get()}{where}\n"
+    click.echo(", ".join(f"{count} recordings in {folder}" for folder, count in folders.items()))

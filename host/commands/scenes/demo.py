@@ -4,11 +4,12 @@ from pathlib import Path
 
 import click
 
+from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, print_result
 
 
 @click.command()
-@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True)
+@click.option("--out", type=PATH, default=Path("demo"), show_default=True)
 @click.option("--object", "object_name", default="ecoflex-00-30", show_default=True)
 @json_option
 def demo(out: Path, object_name: str, as_json: bool) -> None:

@@ -9,7 +9,7 @@ import click
 
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import POSITIVE, accept_edited_option
+from springpot.host.console.options import PATH, POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
@@ -18,14 +18,9 @@ if TYPE_CHECKING:
 
 
 @click.command(name="emit")
-@click.option("--scene", "scene_file", type=click.Path(path_type=Path), help="Scene file.")
-@click.option(
-    "--model",
-    "model_file",
-    type=click.Path(path_type=Path),
-    help="Model file; default: the scene's.",
-)
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@click.option("--scene", "scene_file", type=PATH, help="Scene file.")
+@click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
+@click.option("--out", type=PATH, required=True, help="Folder to write.")
 @click.option(
     "--single",
     is_flag=True,
@@ -46,7 +41,7 @@ if TYPE_CHECKING:
 )
 @click.option("--fit", is_flag=True, help="Emit the most accurate reduction that fits the budget.")
 @click.option(
-    "--bench", "bench_folder", type=click.Path(path_type=Path), default=Path("bench"),
+    "--bench", "bench_folder", type=PATH, default=Path("bench"),
     show_default=True, help="Benchmark that --pick and the budgets choose from.",
 )  # fmt: skip
 @click.option("--pick", "picked", metavar="NAME", help="Emit a pick of the benchmark: pc-1khz.")
@@ -160,7 +155,7 @@ def _stability(emission: Emission) -> str:
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=PATH)
 @accept_edited_option
 @json_option
 def build(folder: Path, accept_edited: bool, as_json: bool) -> None:

@@ -5,19 +5,19 @@ from pathlib import Path
 import click
 
 from springpot.host.boards.boards import BOARDS, board_of
-from springpot.host.console.options import accept_edited_option
+from springpot.host.console.options import PATH, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_bar, say
 
 
 @click.command()
 @click.option(
     "--scene",
-    type=click.Path(path_type=Path),
+    type=PATH,
     required=True,
     help="Scene file, or a folder that `springpot emit` wrote.",
 )
 @click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@click.option("--out", type=PATH, required=True, help="Folder to write.")
 @accept_edited_option
 @json_option
 def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bool) -> None:

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import click
 
+from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=PATH)
 @json_option
 def report(folder: Path, as_json: bool) -> None:
     """Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""

@@ -1,6 +1,6 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +8,7 @@ import click
 
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import POSITIVE, accept_edited_option
+from springpot.host.console.options import PATH, POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
 
@@ -17,13 +17,13 @@ from springpot.host.devices.device import RECONNECT_S
 @click.option(
     "--scene",
     "scene",
-    type=click.Path(path_type=Path),
+    type=PATH,
     required=True,
     help="Scene file, or a folder that `springpot emit` wrote.",
 )
 @click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
 @click.option("--seconds", type=POSITIVE, help="How long; by default until q or Ctrl-C.")
-@click.option("--log", type=click.Path(path_type=Path), help="File to write, ending in .h5.")
+@click.option("--log", type=PATH, help="File to write, ending in .h5.")
 @click.option("--max-force-n", type=POSITIVE, help="End the session beyond this force, N.")
 @click.option("--max-depth-mm", type=POSITIVE, help="End the session beyond this depth, mm.")
 @click.option(
@@ -48,7 +48,10 @@ def run(
     accept_edited: bool,
     as_json: bool,
 ) -> None:
-    """Render a scene on a device. Keys: q stop, p pause, r reset; Ctrl-C stops too."""
+    """Render a scene on a device.
+
+    Keys: q stop, p pause, r reset; Ctrl-C stops too.
+    """
     from springpot.host.emission.folder import emitted_folder
     from springpot.host.session.session import Session
     from springpot.host.session.terminal import stopping_on_sigterm, watch
@@ -63,9 +66,11 @@ def run(
         if line != session.line:  # why it ended is printed once: in the table, or as the error
             _say_above(line)
 
+    # A page's `append` takes rows, `actions` are its buttons, `end` takes the last line.
+    open_page = required_part("session-page", "--page") if with_page else lambda *_: nullcontext()
     with (
         emitted_folder(scene) as folder,
-        _page(folder, accept_edited) if with_page else nullcontext() as page,
+        open_page(folder, accept_edited, _say_above) as page,
         stopping_on_sigterm(),
     ):
         session = Session(
@@ -99,14 +104,6 @@ def run(
     print_result(result, as_json, rows)
     if session.error is not None:
         raise session.error
-
-
-def _page(folder: Path, accept_edited: bool) -> AbstractContextManager[Any]:
-    """Open the session's page; `append` takes rows, `actions` its buttons, `end` the last line."""
-    opened: AbstractContextManager[Any] = required_part("session-page", "--page")(
-        folder, accept_edited, _say_above
-    )
-    return opened
 
 
 def _alarm(line: str, begins: bool) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
@@ -15,16 +16,9 @@ if TYPE_CHECKING:
 
 
 @click.command(name="stability")
-@click.option("--scene", "scene_file", type=click.Path(path_type=Path), required=True)
-@click.option(
-    "--model",
-    "model_file",
-    type=click.Path(path_type=Path),
-    help="Model file; default: the scene's.",
-)
-@click.option(
-    "--report", type=click.Path(path_type=Path), help="HTML page to write, with a picture of each."
-)
+@click.option("--scene", "scene_file", type=PATH, required=True)
+@click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
+@click.option("--report", type=PATH, help="HTML page to write, with a picture of each.")
 @json_option
 def stability_(
     scene_file: Path, model_file: Path | None, report: Path | None, as_json: bool
@@ -56,7 +50,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
     inside, outside = checked.model_map.active(False), checked.model_map.active(True)
     judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.UNJUDGED]
     doubtful = [item for item in judged if item.grade != Grade.GOOD]
-    rows = {"verdict": found.as_dict()["recommendation"]}
+    rows = {"verdict": found.recommendation}
     for item in doubtful:
         rows[f"{item.grade.word}: {_named(item.outcome)}"] = (
             f"{item.words}; {_figures(item.outcome)}"

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.host.console.options import accept_edited_option
+from springpot.host.console.options import PATH, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.validation.validation import Validation
-    from springpot.trainer.recordings.recording import Recording
 
 
 @click.command(name="validate")
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=PATH)
 @click.option(
     "--recording",
     "recordings",
@@ -37,53 +36,24 @@ def validate_(
 ) -> None:
     """Replay recordings through the C of an emitted FOLDER."""
     from springpot.host.validation.store import store_validation
-    from springpot.host.validation.validation import fail_on_mismatch, validate
+    from springpot.host.validation.validation import fail_on_mismatch, is_log_of, validate
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, recordings))
     with progress_bar(f"{len(found)} recordings"):
         validation = validate(folder, found, device=url, accept_edited=accept_edited)
-    felt = [recording.name for recording in found if is_session_log(recording, validation)]
+    scene_hash = validation.manifest["hash"]
+    felt = [recording.name for recording in found if is_log_of(recording, scene_hash)]
     if len(felt) < len(found):  # a log says nothing of the object: the page keeps what does
         store_validation(folder, validation, found)
-    rows = validation_rows(validation)
-    if felt:
-        rows = session_rows(validation, felt, len(found))
-    print_result(validation.as_dict(), as_json, rows)
+    print_result(validation.as_dict(), as_json, validation_rows(validation, felt))
     fail_on_mismatch(folder, validation)
 
 
-def is_session_log(recording: Recording, validation: Validation) -> bool:
-    """Whether a recording is the log of a session of this scene, whose calls were made again."""
-    session = recording.details.get("session")
-    return bool(session and recording.channels and session["hash"] == validation.manifest["hash"])
-
-
-def session_rows(validation: Validation, felt: Sequence[str], of: int) -> dict[str, str]:
-    """The same where logs are among the recordings: what was compared with what."""
-    rows = validation_rows(validation)
-    told = (
-        f"{', '.join(felt)}: the calls of the session made again; the force sent is compared with "
-        "that of the C, not with a measured object"
-    )
-    if len(felt) == of:
-        error = ("RMSE", "error / noise floor", "error / JND", "RMSE, mean of recordings",
-                 "mean error", "maximum error", "below the JND above 2 N")  # fmt: skip
-        rows = {name: text for name, text in rows.items() if name not in error}
-        rows["C against reference"] = (
-            f"{validation.mismatches} of {validation.accuracy.samples} ticks differ, and so does "
-            "what was felt"
-            if validation.mismatches
-            else f"0 of {validation.accuracy.samples} ticks differ: what was felt is what the "
-            "model says"
-        )
-    return {"compared": told, **rows}
-
-
-def validation_rows(validation: Validation) -> dict[str, str]:
-    """A person's view of a validation."""
+def validation_rows(validation: Validation, felt: Sequence[str] = ()) -> dict[str, str]:
+    """A person's view of a validation. felt: recordings that are logs of sessions."""
+    from springpot.host.metrics import error_ratios, ratio_rows
     from springpot.host.session.note_words import notes_in_words
-    from springpot.host.validation.error_ratios import error_ratios, ratio_rows
     from springpot.host.validation.seen import seen_line
 
     found, ticks = validation.accuracy, validation.ticks
@@ -91,18 +61,33 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
-    return {
-        **({"training data": told} if told else {}),
-        **({"edited C": ", ".join(validation.edited)} if validation.edited else {}),
+    rows = {
+        "compared": f"{', '.join(felt)}: the calls of the session made again; the force sent is "
+        "compared with that of the C, not with a measured object",
+        "training data": told,
+        "edited C": ", ".join(validation.edited),
         "samples": str(found.samples)
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
-        "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
-        **ratio_rows(error_ratios(found, validation.floor)),
-        "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
-        "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
-        "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
-        "below the JND above 2 N": "no such sample" if below is None else f"{100 * below:.1f} %",
-        "C against reference": f"{validation.mismatches} ticks differ",
+    }
+    rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
+    differ = f"{validation.mismatches} ticks differ"
+    if len(felt) < len(validation.predicted_n):
+        rows |= {
+            "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
+            **ratio_rows(error_ratios(found, validation.floor)),
+            "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
+            "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
+            "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
+            "below the JND above 2 N": "no such sample"
+            if below is None
+            else f"{100 * below:.1f} %",
+        }
+    else:
+        felt_too = ", and so does what was felt"
+        means = felt_too if validation.mismatches else ": what was felt is what the model says"
+        differ = f"{validation.mismatches} of {found.samples} ticks differ{means}"
+    return rows | {
+        "C against reference": differ,
         "ticks with notes": notes_in_words(validation.notes),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",

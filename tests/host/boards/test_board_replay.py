@@ -8,7 +8,7 @@ import pytest
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.boards.replay import BoardReplay
-from springpot.host.devices.wire import Frame, constant
+from springpot.host.devices.lines.wire import Frame, constant
 
 
 class Board:

@@ -26,7 +26,7 @@ from support.small import model_file
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.replay import board_force
-from springpot.host.devices.wire import Sender, constant
+from springpot.host.devices.lines.wire import Sender, constant
 from springpot.host.emission.checksums import write_checksums
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay

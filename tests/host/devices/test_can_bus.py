@@ -10,8 +10,8 @@ import can
 import pytest
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.can_bus import SocketBus, open_bus
 from springpot.host.devices.drivers import parse_device
+from springpot.host.devices.lines.can_bus import SocketBus, open_bus
 from springpot.host.devices.odrive import (
     identifier,
 )

@@ -12,8 +12,8 @@ from support.small import model_file, scene
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements, at_most
 from springpot.host.devices.drivers import open_device, parse_device
+from springpot.host.devices.lines.wire import Receiver, Sender
 from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.devices.wire import Receiver, Sender
 from springpot.host.emission.emission import emit
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from springpot.host.devices.wire import Receiver, Sender, constant
+from springpot.host.devices.lines.wire import Receiver, Sender, constant
 from springpot.host.native.loop_library import loop_library
 
 RUNNING, TRIPPED = constant("RUNNING"), constant("RUNNING") | constant("TRIPPED")

@@ -14,26 +14,30 @@ from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Device, Guard, Scene
 from springpot.host.commands.scenes.stability import stability_rows
-from springpot.host.simulation.hand_loop import Trace
+from springpot.host.simulation.hand_loop import Scenario, Trace
+from springpot.host.simulation.scenarios import Case
 from springpot.host.stability import figures
 from springpot.host.stability.check import Stability, recommendation
 from springpot.host.stability.closed_loop import Losses, Outcome
-from springpot.host.stability.device_advice import device_advice
-from springpot.host.stability.judgement import Grade, judge, judged_cases
+from springpot.host.stability.judgement import Grade, device_advice, judge, judged_cases
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")
 
 
 def outcome(case: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Outcome:
-    still = np.zeros(10)
+    still, dt_s = np.zeros(10), np.full(10, 1e-3)
+    played = Case(
+        case, Scenario(dt_s, still, still, still, np.zeros(10, dtype=np.uint8)),
+        quiet=case in ("hold", "long-hold", "stiff"), stiffer=case == "stiff",
+        judged=not case.startswith(("rate-50", "rate-10")), beyond=case.endswith("-fast"),
+    )  # fmt: skip
     found: dict[str, Any] = {
-        "hand": hand, "delay_samples": delay, "case": case, "bounded": True, "max_depth_m": 0.01,
-        "max_force_n": 5.0, "hf_speed_mps": 2e-4, "fidelity_percent": 2.0, "energy_out_j": -0.01,
+        "played": played, "hand": hand, "delay_samples": delay, "bounded": True,
+        "max_depth_m": 0.01, "max_force_n": 5.0, "hf_speed_mps": 2e-4, "fidelity_percent": 2.0,
+        "energy_out_j": -0.01,
         "trace": Trace(*[still] * 6, np.zeros(10, dtype=np.int32), 0),
-        "model_only_n": still, "dt_s": np.full(10, 1e-3), "late": delay > 0,
-        "quiet": case in ("hold", "long-hold", "stiff"), "stiffer": case == "stiff",
-        "judged": not case.startswith(("rate-50", "rate-10")), "beyond": case.endswith("-fast"),
+        "model_only_n": still, "late": delay > 0,
     }  # fmt: skip
     return Outcome(**found | changed)
 

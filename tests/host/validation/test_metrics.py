@@ -9,8 +9,13 @@ import pytest
 from support.in_process import spring
 from support.small import press, recording, training
 
-from springpot.host.metrics import accuracy, just_noticeable_percent, start_up_ramp
-from springpot.host.validation.error_ratios import error_ratios, floor_words
+from springpot.host.metrics import (
+    accuracy,
+    error_ratios,
+    floor_words,
+    just_noticeable_percent,
+    start_up_ramp,
+)
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor
 from springpot.trainer.recordings.recording_file import write_recording
 

@@ -13,6 +13,7 @@ from springpot.codegen.plan.plan import make_plan
 from springpot.host.commands.scenes.validate import validation_rows
 from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy
+from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stability.check import Stability
 from springpot.host.stability.check import stability as whole_check
@@ -113,7 +114,7 @@ def test_what_holds_still_is_found() -> None:
 
 def test_a_window_does_not_relax_beyond_itself(emitted: Path) -> None:
     plan = make_plan(small_model(), scene())
-    hold = scene_hold(plan, SceneLibrary(emitted))
+    hold = scene_hold(plan, Replay(SceneLibrary(emitted)))
     assert hold.seconds == pytest.approx(60.0)
     assert 0.0 < relaxed_share(hold.force_n) < 0.5
     assert settled_after_s(hold) <= plan.model.memory_s == pytest.approx(0.171)

@@ -56,7 +56,7 @@ TESTS = {
     "codegen/model/model_file.py": _MODEL,
     "host/devices/odrive.py": _ODRIVE,
     "host/devices/odrive_device.py": _ODRIVE,
-    "host/devices/serial_port.py": _SERIAL,
+    "host/devices/lines/serial_port.py": _SERIAL,
     "host/devices/serial_device.py": _SERIAL,
 }
 _OPTIONS = [

@@ -12,7 +12,7 @@ from typing import Any
 from line import Port, arguments, be_a_device, say
 from serial_device import PRESS, RESET, START, Board
 
-from springpot.host.devices.wire import constant
+from springpot.host.devices.lines.wire import constant
 from springpot.host.native.scene_library import SceneLibrary
 
 

@@ -10,7 +10,7 @@ from typing import IO
 import numpy as np
 import pytest
 
-from springpot.host.devices.wire import Receiver, Sender
+from springpot.host.devices.lines.wire import Receiver, Sender
 from springpot.host.native.loop_library import COLUMN, COLUMNS, IDLE, NONE, LoopRows
 from springpot.host.wings.page.live import LivePage, frames
 

@@ -6,13 +6,12 @@ import select
 import socket
 import struct
 import time
-from typing import Protocol
 
 import serial
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.can_bridge import FRAME, REMOTE, STANDARD, CanBridge
-from springpot.host.devices.serial_port import open_port
+from springpot.host.devices.lines.can_bridge import FRAME, REMOTE, STANDARD, CanBridge
+from springpot.host.devices.lines.serial_port import open_port
 from springpot.host.devices.url import Address
 
 BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
@@ -21,29 +20,11 @@ _QUEUE_S = 0.05  # a full queue of frames is sent in a few ms
 _ANSWER_S = 0.5
 
 
-class CanBus(Protocol):
-    """Frames of 11-bit identifiers. fd: for the C loop."""
-
-    fd: int
-
-    @property
-    def failure(self) -> str:
-        """Why the bus is gone, where something says so; or empty."""
-        ...
-
-    def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
-        """Send one frame. Raises DeviceError where the bus is gone."""
-        ...
-
-    def receive(self, until_s: float) -> tuple[int, bytes] | None:
-        """Return the next data frame, or None at that time of time.monotonic."""
-        ...
-
-    def close(self) -> None: ...
-
-
 class SlcanBus:
-    """A Lawicel adapter: text over a serial port."""
+    """A Lawicel adapter: text over a serial port.
+
+    fd: for the C loop. failure: why the bus is gone, if something says so.
+    """
 
     failure = ""
 
@@ -67,11 +48,13 @@ class SlcanBus:
             raise
 
     def send(self, identifier: int, data: bytes, *, remote: bool = False) -> None:
+        """Send one frame of an 11-bit identifier. Raises DeviceError if the bus is gone."""
         kind = "r" if remote else "t"
         text = f"{kind}{identifier:03X}{len(data)}" + ("" if remote else data.hex().upper())
         self._write(text.encode() + b"\r")
 
     def receive(self, until_s: float) -> tuple[int, bytes] | None:
+        """Return the next data frame, or None at that time of time.monotonic."""
         while True:
             while b"\r" in self._pending:
                 line, self._pending = self._pending.split(b"\r", 1)
@@ -186,7 +169,7 @@ class PythonCanBus(SocketBus):
         return DeviceError(f"{self._url}: {self.failure or reason}: check the bus")
 
 
-def open_bus(address: Address, bitrate: int) -> CanBus:
+def open_bus(address: Address, bitrate: int) -> SlcanBus | SocketBus:
     """Open the bus of an odrive:// address."""
     if address.interface == "slcan":
         return SlcanBus(address, bitrate)

@@ -4,7 +4,7 @@ import re
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 from cobs import cobs
@@ -26,8 +26,9 @@ class Message:
     number: int
     fields: tuple[tuple[str, str], ...]
 
-    @property
+    @cached_property
     def body(self) -> struct.Struct:
+        """Layout of the body."""
         return struct.Struct("<" + "".join(_CODES[kind] for _, kind in self.fields))
 
     @property
@@ -84,16 +85,12 @@ class Sender:
 
     def __init__(self) -> None:
         self.sequence = 0
-        self._known = {
-            name: (message.number, message.body, [field for field, _ in message.fields])
-            for name, message in messages().items()
-        }
 
     def encode(self, name: str, **values: Any) -> bytes:
         """Bytes of the next frame, the 0 bytes around it included."""
-        number, body, fields = self._known[name]
-        plain = _HEAD.pack(number, constant("VERSION"), self.sequence)
-        plain += body.pack(*(values[field] for field in fields))
+        message = messages()[name]
+        plain = _HEAD.pack(message.number, constant("VERSION"), self.sequence)
+        plain += message.body.pack(*(values[field] for field, _ in message.fields))
         self.sequence = (self.sequence + 1) & 0xFFFFFFFF
         return bytes(b"\0" + cobs.encode(plain + _CRC.pack(crc32c(plain))) + b"\0")
 
@@ -107,10 +104,7 @@ class Receiver:
         self._pending = bytearray()
         self._newest = 0
         self._seen = 0
-        self._known = {
-            message.number: (name, message.body, [field for field, _ in message.fields])
-            for name, message in messages().items()
-        }
+        self._known = {message.number: message for message in messages().values()}
 
     def feed(self, content: bytes) -> Iterator[Frame]:
         """Yield the whole frames that these bytes complete."""
@@ -140,14 +134,13 @@ class Receiver:
             self.other_version = version
             return None
         self.frames += 1
-        name, body, fields = self._known.get(number, (None, None, None))
-        old = self._place(sequence, name == "hello")
-        if name is None or body is None or fields is None:
+        message = self._known.get(number)
+        old = self._place(sequence, message is not None and message.name == "hello")
+        if message is None or message.body.size != covered - _HEAD.size:
             return None
-        if body.size != covered - _HEAD.size:
-            return None
-        values = dict(zip(fields, body.unpack_from(plain, _HEAD.size), strict=True))
-        return Frame(name, sequence, values, old)
+        body = message.body.unpack_from(plain, _HEAD.size)
+        values = {field: value for (field, _), value in zip(message.fields, body, strict=True)}
+        return Frame(message.name, sequence, values, old)
 
     def _place(self, sequence: int, is_hello: bool) -> bool:
         ahead = (sequence - self._newest) & 0xFFFFFFFF

@@ -1,37 +1,15 @@
-"""What `springpot train` says of a fit, and the model's own error on other recordings."""
+"""What `springpot train` prints of a fit, and the model's own error on other recordings."""
 
-from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import TypeAdapter, ValidationError
-
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.model import Model
-from springpot.host.metrics import Accuracy, accuracy
-from springpot.host.validation.error_ratios import ratio_rows
-from springpot.host.validation.seen import seen_line
+from springpot.host.metrics import Accuracy, accuracy, error_ratios, ratio_rows
+from springpot.host.validation.seen import seen_by, seen_line
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit, FitOptions
-
-
-def fit_options(options: Mapping[str, Any]) -> "FitOptions":
-    """Fields of FitOptions, checked. Raises UsageError naming one that is not as it must be."""
-    from springpot.trainer.models.fit import FitOptions
-
-    known = [field.name for field in fields(FitOptions)]
-    if unknown := options.keys() - set(known):
-        raise UsageError(f"no option {min(unknown)!r}: known are {', '.join(known)}")
-    try:
-        return TypeAdapter(FitOptions).validate_python(options)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        raise UsageError(f"option {key}: {first['msg']} (found {first['input']!r})") from None
 
 
 def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
@@ -40,11 +18,8 @@ def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
     return {
         "model": model.kind,
         "seed": options.seed,
-        "rows": fit.rows,
         "rows_total": model.provenance["rows_total"],
-        "feature_s": fit.feature_s,
-        "fit_s": fit.fit_s,
-        "search_s": fit.search_s,
+        **{name: getattr(fit, name) for name in ("rows", "feature_s", "fit_s", "search_s")},
         "orders": list(model.orders),
         "window_s": model.memory_s,
         "engine": model.engine,
@@ -104,15 +79,25 @@ def training_rows(
     return rows
 
 
-def validated(model: Model, recordings: list[Recording], smooth_s: float) -> Accuracy:
-    """Error of the model's own prediction. Raises DataError for recordings of another frame."""
+def errors(
+    fit: "Fit", training: list[Recording], testing: list[Recording], compared_s: float
+) -> tuple[Accuracy, dict[str, Any]]:
+    """The model's own error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
+
+    Raises DataError for recordings of another rate or zero.
+    """
     from springpot.trainer.models.predict import predict_n
+    from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
     from springpot.trainer.recordings.smoothing import smoothed
 
-    for recording in recordings:
-        require_compatible(recording, model)
-    prepared = [smoothed(recording, smooth_s) for recording in recordings]
-    return accuracy(
-        [recording.force_n for recording in prepared],
-        [predict_n(model, recording) for recording in prepared],
-    )
+    for recording in testing:
+        require_compatible(recording, fit.model)
+    known, new = ([smoothed(item, compared_s) for item in part] for part in (training, testing))
+    predicted_n = [predict_n(fit.model, recording) for recording in new]
+    found = accuracy([recording.force_n for recording in new], predicted_n)
+    shown = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n")
+    return found, {
+        "seen": seen_by(fit.model, testing),
+        **{name: getattr(found, name) for name in shown},
+        **error_ratios(found, find_noise_floor([*known, *new])),
+    }

@@ -1,0 +1,1 @@
+"""What carries a device's messages: serial ports, CAN buses, the wire of springpot serial."""
