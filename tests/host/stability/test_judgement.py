@@ -17,7 +17,7 @@ from springpot.host.commands.scenes.stability import stability_rows
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
 from springpot.host.stability import figures
-from springpot.host.stability.check import Stability, recommendation
+from springpot.host.stability.check import Stability
 from springpot.host.stability.closed_loop import Losses, Outcome
 from springpot.host.stability.judgement import Grade, device_advice, judge, judged_cases
 
@@ -71,7 +71,7 @@ def usual(*instead: Outcome) -> list[Outcome]:
 
 
 def test_the_verdict_covers_the_rows_below_it() -> None:
-    words = recommendation(checked(usual()))
+    words = checked(usual()).recommendation
     assert "by at most 2.0 % of peak" in words
     assert "with lost samples by 25.0 %" in words
     assert "ten times stiffer by 34.0 %" in words
@@ -92,7 +92,7 @@ def test_a_person_reads_a_screen_the_gravest_first() -> None:
 
 
 def test_an_unstable_loop_is_not_called_quiet() -> None:
-    words = recommendation(checked(usual(), stable=False))
+    words = checked(usual(), stable=False).recommendation
     assert "Unstable: do not hold" in words
     assert "bounded and quiet" not in words
 
@@ -137,7 +137,7 @@ def test_what_befell_every_hand_is_said_once() -> None:
         for hand in ("mid", "firm", "light")
         for delay in (0, 1)
     ]
-    assert "Not bounded: deep (every hand)." in recommendation(checked(usual(*everyone)))
+    assert "Not bounded: deep (every hand)." in checked(usual(*everyone)).recommendation
 
 
 def test_all_cases_are_drawn_on_one_scale() -> None:
