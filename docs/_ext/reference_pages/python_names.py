@@ -24,7 +24,9 @@ def python_name_list() -> str:
     lines = ["```{eval-rst}", ".. currentmodule:: springpot", "```"]
     for kind, title in _TITLES.items():
         lines += ["", title, "", "```{eval-rst}"]
-        for name in (name for name in springpot.__all__ if _kind(getattr(springpot, name)) == kind):
+        for name in vars(springpot)["__all__"]:
+            if _kind(getattr(springpot, name)) != kind:
+                continue
             lines += [f".. {_DIRECTIVES[kind]}:: {name}"]
             lines += [*(f"   :{option}" for option in _OPTIONS[kind]), ""]
         lines.append("```")
@@ -46,7 +48,8 @@ def public_module_list() -> str:
         title, _, example = inspect.cleandoc(module.__doc__ or "").partition("\n")
         lines += ["", f"## springpot.{name}", "", title, "", "```pycon", example.strip(), "```", ""]
         lines += [
-            f"- `{public}`{_first_line(getattr(module, public))}" for public in module.__all__
+            f"- `{public}`{_first_line(getattr(module, public))}"
+            for public in vars(module)["__all__"]
         ]
     return "\n".join(lines)
 
