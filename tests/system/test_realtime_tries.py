@@ -12,7 +12,7 @@ from support.paths import ROOT
 from support.running.witness import TRIES, MachineWitness
 
 CONFTEST = """
-from support import witness
+from support.running import witness
 witness.MachineWitness.longest_s = lambda _self: {held_up_s}
 def pytest_configure(config):
     config.addinivalue_line("markers", "realtime: against the clock")

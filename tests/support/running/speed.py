@@ -20,8 +20,8 @@ from support.paths import TESTS
 
 TABLE = TESTS / "durations.json"
 LISTED_S, OTHER_S = 0.2, 0.02  # others count as so much
-FILE_S = 4.0
-TOTAL_S = 300.0  # of all files: test_speed.py adds the table up
+FILE_S = 2.0
+TOTAL_S = 170.0  # of all files: test_speed.py adds the table up
 _LEFT_ALONE = ("slow", "realtime")
 
 
