@@ -9,7 +9,13 @@ import numpy as np
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.emit.single import SINGLE_EXAMPLE
 from springpot.codegen.errors import DataError
-from springpot.host.emission.emission import MODEL_COPY, SCENE_COPY, read_emission, require_emission
+from springpot.host.emission.emission import (
+    MODEL_COPY,
+    SCENE_COPY,
+    Emitted,
+    read_emission,
+    require_emission,
+)
 from springpot.host.metrics import JND_WORDS, floor_words, start_up_ramp
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, scene_files
@@ -37,15 +43,8 @@ def write_report(folder: Path) -> Path:
     Runs a minute's hold and the whole stability check. Raises DataError where the folder was not
     emitted or validated.
     """
-    require_emission(folder)
-    stored = read_validation(folder)
+    stored, emitted = _validated(folder)
     result = stored.metadata["result"]
-    emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
-    if emitted.hash != result["hash"] or "error_per_jnd" not in result:
-        raise DataError(
-            f"{folder}: changed since it was validated, or validated by an older springpot: "
-            "`springpot validate` again"
-        )
     plan, model = emitted.plan, emitted.model
     library = SceneLibrary(folder)
     manifest = json.loads((folder / "manifest.json").read_text())
@@ -93,6 +92,20 @@ def write_report(folder: Path) -> Path:
     text = page_text("report.html", context, angle=lambda it: f"{np.degrees(np.angle(it)):.1f}")
     write_file(path, text.encode())
     return path
+
+
+def _validated(folder: Path) -> tuple[Stored, Emitted]:
+    """Read an emission and its validation. Raises DataError if they do not belong together."""
+    require_emission(folder)
+    stored = read_validation(folder)
+    result = stored.metadata["result"]
+    emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
+    if emitted.hash != result["hash"] or "error_per_jnd" not in result:
+        raise DataError(
+            f"{folder}: changed since it was validated, or validated by an older springpot: "
+            "`springpot validate` again"
+        )
+    return stored, emitted
 
 
 def by_hand(folder: Path) -> str:

@@ -1,8 +1,10 @@
 """`springpot run`: render a scene on a device, in real time, with a log."""
 
+from __future__ import annotations
+
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,6 +13,9 @@ from springpot.codegen.errors import UsageError
 from springpot.host.console.options import PATH, POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
+
+if TYPE_CHECKING:
+    from springpot.host.session.session import Session
 
 
 @click.command()
@@ -54,7 +59,7 @@ def run(
     """
     from springpot.host.emission.folder import emitted_folder
     from springpot.host.session.session import Session
-    from springpot.host.session.terminal import stopping_on_sigterm, watch
+    from springpot.host.session.terminal import stopping_on_sigterm
     from springpot.trainer.recordings.recording import RECORDING_SUFFIX
 
     if log is not None and log.suffix != RECORDING_SUFFIX:
@@ -86,17 +91,7 @@ def run(
             viewer=page,
             alarm=_alarm,
         )
-        try:
-            with session:
-                if page is not None:
-                    page.actions = {"stop": session.runner.ask_stop, "reset": session.reset}
-                session.start()
-                watch(session.runner)
-        except KeyboardInterrupt:
-            if not session.line:  # it had not begun; else its line says that, and by whom
-                raise
-        if page is not None:
-            page.end(session.line)
+        _hold(session, page)
         result = session.result()
     rows = _rows(result)
     if session.error is not None:
@@ -104,6 +99,23 @@ def run(
     print_result(result, as_json, rows)
     if session.error is not None:
         raise session.error
+
+
+def _hold(session: Session, page: Any) -> None:
+    """Run a session to its end, with its page if there is one."""
+    from springpot.host.session.terminal import watch
+
+    try:
+        with session:
+            if page is not None:
+                page.actions = {"stop": session.runner.ask_stop, "reset": session.reset}
+            session.start()
+            watch(session.runner)
+    except KeyboardInterrupt:
+        if not session.line:  # it had not begun; else its line says that, and by whom
+            raise
+    if page is not None:
+        page.end(session.line)
 
 
 def _alarm(line: str, begins: bool) -> None:
