@@ -139,7 +139,7 @@ def open_sensor(url: str) -> ForceSensor:
 
     Raises UsageError for a wrong URL, DeviceError with one line for whatever else is wrong.
     """
-    address = parse_address(url, SENSORS, "sensor")
+    address = parse_address(url, SENSORS, "sensor", on_bus=("can",))
     source = SerialSource(address) if address.scheme == "serial" else CanSource(address)
     sensor = ForceSensor(url, source)
     try:
