@@ -1,4 +1,4 @@
-"""What packages add to springpot, springpot itself among them: entry points by group and name.
+"""Entry points: what packages add to springpot, springpot itself among them, by group and name.
 
 A package that declares
 
@@ -12,7 +12,7 @@ Nothing of a package is loaded before its group is used.
 
 import sys
 from functools import cache
-from importlib.metadata import EntryPoint, EntryPoints, entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any, TypeVar
 
 from springpot.codegen.errors import UsageError
@@ -22,21 +22,21 @@ _WINGS = "springpot.host.wings"  # folders that an installation may leave out
 
 
 @cache
-def _entries(group: str) -> EntryPoints:
-    return entry_points(group=f"springpot.{group}")
+def _entries(group: str) -> tuple[EntryPoint, ...]:
+    """Find a group's entries, springpot's own first: no package takes a name from it."""
+    return tuple(sorted(entry_points(group=f"springpot.{group}"), key=lambda one: not _is_own(one)))
 
 
 def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[str, Entry]:
     """Load all entries of the group springpot.`group`: objects of `kind` by name.
 
-    They are sorted by their attribute `place` where they have one, then by name. An entry that
-    cannot be loaded, is not of `kind`, or takes a name that springpot has, is left out, and a line
-    on standard error says so; a wing of springpot that is not installed is left out silently.
+    They are sorted by their attribute `place` if they have one, then by name. An entry of another
+    package that cannot be loaded, is not of `kind`, or takes a name that springpot has, is left
+    out, and a line on standard error says so once; a wing of springpot that is not installed is
+    left out silently. Raises ModuleNotFoundError if springpot itself lacks a package.
     """
     found: dict[str, Any] = {}
-    # springpot's own come first: no package takes a name from it.
-    entries = sorted(_entries(group), key=lambda one: not _is_own(one))
-    for entry in entries:
+    for entry in _entries(group):
         loaded = _loaded(entry)
         if loaded is None:
             continue
@@ -51,8 +51,11 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
 
 
 def part(name: str) -> Any | None:
-    """Load one entry of the group springpot.parts; None if no installed package has it."""
-    entry = next(iter(_entries("parts").select(name=name)), None)
+    """Load one entry of the group springpot.parts; None if no installed package has it.
+
+    Raises ModuleNotFoundError if springpot's own part lacks a package.
+    """
+    entry = next((one for one in _entries("parts") if one.name == name), None)
     return None if entry is None else _loaded(entry)
 
 
@@ -74,10 +77,14 @@ def _loaded(entry: EntryPoint) -> Any | None:
     try:
         return entry.load()
     except ModuleNotFoundError as error:
-        if _is_own(entry) and (error.name or "").startswith(_WINGS):
-            return None
+        if _is_own(entry):
+            if (error.name or "").startswith(_WINGS):
+                return None
+            raise  # an extra is missing: the command line says which
         _say(entry, str(error))
-    except Exception as error:  # of the other package
+    except Exception as error:
+        if _is_own(entry):
+            raise
         _say(entry, f"{type(error).__name__}: {error}")
     return None
 
@@ -91,8 +98,9 @@ def _words(kind: type | tuple[type, ...]) -> str:
     return " or ".join(one.__name__ for one in kinds)
 
 
+@cache
 def _say(entry: EntryPoint, why: str) -> None:
-    """Say that an entry is left out; another package's defect ends no command of springpot."""
+    """Say once that an entry is left out; another package's defect ends no command of springpot."""
     package = f" of {entry.dist.name}" if entry.dist else ""
     print(
         f"springpot: {entry.name!r}{package} ({entry.value}) is left out: {why}: correct or "

@@ -126,7 +126,7 @@ if TYPE_CHECKING:
 
     __version__: str
 else:
-    _named, __all__ = lazy_names(__name__, __file__)
+    _named, _, __all__ = lazy_names(__name__, __file__)
 
     def __getattr__(name: str) -> Any:
         from importlib.metadata import version

@@ -28,4 +28,4 @@ if TYPE_CHECKING:
     from springpot.codegen.scene import Number as Number
     from springpot.codegen.scene import Target as Target
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

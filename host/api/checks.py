@@ -48,4 +48,4 @@ if TYPE_CHECKING:
     from springpot.host.stability.judgement import judge as judge
     from springpot.host.stability.small_signal import small_signal_map as small_signal_map
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -50,4 +50,4 @@ if TYPE_CHECKING:
     )
     from springpot.host.session.terminal import stopping_on_sigterm as stopping_on_sigterm
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -57,4 +57,4 @@ if TYPE_CHECKING:
     from springpot.host.recording.session import open_press_device as open_press_device
     from springpot.trainer.recordings.formats.can_log import can_database as can_database
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -55,4 +55,4 @@ if TYPE_CHECKING:
         scene_from_json as scene_from_json,
     )
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -49,4 +49,4 @@ if TYPE_CHECKING:
         svg_text as svg_text,
     )
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

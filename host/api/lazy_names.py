@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any
 
 
-def lazy_names(module: str, file: str) -> tuple[Callable[[str], Any], list[str]]:
-    """Return `__getattr__` and `__all__` of a public module.
+def lazy_names(
+    module: str, file: str
+) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
+    """Return `__getattr__`, `__dir__` and `__all__` of a public module.
 
     The names are those that its block `if TYPE_CHECKING:` imports: written once, for checkers,
     editors and the interpreter alike. Raises AttributeError for any other name.
 
-        __getattr__, __all__ = lazy_names(__name__, __file__)
+        __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)
     """
     homes = homes_of(Path(file))
 
@@ -22,7 +24,8 @@ def lazy_names(module: str, file: str) -> tuple[Callable[[str], Any], list[str]]
             raise AttributeError(f"module {module!r} has no attribute {name!r}: see dir({module})")
         return getattr(import_module(homes[name]), name)
 
-    return loaded, sorted(homes)
+    names = sorted(homes)
+    return loaded, lambda: names, names
 
 
 def homes_of(file: Path) -> dict[str, str]:

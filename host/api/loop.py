@@ -47,4 +47,4 @@ if TYPE_CHECKING:
         SessionRunner as SessionRunner,
     )
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

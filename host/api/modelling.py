@@ -96,4 +96,4 @@ if TYPE_CHECKING:
         recording_splits as recording_splits,
     )
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -82,4 +82,4 @@ if TYPE_CHECKING:
         SIM as SIM,
     )
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

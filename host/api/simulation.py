@@ -49,4 +49,4 @@ if TYPE_CHECKING:
     from springpot.host.simulation.scenarios import Workspace as Workspace
     from springpot.host.simulation.scenarios import cases as cases
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -38,4 +38,4 @@ if TYPE_CHECKING:
     from springpot.host.validation.store import read_validation as read_validation
     from springpot.host.validation.validation import bits_differ as bits_differ
 else:
-    __getattr__, __all__ = lazy_names(__name__, __file__)
+    __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

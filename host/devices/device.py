@@ -56,7 +56,7 @@ class DeviceRequirements:
 
 
 def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
-    """What the scene's [device] says, with what the scene itself wants."""
+    """Join the keys of the scene's [device] with what the session asks besides."""
     known = DeviceRequirements.__dataclass_fields__
     stated = {name: value for name, value in vars(keys).items() if name in known}
     return DeviceRequirements(surface_m=1e-3 * keys.surface_mm, **stated, **requirements)
@@ -65,7 +65,7 @@ def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
 def too_weak(
     url: str, gives: str, required: DeviceRequirements, max_n: float, other: str = ""
 ) -> DeviceError:
-    """The refusal of a device that gives less force, max_n, than is required.
+    """Return the refusal of a device that gives less force, max_n, than is required.
 
     gives: that in words. other: what else would help.
     """
@@ -81,16 +81,16 @@ def too_weak(
 class OpenedDevice(Protocol):
     """A device that was opened, checked and started: it sends samples and takes forces.
 
-    comes_back: it can be unplugged and plugged in again. A driver's class may inherit what it does
-    not say otherwise.
+    comes_back: it can be unplugged and plugged in again. A driver's class inherits what harms
+    nobody if it is not said.
     """
 
     comes_back: bool = True
 
     @property
     def unreached(self) -> str:
-        """What its force does where this host cannot reach it any more."""
-        return FORCE_ZERO
+        """What its force does if this host cannot reach it any more: each driver has to say."""
+        ...
 
     @property
     def max_n(self) -> float | None:
@@ -126,6 +126,7 @@ class VirtualDevice(OpenedDevice):
     """Base of devices without hardware, which need only `__init__` and `link`."""
 
     comes_back = False
+    unreached = FORCE_ZERO
     max_n: float | None = None
 
     def stop(self) -> None:

@@ -104,8 +104,9 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
     """
     driver, address = driver_of(url), parse_device(url)
     if requirements.weight_n and not (driver.holds_weight or driver.virtual):
+        able = ", ".join(f"{name}://" for name, one in drivers().items() if one.holds_weight)
         raise UsageError(
-            f"{url}: only dhd:// devices hold a handle's weight up: leave [device] weight_n out"
+            f"{url}: only {able} devices hold a handle's weight up: leave [device] weight_n out"
         )
     if requirements.force_sign == -1 and driver.own_frame:
         raise UsageError(

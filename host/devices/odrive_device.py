@@ -7,7 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.device import DeviceRequirements, OpenedDevice, at_most, too_weak
+from springpot.host.devices.device import (
+    FORCE_ZERO,
+    DeviceRequirements,
+    OpenedDevice,
+    at_most,
+    too_weak,
+)
 from springpot.host.devices.lines.can_bus import STUFFED_BITS, open_bus
 from springpot.host.devices.lines.serial_port import require_fast_adapter
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
@@ -55,6 +61,8 @@ class Transmission:
 
 class OdriveDevice(OpenedDevice):
     """One axis: opened, its watchdog proved, in torque control."""
+
+    unreached = FORCE_ZERO  # by its own watchdog, which was proved
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and arm it. Raises UsageError for a missing transmission, DeviceError otherwise."""

@@ -9,7 +9,13 @@ from typing import Any, Self
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.device import ZERO_S, DeviceRequirements, OpenedDevice, too_weak
+from springpot.host.devices.device import (
+    FORCE_ZERO,
+    ZERO_S,
+    DeviceRequirements,
+    OpenedDevice,
+    too_weak,
+)
 from springpot.host.devices.lines.serial_port import (
     open_port,
     require_fast_adapter,
@@ -30,6 +36,8 @@ _REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
 
 class SerialDevice(OpenedDevice):
     """A simple device (position in, force out), or a board that renders by itself."""
+
+    unreached = FORCE_ZERO  # by its own watchdog, which START sets
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""

@@ -1,1 +1,1 @@
-"""What is missing on this machine, and at a device before its first session."""
+"""Checks of this machine, and of a device before its first session."""

@@ -1,14 +1,19 @@
 """The C of runtime_c/port/posix, built for one number type and loaded."""
 
 import re
+import sys
+from collections.abc import Sequence
 from enum import IntEnum
 from functools import cache
+from pathlib import Path
 
+import cffi
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.entry_points import registered
 from springpot.host.native.c_library import CLibrary, load
+from springpot.host.native.compiler import CompilerError
 from springpot.runtime_c.paths import PORT_POSIX, PORT_WIRE, SIM
 
 _ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
@@ -42,18 +47,32 @@ def loop_library(real: str) -> CLibrary:
     """Load the posix port for one number type, with the links of every device that is registered.
 
     real: "float" or "double". A link is one C file that declares what its driver calls between the
-    lines "springpot declarations begin" and "end", as those of sp_link_*.c do.
+    lines "springpot declarations begin" and "end", as those of sp_link_*.c do. Links of other
+    packages that cannot be built are left out, and a line on standard error says so: no other
+    device needs them.
     """
-    names = ("sp_link.h", "sp_loop.h", "sp_press.h", "sp_excite.h", "sp_switch.h")
-    drivers = registered("devices", object).values()
-    links = [*sorted(PORT_POSIX.glob("sp_link_*.c")),
-             *(link for driver in drivers for link in getattr(driver, "links", ()))]  # fmt: skip
-    headers = [*(PORT_POSIX / name for name in names), *links]
-    sources = [*sorted({*PORT_POSIX.glob("*.c"), *links}), PORT_WIRE / "sp_wire.c"]
-    library = load(headers, [*sources, *sorted(SIM.glob("*.c"))], real, ["-pthread"])
+    others = [Path(link) for driver in registered("devices", object).values()
+              for link in getattr(driver, "links", ())]  # fmt: skip
+    try:
+        library = _built(real, others)
+    except (CompilerError, OSError, cffi.CDefError) as error:
+        if not others:
+            raise
+        names = ", ".join(map(str, others))
+        print(f"springpot: left out: {names}: {error}: correct or uninstall it", file=sys.stderr)
+        library = _built(real, [])
     assert library.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
     assert all(getattr(library.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
     return library
+
+
+def _built(real: str, others: Sequence[Path]) -> CLibrary:
+    """Build the port with the links of other packages."""
+    names = ("sp_link.h", "sp_loop.h", "sp_press.h", "sp_excite.h", "sp_switch.h")
+    links = [*sorted(PORT_POSIX.glob("sp_link_*.c")), *others]
+    headers = [*(PORT_POSIX / name for name in names), *links]
+    sources = [*sorted(PORT_POSIX.glob("*.c")), *others, PORT_WIRE / "sp_wire.c"]
+    return load(headers, [*sources, *sorted(SIM.glob("*.c"))], real, ["-pthread"])
 
 
 def empty_rows(count: int = 0) -> LoopRows:

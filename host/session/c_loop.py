@@ -146,11 +146,11 @@ class CLoop:
             self._ticking = False
 
     def scheduler(self) -> str:
-        """Who keeps the time, and what the system granted for it."""
+        """Return who keeps the time, and what the system granted for it."""
         return granted(self.name, self.get_status().got)
 
     def refused(self) -> str:
-        """What the system refused of it, and what to do; empty if nothing."""
+        """Return what the system refused of that, and what to do; empty if nothing."""
         if not self._settings.real_time or self.get_status().got & GOT_FIFO:
             return ""
         return (
@@ -164,7 +164,9 @@ class CLoop:
     def _adopt(self, device: OpenedDevice) -> Any:
         try:
             link = device.link(self._library)
-        except AttributeError as error:  # of cffi, for a function that no link declares
+        except AttributeError as error:
+            if not str(error).isidentifier():  # cffi's is the name of what no link declares
+                raise
             raise DeviceError(
                 f"{type(device).__name__}: {error}: declare it in the C file of the device's link, "
                 'between the lines "springpot declarations begin" and "end"'

@@ -1,4 +1,4 @@
-"""What a session knows of its loop, whoever keeps the time: settings, state and counters."""
+"""Settings, state and counters of a loop, which Python or C may keep the time of."""
 
 from dataclasses import dataclass
 

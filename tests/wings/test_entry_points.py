@@ -6,10 +6,16 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from support.paths import TESTS
+
+from springpot import DeviceError
+from springpot.host.session.c_loop import CLoop
+from springpot.loop import loop_library
 
 CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 SCENE = 'schema = 1\nname = "rig"\nmodel = "rig.spm"\n[runtime]\nrate_hz = 1000.0\n'
@@ -82,3 +88,68 @@ def test_what_cannot_be_loaded_is_left_out_and_said(tmp_path: Path) -> None:
     ]  # fmt: skip
     assert "Traceback" not in result.stderr
     assert "train " in result.stdout
+
+
+def beside(folder: Path, entries: str, module: str) -> dict[str, str]:
+    """Environment in which a package of one module is installed."""
+    info = folder / "other-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: other\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(entries)
+    (folder / "other.py").write_text(module)
+    return {**os.environ, "PYTHONPATH": str(folder)}
+
+
+def python(environment: dict[str, str], script: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True,
+                          text=True, check=False)  # fmt: skip
+
+
+@pytest.mark.parametrize("link", ["int broken(", None])
+def test_a_link_that_cannot_be_built_leaves_all_other_devices(
+    tmp_path: Path, link: str | None
+) -> None:
+    file = tmp_path / "other.c"
+    if link is not None:
+        file.write_text(link)
+    module = (
+        "from pathlib import Path\nfrom springpot.devices import Driver\n"
+        f"OTHER = Driver('other://1', 'other:Other', links=(Path({str(file)!r}),))\n"
+    )
+    environment = beside(tmp_path, "[springpot.devices]\nother = other:OTHER\n", module)
+    result = python(environment, "from springpot.loop import loop_library\n"
+                    "loop_library('double').c.sp_link_sim_size()")  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    assert "left out" in result.stderr
+    assert str(file) in result.stderr
+
+
+def test_a_part_of_springpot_is_its_own_whoever_takes_the_name(tmp_path: Path) -> None:
+    entries = "[springpot.parts]\nforce-sensor = other:taken\nbench-report = other:taken\n"
+    environment = beside(tmp_path, entries, "def taken(*_):\n    return 'taken'\n")
+    result = python(environment, "from springpot.codegen.entry_points import part\n"
+                    "print(part('force-sensor').__module__)")  # fmt: skip
+    assert result.stdout.strip() == "springpot.host.wings.lab.force_sensor.sensed_press"
+
+
+def test_a_missing_extra_is_named_and_not_taken_for_a_broken_package(tmp_path: Path) -> None:
+    hidden = "import sys\nsys.modules['scipy'] = None\n"
+    script = (
+        f"{hidden}sys.argv = 'springpot record --device serial:///dev/none --protocol paper "
+        "--force serial:///dev/none --out x'.split()\n"
+        "from springpot.host.cli import main; main()"
+    )
+    result = python(dict(os.environ), script)
+    assert result.returncode == 2
+    assert "scipy is not installed: `pip install" in result.stderr
+    assert "uninstall" not in result.stderr
+
+
+def test_a_function_that_no_link_declares_is_named() -> None:
+    adopting: Any = SimpleNamespace(_library=loop_library("double"), _links=[], _kept=[])
+    undeclared: Any = SimpleNamespace(link=lambda library: library.c.sp_link_nobody_init())
+    with pytest.raises(DeviceError, match="sp_link_nobody_init: declare it"):
+        CLoop._adopt(adopting, undeclared)
+    faulty: Any = SimpleNamespace(link=lambda _library: SimpleNamespace().memory)
+    with pytest.raises(AttributeError, match="memory"):  # its own defect, not a missing declaration
+        CLoop._adopt(adopting, faulty)

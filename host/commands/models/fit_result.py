@@ -1,4 +1,4 @@
-"""What `springpot train` prints of a fit, and the model's own error on other recordings."""
+"""Result of `springpot train`: the fit, and the model's own error on other recordings."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any

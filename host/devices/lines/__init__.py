@@ -1,1 +1,1 @@
-"""What carries a device's messages: serial ports, CAN buses, the wire of springpot serial."""
+"""Lines to a device: serial ports, CAN buses, the wire of springpot serial."""

@@ -97,7 +97,7 @@ PUBLIC = sorted(
 @pytest.mark.parametrize("name", PUBLIC)
 def test_names_of_a_public_module_are_there_and_its_example_runs(name: str, tmp_path: Path) -> None:
     module = importlib.import_module(f"springpot.{name}")
-    assert module.__all__ == sorted(module.__all__)
+    assert module.__all__ == sorted(module.__all__) == dir(module)
     for public in module.__all__:
         assert hasattr(module, public), public
     with pytest.raises(AttributeError, match="no_such"):

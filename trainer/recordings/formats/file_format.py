@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 
 from springpot.codegen.entry_points import registered
+from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 from springpot.trainer.recordings.formats.sampling import RawChannels
@@ -47,6 +48,16 @@ class FileFormat:
     begins: Callable[[bytes], bool]
     reads: str | Reader
     place: int = 100
+
+    def fits(self, path: Path, start: bytes) -> bool:
+        """Return whether a file begins as this format does. Raises DataError if asking fails."""
+        try:
+            return self.begins(start)
+        except Exception as error:  # of another package's format
+            raise DataError(
+                f"{path}: asking for the format {self.title!r} failed ({error}): correct or "
+                "uninstall the package that brings it"
+            ) from None
 
     def read(self, path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
         """Read a file of this format, as `reads` says."""

@@ -76,7 +76,7 @@ def import_file(
         request = FileRequest(
             mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None
         )
-        chosen = next(one for one in file_formats().values() if one.begins(start))
+        chosen = next(one for one in file_formats().values() if one.fits(path, start))
         raws, guess = chosen.read(path, request)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
