@@ -1,5 +1,6 @@
 # make demo: the whole job on a simulated object.  make test: Python and C tests in minutes.
-# make test-rest: what takes longer, and what needs a machine that does nothing else; test-all: both.
+# make test-rest: what takes longer, and what needs a machine that does nothing else.
+# make test-long: the further cases and whole studies; test-all: every test.
 # make check: format, lint, types, C tests under sanitizers with every compiler found.
 PYTHON ?= python3
 BIN := .venv/bin
@@ -10,11 +11,14 @@ COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
 
 include runtime_c/flags.mk
 
+# Tests start thousands of Python processes: each would compile all of springpot again.
+unexport PYTHONDONTWRITEBYTECODE
+
 MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-riscv64-unknown-elf \
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-rest test-all durations test-mcu setup-mcu setup-r firmware soak misra bench-tick bench-host prove docs dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu setup-r firmware soak misra bench-tick bench-host prove prove-changed docs dist lock licences check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -31,17 +35,24 @@ test: $(STAMP) test-c
 # What `make test` has no time for, and what it skipped for want of a tool (SPRINGPOT_SKIPPED, a list
 # that it writes); what runs against the clock has the machine for itself.
 test-rest: $(STAMP)
-	$(BIN)/pytest -m "slow and not realtime"
+	$(BIN)/pytest -m "slow and not long and not realtime"
 	$(BIN)/pytest -n 0 -m realtime
 
+# What a file has beyond its share of those: before a release, and where its part was changed.
+test-long: $(STAMP)
+	$(BIN)/pytest -m "long and not realtime"
+
 # Every test once, those on emulated boards if the tools are there.
-test-all: test test-rest
+test-all: test test-rest test-long
 
 # Processor time of every test, from which `make test` is chosen: tests/support/running/speed.py.
+# On an empty cache, as in a fresh clone; M="not slow and not realtime" measures those of `make test`.
+M ?= not realtime
 durations: $(STAMP)
-	rm -f build/durations.txt && mkdir -p build
-	SPRINGPOT_DURATIONS=$(CURDIR)/build/durations.txt $(BIN)/pytest -m "not realtime"
-	cd tests && ../$(BIN)/python -m support.running.speed ../build/durations.txt
+	rm -rf build/durations && mkdir -p build/durations
+	-XDG_CACHE_HOME=$(CURDIR)/build/durations SPRINGPOT_DURATIONS=$(CURDIR)/build/durations/s.json \
+	  $(BIN)/pytest -m "$(M)"
+	cd tests && ../$(BIN)/python -m support.running.speed ../build/durations/s.json
 
 # Cross compilers, emulators and node, from the system's packages, as root.
 setup-mcu:
@@ -66,6 +77,10 @@ firmware: $(STAMP)
 # must see. Needs frama-c-base.
 prove: $(STAMP) ns
 	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects $(if $(JSON),--out $(JSON))
+
+# The same, less what docs/reliability/prove.json has of C that is still the same to the letter.
+prove-changed: $(STAMP) ns
+	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects --known docs/reliability/prove.json
 
 # Source archive and wheel of the commit in dist/: built twice, the same bytes.
 dist: $(STAMP)
@@ -135,16 +150,23 @@ ns:
 	@for file in host/api/*.py host/api/py.typed; do ln -sfn ../../../$$file build/ns/springpot/; done
 	@for floor in runtime_c codegen trainer host; do ln -sfn ../../../$$floor build/ns/springpot/$$floor; done
 
+# Each program of tests/c by every compiler, with sp_real float and double: built once, all cores.
 C_BUILD ?= build/c
 C_EXTRA ?=
+C_SOURCES := $(wildcard tests/c/*.[ch] runtime_c/*/*.[ch] runtime_c/*/*/*.[ch]) runtime_c/flags.mk
+C_PROGRAMS := $(foreach cc,$(COMPILERS),$(foreach real,float double,\
+  $(patsubst tests/c/%.c,$(C_BUILD)/$(cc)/$(real)/%,$(C_TESTS))))
 test-c:
 	@test -n "$(COMPILERS)" || { echo "no C compiler: install gcc or clang"; exit 1; }
-	@set -e; for cc in $(COMPILERS); do for test in $(C_TESTS); do for real in float double; do \
-	  out=$(C_BUILD)/$$cc/$$real/$$(basename $$test .c); mkdir -p $$(dirname $$out); \
-	  $$cc $(SP_CFLAGS) $(SP_STRICT) $(C_EXTRA) -D_POSIX_C_SOURCE=200809L -Iruntime_c/include/$$real \
-	    -Iruntime_c/include -Iruntime_c/src -Iruntime_c/sim -Itests/c $$test -o $$out -lm; \
-	  $$out; done; done; done
+	@$(MAKE) --no-print-directory -j$$(nproc) $(C_PROGRAMS)
+	@set -e; for program in $(C_PROGRAMS); do $$program; done
 	@echo "C tests: $(words $(C_TESTS)) programs x float, double x $(COMPILERS) $(C_EXTRA)"
+
+$(C_PROGRAMS): $(C_BUILD)/%: $(C_SOURCES)
+	@mkdir -p $(@D)
+	@$(firstword $(subst /, ,$*)) $(SP_CFLAGS) $(SP_STRICT) $(C_EXTRA) -D_POSIX_C_SOURCE=200809L \
+	  -Iruntime_c/include/$(word 2,$(subst /, ,$*)) -Iruntime_c/include -Iruntime_c/src \
+	  -Iruntime_c/sim -Itests/c tests/c/$(@F).c -o $@ -lm
 
 clean:
 	rm -rf build .venv demo

@@ -11,11 +11,15 @@ Nothing of a package is loaded before its group is used.
 """
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from traceback import extract_tb
 from typing import Any, TypeVar
 
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import SpringpotError, UsageError
 
 Entry = TypeVar("Entry")
 _WINGS = "springpot.host.wings"  # folders that an installation may leave out
@@ -71,6 +75,30 @@ def required_part(name: str, option: str) -> Any:
             "springpot, or leave the option out"
         )
     return found
+
+
+@contextmanager
+def blaming(what: str, called: object, error: type[SpringpotError]) -> Iterator[None]:
+    """Raise a defect of another package's code as `error`: one line that names file and line.
+
+    what: the line begins with it. called: a function or class of that package, or "module:name".
+    Pass on what the command line has words for, and every defect of springpot itself.
+    """
+    try:
+        yield
+    except (SpringpotError, OSError, ModuleNotFoundError):
+        raise
+    except Exception as found:
+        module = called.partition(":")[0] if isinstance(called, str) else called.__module__
+        if module.partition(".")[0] == "springpot":
+            raise
+        file = getattr(sys.modules.get(module), "__file__", None)
+        lines = [at.lineno for at in extract_tb(found.__traceback__) if at.filename == file]
+        place = f", {Path(file).name} line {lines[-1]}" if file and lines else ""
+        raise error(
+            f"{what}: {type(found).__name__}: {found} ({module}{place}): correct or uninstall "
+            "that package"
+        ) from found
 
 
 def _loaded(entry: EntryPoint) -> Any | None:

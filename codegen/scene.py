@@ -36,6 +36,9 @@ class Runtime:
     measured_step: bool | None = None
     """Whether there is `sp_step_dt`, which takes the measured time step. Default: on a host,
     where the model allows it."""
+    start: Literal["rested", "conditioned"] = "rested"
+    """The object as new, or as it is after it was pressed to the trained depth: what damage does
+    not heal has happened."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,9 @@ class Guard:
     onset_mm: Annotated[float, Interval(ge=1e-4, le=100)] | None = None
     """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
     depth."""
+    energy: Literal["account", "note", "off"] = "account"
+    """If the hand would get back more energy than it has paid, `"account"` cuts the force, `"note"`
+    only says so; `"off"` leaves the account out."""
 
 
 @dataclass(frozen=True)

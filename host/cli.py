@@ -1,6 +1,8 @@
 """The `springpot` command: subcommands by name, errors as one line and an exit status."""
 
+import atexit
 import io
+import signal
 import sys
 
 import click
@@ -30,7 +32,11 @@ def every_command() -> dict[str, LazyCommand | click.Command]:
     return registered("commands", (LazyCommand, click.Command))
 
 
-@click.group(cls=LazyGroup, find_commands=every_command)
+@click.group(
+    cls=LazyGroup,
+    find_commands=every_command,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 @click.version_option(package_name="springpot")
 def springpot() -> None:
     """Recordings of a soft object in; small, fast, checked C that renders its feel out."""
@@ -38,6 +44,8 @@ def springpot() -> None:
 
 def main() -> None:
     """Entry point: run a command; a refusal is one line on standard error and its exit status."""
+    # Once a command is done its status stands, however long Python takes to end.
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # File names that are no UTF-8, and letters that the locale lacks, must not stop a run.
@@ -49,7 +57,8 @@ def main() -> None:
         sys.exit(exit_status(error))
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else "springpot"
-        say(f"springpot: {error.format_message().rstrip('.')}: see `{command} --help`")
+        line = " ".join(error.format_message().split()).rstrip(".")
+        say(f"springpot: {line}: see `{command} --help`")
         sys.exit(2)
     except click.ClickException as error:
         say(f"springpot: {error.format_message()}")
@@ -67,6 +76,6 @@ def main() -> None:
         package = (error.name or "").split(".")[0]
         if package == "springpot":
             raise
-        extras = "springpot[train,report,can,m2cgen]"
+        extras = "springpot[train,report,can,files,m2cgen]"
         say(f"springpot: {package} is not installed: `pip install '{extras}'`")
         sys.exit(2)

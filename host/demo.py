@@ -46,10 +46,10 @@ def run_demo(out: Path, object_name: str) -> Demo:
         _record(object_name, "validation", _VALIDATION_SEED, out / "validation")
     training, testing = (read_recordings([out / name]) for name in ("training", "validation"))
     with _step("train", seconds):
-        from springpot.trainer.kinds import fit_model
+        from springpot.trainer.kinds import AUTO, fit_model
         from springpot.trainer.models.fit import FitOptions
 
-        fit = fit_model("rf-fd", object_name, training, FitOptions())
+        fit = fit_model(AUTO, object_name, training, FitOptions())
         model_file = out / "model.spm"
         write_model(model_file, fit.model)
     with _step("emit and build", seconds):

@@ -15,7 +15,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
-from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.limited import limited_n
 from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording, Zero
@@ -102,10 +102,13 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         return self
 
     def predict(self, X: Sequence[ArrayLike]) -> list[Samples]:
-        """Force along each position sequence, N, a list of arrays of shape (n,)."""
+        """Force along each position sequence, N, a list of arrays of shape (n,).
+
+        At least 0 at a surface, as in C. Raises DataError for positions as in millimetres.
+        """
         check_is_fitted(self)
         return [
-            predict_n(
+            limited_n(
                 self.model_,
                 Recording(f"X[{i}]", position_m, np.zeros_like(position_m), self.dt_s, self.zero),
             )

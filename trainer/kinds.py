@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from springpot.codegen.entry_points import registered
+from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import UsageError
+from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit, FitOptions
@@ -20,9 +21,10 @@ WINDOWS = 3  # a recording shorter than this many windows shows too little of wh
 class Kind:
     """One kind of model.
 
-    fit: "module:function", or the function itself, called with (name, TrainingSet, FitOptions,
-    validation recordings) and returning a Fit. mark, colour: of its points in figures. place: in
-    lists.
+    name: that of its entry point, and of the models that it fits. fit: "module:function", which
+    commands that fit nothing do not load, or the function itself, called with (name, TrainingSet,
+    FitOptions, validation recordings) and returning a Fit. mark, colour: of its points in figures.
+    place: in lists.
     """
 
     name: str
@@ -79,7 +81,32 @@ def fit_model(
     from springpot.trainer.recordings.quality.signs import require_signs
 
     require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
-    return fit_kind(kind, name, training_set(recordings, options.smooth_s), options, validation)
+    options, warnings = _default_smoothing(recordings, options)
+    data = training_set(recordings, options.smooth_s)
+    data = replace(data, warnings=(*data.warnings, *warnings))
+    return fit_kind(kind, name, data, options, validation)
+
+
+def _default_smoothing(
+    recordings: "Sequence[Recording]", options: "FitOptions"
+) -> "tuple[FitOptions, list[str]]":
+    """Shorten the default smoothing where recordings are too short for it; say so.
+
+    Another time is one that a person chose: `training_set` refuses it.
+    """
+    from springpot.trainer.models.training_set import MAX_SMOOTHED
+
+    shortest = min(recordings, key=lambda recording: recording.duration_s, default=None)
+    if shortest is None or options.smooth_s != PAPER_SMOOTH_S:
+        return options, []
+    most_s = MAX_SMOOTHED * shortest.duration_s
+    if options.smooth_s <= most_s:
+        return options, []
+    line = (
+        f"{shortest.name} lasts {shortest.duration_s:.3g} s: recordings are smoothed over "
+        f"{most_s:.3g} s, a quarter of that, and not over {PAPER_SMOOTH_S:g} s"
+    )
+    return replace(options, smooth_s=most_s), [line]
 
 
 def fit_kind(
@@ -100,14 +127,30 @@ def fit_kind(
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):
         if kind == AUTO:
-            function = _loaded(_AUTO_FIT)
+            fit = _loaded(_AUTO_FIT)(name, data, options, validation)
         elif options.within is not None:
-            function = _loaded(_REDUCED_FIT)
+            fit = _loaded(_REDUCED_FIT)(name, data, options, validation)
         else:
-            function = KINDS[kind].function()
-        fit = function(name, data, options, validation)
+            fit = _fitted(KINDS[kind], name, data, options, validation)
     warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))
     return replace(fit, warnings=tuple(warnings))
+
+
+def _fitted(
+    kind: Kind,
+    name: str,
+    data: "TrainingSet",
+    options: "FitOptions",
+    validation: "Sequence[Recording]",
+) -> "Fit":
+    """Fit as one kind does. Raises UsageError if the fit of another package's kind fails."""
+    from springpot.trainer.models.fit import Fit
+
+    with blaming(f"kind {kind.name!r}", kind.fit, UsageError):
+        fit = kind.function()(name, data, options, validation)
+        if not isinstance(fit, Fit):
+            raise TypeError("its fit returns no Fit")
+        return fit
 
 
 def _loaded(path: str) -> Callable[..., "Fit"]:

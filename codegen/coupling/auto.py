@@ -36,8 +36,9 @@ def choose_coupling(
     """Pick for an object of that maximum tangent stiffness.
 
     `off` where the bare loop is stable with every hand at the stated delay, and with the mid and
-    firm hands at one sample more: nothing then stands between the hand and the model. Else the
-    stiffest proxy that is stable with every hand at both delays.
+    firm hands at one sample more: nothing then stands between the hand and the model. `why` says
+    where the light hand's limit at one sample more is less. Else the stiffest proxy that is stable
+    with every hand at both delays.
     """
 
     def loop(coupling: Coupling, hand: Hand, more: int) -> LinearLoop:
@@ -52,6 +53,9 @@ def choose_coupling(
     found = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {late}"
     if min(limits) > STIFFNESS_MARGIN_OFF * stiffness_npm:
         why = f"off: auto: {found}, are below the bare loop's limit of {_npmm(min(limits))}"
+        light_npm = loop(off, HAND_MODELS[2], 1).max_stiffness_npm()
+        if light_npm <= STIFFNESS_MARGIN_OFF * stiffness_npm:
+            why += f" (not counted: the light hand one sample later, up to {_npmm(light_npm)})"
         return CouplingChoice(off, why, stiffness_npm)
     loads = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
 

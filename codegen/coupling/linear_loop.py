@@ -11,6 +11,7 @@ from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.tool_velocity import TIME_S as VELOCITY_S
 
+_LIMIT_WITHIN = 1.001  # of the first unstable stiffness
 Matrices = NDArray[np.float64]
 HandName = Literal["mid", "firm", "light"]
 
@@ -55,10 +56,21 @@ class LinearLoop:
         return radius
 
     def max_stiffness_npm(self) -> float:
-        """Softest object with which the loop is unstable, N/m; 1e7 where there is none."""
+        """Stiffest object up to which the loop is stable with all softer ones, N/m.
+
+        1e7 where it is with all; 0 where it is not even with the softest.
+        """
         grid = np.geomspace(1.0, 1e7, 400)
-        unstable = np.flatnonzero(self.spectral_radius(grid) >= 1.0)
-        return float(grid[unstable[0]]) if len(unstable) else 1e7
+        low = 0.0
+        while len(unstable := np.flatnonzero(self.spectral_radius(grid) >= 1.0)):
+            first = int(unstable[0])
+            if first == 0:
+                return low
+            low, high = float(grid[first - 1]), float(grid[first])
+            if high / low < _LIMIT_WITHIN:
+                return low
+            grid = np.linspace(low, high, 20)
+        return 1e7
 
     def _tick(self, stiffness_npm: NDArray[np.float64]) -> Matrices:
         """One tick applied to each unit vector of the state: shape (n, states, states)."""

@@ -81,6 +81,10 @@ def constants(plan: Plan) -> str:
         struct_text("range", "sp_range_config", plan.range),
         struct_text("output", "sp_output_config", plan.output),
     ]
+    if plan.energy is not None:
+        parts.append(struct_text("energy", "sp_energy_config", plan.energy))
+    if plan.viscous_npm is not None:
+        parts.append(f"static const sp_real viscous_npm = {literal(plan.viscous_npm)};")
     if plan.couple is not None:
         parts.append(struct_text("couple", "sp_couple_config", plan.couple))
     if plan.per_onset is not None:

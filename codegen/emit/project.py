@@ -3,6 +3,8 @@
 import re
 from importlib.resources import files
 
+from springpot.codegen.emit.golden import LEG_TICKS
+from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.stage import Probe
 
@@ -12,6 +14,9 @@ _PUBLIC = "abi_version|state_size|manifest|init|reset|step|step_dt|run|idle|self
 def prefixed(text: str, prefix: str) -> str:
     """Give the public names of sp.h (and only those) the scene's prefix."""
     return re.sub(rf"\bsp_({_PUBLIC})\b", rf"{prefix}_\1", text)
+
+
+LATCHED_S = 0.05  # after which a latched force is 0
 
 
 def selftest_source(plan: Plan) -> str:
@@ -39,6 +44,8 @@ def selftest(plan: Plan) -> str:
         plan,
         VELOCITY=velocity,
         NAN="0x7fc00000u" if plan.real == "float" else "0x7ff8000000000000u",
+        DEEP=str(3 * LEG_TICKS),
+        LONG=literal(plan.dtype(plan.watchdog_s + 2.0 * plan.dt_s + LATCHED_S)),
         PROBE=text,
         FIRST="    if (probe_differs()) {\n        return 1;\n    }\n" if probe else "",
     )

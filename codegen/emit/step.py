@@ -6,20 +6,42 @@ from springpot.codegen.plan.plan import Plan
 
 def hold(plan: Plan) -> str:
     """C function `hold`: sp_idle, and a step whose sample is not taken."""
-    return """/* dt_s have passed without a good sample; share: of the force that may be felt. */
-static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
-{
-    int notes = SP_NOTE_HELD;
-    const sp_real ticks = dt_s * silence.per_dt;
-    const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_output_wait(&output, &state->output, ticks - latched);
-    if (state->silence.latched) {
-        notes = 0;
-        (void)sp_output_fall(&output, &state->output, latched, &notes);
-    }
-    *force_n = share * state->output.force_n;
-    return notes;
-}"""
+    lines = [
+        "int notes = SP_NOTE_HELD;",
+        *_silent(plan),
+        "const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);",
+        "sp_real given_n = share * state->output.given_n;",
+        *_wait(plan),
+        "state->output.given_n = given_n;",
+        "if (state->silence.latched) {",
+        "    notes = 0;",
+        "    given_n = sp_output_fall(&output, &state->output, latched, &notes);",
+        "}",
+        "*force_n = given_n;",
+        "return notes;",
+    ]
+    head = [
+        "/* dt_s have passed without a good sample; share: of the force that may be felt. */",
+        "static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)",
+    ]
+    return "\n".join([*head, "{", *indented(lines), "}"])
+
+
+def _silent(plan: Plan) -> list[str]:
+    if plan.energy is None or not plan.energy_acts:
+        return []
+    return ["const sp_real silent = state->silence.silent_s * silence.per_dt;"]
+
+
+def _wait(plan: Plan) -> list[str]:
+    if plan.energy is None or not plan.energy_acts:
+        return []
+    return [
+        "const sp_real passed = dt_s * silence.per_dt;",
+        "const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;",
+        "const sp_real ticks = most - latched;",
+        "given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);",
+    ]
 
 
 def make_up(plan: Plan) -> str:
@@ -28,11 +50,8 @@ def make_up(plan: Plan) -> str:
     The tool moved evenly; with a coupling's estimate of its velocity at a constant acceleration
     from the velocity before: the damper would feel a kink.
     """
-    argument, passed = "", ""
-    if plan.needs_device_velocity:
-        argument, passed = ", sp_real velocity_mps", ", velocity_mps"
+    passed = ", velocity_mps" if plan.needs_device_velocity else ""
     lines = [
-        "const sp_real step = (position - before) / ticks;",
         *_bend(plan),
         "for (; left > 0; left--) {",
         *indented(_at(plan)),
@@ -41,11 +60,18 @@ def make_up(plan: Plan) -> str:
         "}",
     ]
     head = [
-        "/* The ticks without a sample since `before`, `left` of the `ticks` up to this one. */",
-        "SP_RARE void make_up(sp_state *state, sp_real before, sp_real position, sp_real ticks,",
-        f"                     uint32_t left{argument})",
+        "/* The `left` ticks without a sample before this one, a step each. */",
+        "SP_RARE void make_up(sp_state *state, sp_real position, sp_real step,",
+        f"                     {_made_up_by(plan, 'sp_real ')}uint32_t left)",
     ]
     return "\n".join([*head, "{", *indented(lines), "}"])
+
+
+def _made_up_by(plan: Plan, kind: str) -> str:
+    """Pass what else make_up needs: all ticks for a bent way, or the device's own velocity."""
+    if plan.velocity is not None:
+        return f"{kind}ticks, "
+    return f"{kind}velocity_mps, " if plan.needs_device_velocity else ""
 
 
 def _bend(plan: Plan) -> list[str]:
@@ -78,12 +104,9 @@ def step(plan: Plan) -> str:
         "    left = sp_silence_missed(&silence, &state->silence, silence.dt_s);",
         "    ticks = (sp_real)(left + 1);",
         "}",
-        *_sample(plan, "silence.dt_s"),
-        "if (left > 0) {",
-        f"    make_up(state, before, position, ticks, left{device});",
-        "}",
+        *_sample(plan, "silence.dt_s", "left > 0 ? way / ticks : way"),
         f"const sp_real force = tick(state, position{device}, &notes);",
-        *_leave("(sp_real)1"),
+        *_leave(plan, "(sp_real)1"),
     ]
     head = (
         "int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)"
@@ -105,12 +128,9 @@ def step_dt(plan: Plan) -> str:
         "uint32_t left = sp_silence_missed(&silence, &state->silence, tick_s);",
         "sp_real last_s = sp_silence_last(&silence, &state->silence, tick_s, left);",
         "sp_real ticks = (sp_real)left + last_s * silence.per_dt;",
-        *_sample(plan, "tick_s"),
-        "if (left > 0) {",
-        "    make_up(state, before, position, ticks, left);",
-        "}",
+        *_sample(plan, "tick_s", "way / ticks"),
         "const sp_real force = tick_dt(state, last_s, position, &notes);",
-        *_leave("tick_s * silence.per_dt"),
+        *_leave(plan, "tick_s * silence.per_dt"),
     ]
     head = (
         "int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,\n"
@@ -126,7 +146,7 @@ _REFUSE_NULL = (
 )
 
 
-def _sample(plan: Plan, tick_s: str) -> list[str]:
+def _sample(plan: Plan, tick_s: str, step: str) -> list[str]:
     """The sample, taken or not; then the tool's way through the ticks up to it.
 
     Even; with a coupling at a constant acceleration from the velocity before.
@@ -136,7 +156,7 @@ def _sample(plan: Plan, tick_s: str) -> list[str]:
     if plan.needs_device_velocity:
         velocity = [
             "if (!sp_guard_velocity(max_mps, velocity_mps)) {",
-            f"    return hold(state, {tick_s}, (sp_real)1, force_n);",
+            f"    return hold(state, {tick_s}, {share}, force_n);",
             "}",
         ]
     return [
@@ -148,19 +168,44 @@ def _sample(plan: Plan, tick_s: str) -> list[str]:
         "if (notes & SP_NOTE_HELD) {",
         f"    return hold(state, {tick_s}, {share}, force_n);",
         "}",
-        "state->silence.silent_s = (sp_real)0;",
+        f"sp_silence_heard(&state->silence, {tick_s});",
+        "sp_real way = position - before;",
         "if (notes & SP_NOTE_RESYNC) {",
         "    restart(state, position);",
         "    left = 0;",
         "    ticks = (sp_real)1;",
+        "    way = (sp_real)0;",
         "}",
+        *_moved(plan, step),
     ]
 
 
-def _leave(passed: str) -> list[str]:
+def _moved(plan: Plan, step: str) -> list[str]:
+    """The step in a tick, where more than make_up needs it, and the ticks without a sample."""
+    if plan.energy is None:
+        made_up = f"make_up(state, position, way / ticks, {_made_up_by(plan, '')}left);"
+        return ["if (left > 0) {", f"    {made_up}", "}"]
+    made_up = f"make_up(state, position, step, {_made_up_by(plan, '')}left);"
+    return [f"const sp_real step = {step};", "if (left > 0) {", f"    {made_up}", "}"]
+
+
+def _leave(plan: Plan, passed: str) -> list[str]:
+    """Return what leaves after `passed` ticks; an account of energy pays for it."""
+    pays, limits = [], []
+    if plan.energy is not None:
+        given = "state->output.given_n"
+        damped = "(sp_real)0" if plan.viscous_npm is None else "viscous_npm * step * way"
+        cut = f"sp_energy_limit(&state->energy, step, {given}, &notes);"
+        pays = [f"sp_energy_pay(&energy, &state->energy, {given}, position, ticks, {damped});"]
+        limits = [f"    {given} = {cut}" if plan.energy_acts else f"    (void){cut}"]
     return [
-        "*force_n = state->silence.latched",
-        f"               ? sp_output_fall(&output, &state->output, {passed}, &notes)",
-        "               : sp_output_force(&output, &state->output, ticks, force, &notes);",
+        *pays,
+        "if (state->silence.latched) {",
+        f"    (void)sp_output_fall(&output, &state->output, {passed}, &notes);",
+        "} else {",
+        f"    (void)sp_output_force(&output, &state->output, left > 0, {passed}, force, &notes);",
+        *limits,
+        "}",
+        "*force_n = state->output.given_n;",
         "return notes;",
     ]

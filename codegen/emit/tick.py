@@ -15,10 +15,17 @@ def restart(plan: Plan) -> str:
             "static void restart(sp_state *state, sp_real position)",
             "{",
             *indented([*_depth(plan, "position", lines, "&ignored"), *lines, *_forget(plan)]),
-            "    sp_output_restart(&state->output);",
+            *indented(_account(plan)),
+            "    sp_output_restart(&output, &state->output);",
             "}",
         ]
     )
+
+
+def _account(plan: Plan) -> list[str]:
+    if plan.energy is None:
+        return []
+    return ["sp_energy_restart(&energy, &state->energy, position);"]
 
 
 def tick(plan: Plan) -> str:

@@ -1,110 +1,98 @@
 """Formulas that a fit and the emitted C share, in any number type.
 
-A curve of the passive model along the depth is a basis of functions in the fit, and polynomials on
-equal pieces of the trained depth in the C (sp_curve.h); its last piece goes on. Its stretch and the
-rate of relaxation change with the depth, as curves too (sp_depth.h). Filters follow a motion.
+A curve of the passive model is given by its slopes at nodes of the depth (`Hammerstein`); rates of
+relaxation change with the depth along the same nodes. Filters follow a motion.
 """
-
-from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real, Reals, Samples
-from springpot.codegen.model.model import BASIS_SIZE, Basis
 
-PIECES = 9  # SP_DEPTH_PIECES of sp_depth.h: eight of the trained depth, and one beyond it
-_NODES = np.linspace(0.0, 1.0, PIECES)  # shares of the trained depth
-Place = tuple[NDArray[np.intp], Reals]  # piece of a curve and way from its start, both (n,)
-
-
-def basis(kind: Basis, u: Reals) -> Iterator[Reals]:
-    """The functions of a basis one after another, each (n,); `curve_terms` has them by pieces."""
-    real = u.dtype.type
-    if kind == "powers":
-        v = np.maximum(u, real(0))
-        yield v
-        yield v * v
-        yield v * v * v
-        return
-    width = real(1) / real(8)
-    for j in range(8):
-        risen = np.maximum(u - real(j) * width, real(0))
-        yield np.minimum(risen, width) if j < 7 else risen
+Place = tuple[
+    NDArray[np.intp], Reals
+]  # piece of a curve and share of the way through it, both (n,)
 
 
-def curve_terms(kind: Basis, weights: Reals) -> NDArray[np.float64]:
-    """Weights (curves, J) on a basis as polynomials: (pieces, degree + 1, curves)."""
-    if kind == "powers":
-        constant = np.zeros((1, len(weights)))
-        return np.concatenate([weights.T[::-1], constant])[None]
-    # In piece j ramp j rises; those before it are full, at weight / n_pieces; those after it are 0.
-    n_pieces = BASIS_SIZE[kind]
-    starts = np.concatenate([np.zeros((1, len(weights))), np.cumsum(weights.T, axis=0)[:-1]])
-    return np.stack([weights.T, starts / n_pieces], axis=1)
+def curve_nodes(slopes_n: Reals) -> NDArray[np.float64]:
+    """Values and slopes a piece at the nodes: (J + 1, 2, curves); the last row repeats the slopes.
+
+    slopes_n: (curves, J), for u from 0 to 1, straight between the nodes.
+    """
+    per_piece = slopes_n.T / pieces_of_one(slopes_n.shape[1])
+    rises = 0.5 * (per_piece[1:] + per_piece[:-1])
+    values = np.concatenate([np.zeros((1, len(slopes_n))), np.cumsum(rises, axis=0)])
+    nodes = np.stack([values, per_piece], axis=1)
+    return np.concatenate([nodes, nodes[-1:]])
 
 
-def curve_place(u: Reals, n_pieces: int) -> Place:
+def pieces_of_one(nodes: int) -> int:
+    """Pieces from u = 0 to 1; of a single node one, which goes on."""
+    return max(nodes - 1, 1)
+
+
+def curve_place(u: Reals, nodes: int) -> Place:
     """sp_curve_at: the piece that u is in and the way from its start, both (n,)."""
     real = u.dtype.type
-    v = np.where(u > 0, u, real(0))
-    found = np.where(v * real(n_pieces) < real(n_pieces - 1), v * real(n_pieces),
-                     real(n_pieces - 1))  # fmt: skip
-    piece = found.astype(np.intp)
-    return piece, v - piece.astype(u.dtype) / real(n_pieces)
+    passed = np.where(u > 0, u * real(pieces_of_one(nodes)), real(0))
+    piece = np.where(passed < real(nodes - 1), passed, real(nodes - 1)).astype(np.intp)
+    return piece, passed - piece.astype(u.dtype)
 
 
-def curve_values(terms: Reals, place: Place) -> Reals:
-    """sp_curve: values (n, curves) of terms (pieces, degree + 1, curves)."""
+def curve_values(nodes: Reals, place: Place) -> Reals:
+    """sp_curve: values (n, curves) of nodes (J + 1, 2, curves)."""
     piece, way = place
-    values: Reals = terms[piece, 0]
-    for power in range(1, terms.shape[1]):
-        values = values * way[:, None] + terms[piece, power]
+    real = nodes.dtype.type
+    begin, end = nodes[piece], nodes[piece + 1, 1]
+    half = (real(0.5) * way)[:, None]
+    values: Reals = begin[:, 0] + way[:, None] * (begin[:, 1] + half * (end - begin[:, 1]))
     return values
 
 
-def stretch_terms(stretch: float) -> Samples:
-    """Polynomials of v(u) = (u + expm1(c u)/expm1(c))/2, c = stretch, (pieces, 4).
-
-    Highest power first, of the way from a piece's start in shares of all nine pieces. A cubic
-    between nodes, so that the C needs no exp; straight beyond the trained depth.
-    """
-    value = 0.5 * (_NODES + np.expm1(stretch * _NODES) / np.expm1(stretch))
-    slope = 0.5 * (1.0 + stretch * np.exp(stretch * _NODES) / np.expm1(stretch))
-    width = _NODES[1]
-    rise = np.diff(value)
-    begin, end = width * slope[:-1], width * slope[1:]
-    # Hermite's cubic in the way through a piece, 0 to 1.
-    inside = np.stack([begin + end - 2 * rise, 3 * rise - 2 * begin - end, begin, value[:-1]], 1)
-    beyond = np.array([[0.0, 0.0, width * slope[-1], value[-1]]])
-    terms: Samples = np.concatenate([inside, beyond]) * float(PIECES) ** np.arange(3, -1, -1)
-    return terms
+def straight_values(nodes: Reals, place: Place) -> Reals:
+    """Values (n, columns) of what is straight between nodes (J + 1, columns)."""
+    piece, way = place
+    begin = nodes[piece]
+    values: Reals = begin + way[:, None] * (nodes[piece + 1] - begin)
+    return values
 
 
-def stretched(u: Samples, stretch: float) -> Samples:
-    """v(u) of `stretch_terms`, (n,); 0 below the surface. u: share of the trained depth, (n,)."""
-    return curve_values(stretch_terms(stretch)[:, :, None], depth_place(u))[:, 0]
-
-
-def rates_by_depth(tau_s: Samples, rate_ratio: float) -> Samples:
-    """Rate of each pole at the nodes, and for ever beyond the last one: (pieces + 1, poles), 1/s.
+def rates_by_depth(tau_s: Samples, rate_ratio: float, nodes: int) -> Samples:
+    """Rate of each pole at the nodes, and for ever beyond the last one: (J + 1, poles), 1/s.
 
     ratio^(1/2 - u)/tau: `rate_ratio` is the rate at the surface over that at the trained depth.
     """
-    nodes = np.append(_NODES, _NODES[-1])
-    rates: Samples = rate_ratio ** (0.5 - nodes[:, None]) / tau_s
+    u = np.linspace(0.0, 1.0, nodes)
+    rates: Samples = rate_ratio ** (0.5 - np.append(u, u[-1])[:, None]) / tau_s
     return rates
 
 
-def loss_by_depth(tau_s: Samples, rate_ratio: float, dt_s: float) -> Samples:
-    """Loss of each pole in a tick as straight pieces of the depth, (pieces, 2, poles)."""
-    loss, _ = loss_and_gain(1.0 / rates_by_depth(tau_s, rate_ratio), dt_s)
-    return np.stack([PIECES * np.diff(loss, axis=0), loss[:-1]], axis=1)
+def loss_by_depth(tau_s: Samples, rate_ratio: float, dt_s: float, nodes: int) -> Samples:
+    """Loss of each pole in a tick at the nodes, (J + 1, poles)."""
+    return loss_and_gain(1.0 / rates_by_depth(tau_s, rate_ratio, nodes), dt_s)[0]
 
 
-def depth_place(u: Reals) -> Place:
-    """sp_depth_place: piece and way of each share of the trained depth, both (n,)."""
-    return curve_place(u * u.dtype.type((PIECES - 1) / PIECES), PIECES)
+def flow_functions(u: Reals) -> Reals:
+    """sp_flow_functions: u, u^2 and u^4, straight beyond u = 1, (n, 3)."""
+    real = u.dtype.type
+    v = np.where(u > 0, u, real(0))
+    inside = np.where(v < real(1), v, real(1))
+    beyond, square = v - inside, inside * inside
+    return np.stack([v, square + real(2) * beyond, square * square + real(4) * beyond], axis=-1)
+
+
+def flow_loss(rate_ps: Samples, power: NDArray[np.int64], dt_s: float) -> Samples:
+    """(p - 1) rate dt of each flowing branch, (F,)."""
+    loss: Samples = (power - 1.0) * rate_ps * dt_s
+    return loss
+
+
+def flow_grown(held: Reals, loss: Reals, n_cubic: int) -> Reals:
+    """sp_flow: by how much each branch's force is divided as it relaxes, (..., F)."""
+    square, real = held * held, held.dtype.type
+    cubic = np.sqrt(real(1) + loss[:n_cubic] * square[..., :n_cubic])
+    fifth = square[..., n_cubic:] * square[..., n_cubic:]
+    return np.concatenate([cubic, np.sqrt(np.sqrt(real(1) + loss[n_cubic:] * fifth))], axis=-1)
 
 
 def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:

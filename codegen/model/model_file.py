@@ -8,6 +8,7 @@ can make such a file: the whole model is checked when it is read, and when it is
 import hashlib
 import io
 import json
+import re
 from dataclasses import Field, fields, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -25,13 +26,14 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.field_types import require_types
-from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.packed_arrays import MAX_BYTES, Arrays, unpacked
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
 from springpot.codegen.regular_file import read_bounded
 
-MODEL_SCHEMA, _MIN_SCHEMA = 4, 3  # 3: rates of one depth
+MODEL_SCHEMA = 5
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
 _MAX_HEADER_BYTES = 4 << 20  # JSON becomes a hundred times as much memory
@@ -39,14 +41,21 @@ _MAX_HEADER_BYTES = 4 << 20  # JSON becomes a hundred times as much memory
 _PARTS: dict[str, type[Any]] = {
     part.__name__: part
     for part in (
-        Model, TrainedRange, Hammerstein, FirBank, FastFirBank, RecursiveBank, Lags,
-        PositionVelocity, Forest, Quantisation, Rbf,
+        Model, TrainedRange, Hammerstein, Flow, Damage, FirBank, FastFirBank, RecursiveBank,
+        Lags, PositionVelocity, Forest, Quantisation, Rbf,
     )
 }  # fmt: skip
 
 
+class _UnknownPartError(DataError):
+    """A part that no package here brings."""
+
+
 def register_part(part: type[Any]) -> None:
-    """Let model files hold this dataclass of arrays, numbers, strings and tuples."""
+    """Let model files hold this dataclass of arrays, numbers, strings and tuples.
+
+    Call it in the module that the kind's entry point names: whoever reads a file loads no other.
+    """
     _PARTS[part.__name__] = part
 
 
@@ -98,19 +107,24 @@ def read_model(path: Path) -> Model:
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror})") from None
     words = first_line.split(b" ")
-    if len(words) != 3 or words[0] != MODEL_MAGIC or not words[1].isdigit():
+    if len(words) != 3 or words[0] != MODEL_MAGIC or not re.fullmatch(rb"[0-9]{1,9}", words[1]):
         raise DataError(
             f"{path}: not a springpot model: `springpot train --out FILE.spm` makes one"
         )
-    if not _MIN_SCHEMA <= int(words[1]) <= MODEL_SCHEMA:
+    if int(words[1]) != MODEL_SCHEMA:
         raise DataError(
-            f"{path}: model schema {int(words[1])}, this springpot reads {_MIN_SCHEMA} to "
-            f"{MODEL_SCHEMA}: upgrade springpot, or train again with this one"
+            f"{path}: model schema {int(words[1])}, this springpot reads {MODEL_SCHEMA}: upgrade "
+            "springpot, or train again with this one"
         )
     if words[2] != hashlib.sha256(body).hexdigest().encode():
         raise DataError(f"{path}: damaged (checksum differs): copy it again or train again")
     try:
         return _model(unpacked(body))
+    except _UnknownPartError as error:
+        raise DataError(
+            f"{path}: {error}: install the package that adds this kind, whose entry point's "
+            "module has to call register_part, or train again"
+        ) from None
     except DataError as error:
         raise DataError(
             f"{path}: {error}: springpot never writes such a model, train again"
@@ -162,10 +176,13 @@ def _to_parts(model: Model) -> tuple[Any, Arrays]:
 def _packed(value: Any, path: str, arrays: Arrays) -> Any:
     """JSON of a part; its arrays go into `arrays` under their path."""
     if is_dataclass(value):
+        name = type(value).__name__
+        if name not in _PARTS:
+            raise DataError(f"{path}: {name} is no known part: call register_part({name})")
         # What stands at its default is left out: a model's hash stays when parts learn more.
         names = [item.name for item in fields(value) if not _at_default(value, item)]
         inside = {name: _packed(getattr(value, name), f"{path}.{name}", arrays) for name in names}
-        return {"part": type(value).__name__, **inside}
+        return {"part": name, **inside}
     if isinstance(value, np.ndarray):
         arrays[path] = value
         return {"array": path}
@@ -190,7 +207,7 @@ def _from_parts(value: Any, arrays: Arrays, where: str, used: set[str]) -> Any:
         if name not in _PARTS:
             registered("kinds", object)  # another package's kind brings parts of its own
         if name not in _PARTS:
-            raise DataError(f"{where}: no known part {name[:60]!r}")
+            raise _UnknownPartError(f"{where}: no known part {name[:60]!r}")
         inside: dict[str, Any] = {
             str(field): _from_parts(item, arrays, f"{where}.{field}", used)
             for field, item in value.items()

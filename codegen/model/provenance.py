@@ -46,6 +46,10 @@ def _texts(value: Any) -> bool:
     return isinstance(value, Mapping) and all(isinstance(text, str) for text in value.values())
 
 
+def _names(value: Any) -> bool:
+    return isinstance(value, list | tuple) and all(isinstance(text, str) for text in value)
+
+
 def _rows(value: Any) -> bool:
     return isinstance(value, list | tuple) and all(
         isinstance(row, Mapping) and all(map(_number, row.values())) for row in value
@@ -78,6 +82,7 @@ _ITEMS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "zero": (_zero, "none of none, first, min"),
     "share_of_trees": (_not_negative, "no number of 0 or more"),
     "recordings": (_texts, "no hash for each name"),
+    "accepted_signs": (_names, "no list of names"),
     "importance": (_numbers, "no list of numbers"),
     "material": (_law, f"not {', '.join(_LAW)}, each a number and its half width or null"),
     "not_identified": (_texts, "no reason for each name"),

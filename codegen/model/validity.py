@@ -20,7 +20,8 @@ from springpot.codegen.model.features import (
     PositionVelocity,
     RecursiveBank,
 )
-from springpot.codegen.model.model import BASIS_SIZE, Hammerstein, Model, TrainedRange
+from springpot.codegen.model.model import Model, TrainedRange
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.model.provenance import require_provenance
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.tree_shape import require_trees
@@ -30,7 +31,7 @@ _MAX_M, _MAX_MPS, _MAX_N = 100.0, 1e4, 1e4
 _MIN_DT_S, _MAX_DT_S = 1e-6, 1e2
 _MAX_SAMPLES = 1_000_000  # of a window: state of the C
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
-_MAX_STRETCH = 30.0  # e^30 times stiffer: beyond what a float tells apart
+_MAX_NODES = 100  # of a curve
 _MAX_TERMS = 1_000  # branches, stops, poles
 _KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,63}")  # part of commands that pages show
 
@@ -42,7 +43,10 @@ def _require(fits: bool, what: str) -> None:
 
 @singledispatch
 def require_valid(part: Any, n_features: int) -> None:
-    """Raise DataError with field and reason. n_features: of the model's features, 0 without."""
+    """Raise DataError with field and reason.
+
+    n_features: of the model's features, 0 without; of a curve's nodes for a part of it.
+    """
 
 
 @require_valid.register
@@ -82,15 +86,15 @@ def _trained(trained: TrainedRange, n_features: int) -> None:
 
 @require_valid.register
 def _hammerstein(passive: Hammerstein, n_features: int) -> None:
-    curves = BASIS_SIZE[passive.basis]
-    branches, stops = passive.tau_s.size, passive.radius_m.size
+    nodes, branches, stops = passive.nodes, passive.tau_s.size, passive.radius_m.size
     _require(0.0 < passive.span_m <= _MAX_M, f"span_m: {passive.span_m:g} m is no depth above 0")
     _require(abs(passive.origin_m) <= _MAX_M, f"origin_m: {passive.origin_m:g} m")
-    _shaped("elastic_n", passive.elastic_n, (curves,))
+    _require(1 <= nodes <= _MAX_NODES, f"elastic_n: {nodes} nodes, not 1 to {_MAX_NODES}")
+    _shaped("elastic_n", passive.elastic_n, (nodes,))
     _shaped("tau_s", passive.tau_s, (branches,))
-    _shaped("branch_n", passive.branch_n, (branches, curves))
+    _shaped("branch_n", passive.branch_n, (branches, nodes))
     _shaped("radius_m", passive.radius_m, (stops,))
-    _shaped("stop_n", passive.stop_n, (stops, curves))
+    _shaped("stop_n", passive.stop_n, (stops, nodes))
     _require(max(branches, stops) <= _MAX_TERMS, f"tau_s, radius_m: more than {_MAX_TERMS}")
     _positive("tau_s", passive.tau_s)
     _positive("radius_m", passive.radius_m)
@@ -98,12 +102,37 @@ def _hammerstein(passive: Hammerstein, n_features: int) -> None:
     known = 1 / _MAX_RATE_RATIO <= passive.rate_ratio <= _MAX_RATE_RATIO
     _require(known, f"rate_ratio: {passive.rate_ratio:g} is not within 1/{_MAX_RATE_RATIO:g} .. "
              f"{_MAX_RATE_RATIO:g}")  # fmt: skip
-    fits = 0.0 <= passive.stretch <= _MAX_STRETCH
-    _require(fits, f"stretch: {passive.stretch:g} is not within 0 .. {_MAX_STRETCH:g}")
     for name in ("elastic_n", "branch_n", "stop_n"):
-        weights = getattr(passive, name)
-        below = float(weights.min(initial=0.0))
-        _require(below >= 0.0, f"{name}: {below:g} is negative: it would not be passive")
+        _not_negative(name, getattr(passive, name))
+    for part in ("flow", "damage"):
+        try:
+            require_valid(getattr(passive, part), nodes)
+        except DataError as error:
+            raise DataError(f"{part}.{error}") from None
+
+
+@require_valid.register
+def _flow(flow: Flow, _: int) -> None:
+    branches = flow.rate_ps.size
+    _require(0 < branches <= _MAX_TERMS, f"rate_ps: {branches} branches")
+    for name in ("rate_ps", "power", "degree", "force_n"):
+        _shaped(name, getattr(flow, name), (branches,))
+    _positive("rate_ps", flow.rate_ps)
+    _among("power", flow.power, (3, 5))
+    _among("degree", flow.degree, (1, 2, 4))
+    _not_negative("force_n", flow.force_n)
+
+
+@require_valid.register
+def _damage(damage: Damage, nodes: int) -> None:
+    curves = damage.heal_s.size
+    _require(0 < curves <= _MAX_TERMS, f"heal_s: {curves} curves")
+    for name in ("heal_s", "power"):
+        _shaped(name, getattr(damage, name), (curves,))
+    _shaped("curve_n", damage.curve_n, (curves, nodes))
+    _among("power", damage.power, (1, 3))
+    for name in ("heal_s", "curve_n"):
+        _not_negative(name, getattr(damage, name))
 
 
 @require_valid.register
@@ -192,3 +221,12 @@ def _shaped(name: str, values: NDArray[np.float64], shape: tuple[int, ...]) -> N
 def _positive(name: str, values: NDArray[np.float64]) -> None:
     low = float(values.min(initial=math.inf))
     _require(low > 0.0, f"{name}: {low:g} is not above 0")
+
+
+def _not_negative(name: str, values: NDArray[np.float64]) -> None:
+    low = float(values.min(initial=0.0))
+    _require(low >= 0.0, f"{name}: {low:g} is negative: it would not be passive")
+
+
+def _among(name: str, values: NDArray[np.int64], known: tuple[int, ...]) -> None:
+    _require(bool(np.isin(values, known).all()), f"{name}: not all of {known}")

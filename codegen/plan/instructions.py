@@ -10,7 +10,6 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import stages
 from springpot.codegen.stages.costs import COSTS
 
-_RESTART = 10.0  # beside what its stages do
 _MAKE_UP = 60.0  # beside its ticks
 
 
@@ -35,12 +34,13 @@ def instruction_bound(plan: Plan) -> InstructionBound | None:
         stage.instructions(costs) for stage in (plan.passive, *(plan.excess or ())) if stage
     )
     coupling = costs.coupling if plan.couple is not None else 0.0
+    energy = costs.energy if plan.energy is not None else 0.0
     features = 0.0 if plan.features is None else plan.features.instructions(costs)
-    tick = costs.tick + coupling + features + regressor + passive
+    tick = costs.tick + coupling + energy + features + regressor + passive
     forget = sum(stage.restart_instructions(costs) for stage in stages(plan))
     longest = 1 + round(plan.watchdog_s / plan.dt_s)
     return InstructionBound(
         tick=round(tick),
-        restart=round(tick + forget + _RESTART),
+        restart=round(tick + forget),
         after_silence=round(longest * tick + _MAKE_UP),
     )

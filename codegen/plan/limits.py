@@ -22,8 +22,8 @@ FORCE_MARGIN = 1.2
 # Maximum growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
 MIN_SLEW_NPS = 1500.0
 SLEW_S = 0.004
-# Minimum change in a tick on the way back after a silence: a tenth of a newton is felt as a kick.
-MAX_RETURN_N = 0.08
+# After a silence the force is the model's again within this: a missing half comes back in 5 ms.
+BACK_S = 0.01
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ class OutputConfig:
     max_n: Real
     slew_n: Real
     rise: Real
+    back: Real
     fall_n: Real
-    return_n: Real
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,8 @@ def output_config(
         max_n=real(max_n),
         slew_n=real(dt_s * max(MIN_SLEW_NPS, max_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
+        back=real(min(1.0, dt_s / BACK_S)),
         fall_n=real(dt_s * max_n / WATCHDOG_FALL_S),
-        return_n=real(min(MAX_RETURN_N, dt_s * max_n / RAMP_S)),
     )
 
 

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.entry_points import blaming
+from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages import (
@@ -16,8 +18,8 @@ from springpot.codegen.stages import (
     rbf,
     recursive,
 )
-from springpot.codegen.stages.hammerstein import hammerstein_stage
 from springpot.codegen.stages.model_force import Stages
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import (
     feature_stage,
     padded,
@@ -41,21 +43,27 @@ class LeftOut:
 def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> Stages:
     """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
     falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
-    passive, excess, vector_width = None, None, vector_width_of(scene.runtime)
+    passive, excess = None, None
+
+    def along(follows: str) -> HammersteinStage:
+        assert model.hammerstein is not None
+        return hammerstein_stage(
+            model.hammerstein, dt_s, dtype, follows, vector_width_of(scene.runtime),
+            surface=(scene.guard.contact or model.contact) == "surface",
+            worn=scene.runtime.start == "conditioned",
+        )  # fmt: skip
+
     if model.hammerstein is not None and model.hammerstein_adds:
-        follows = "penetration" if falls_back else "clipped"
-        passive = hammerstein_stage(model.hammerstein, dt_s, dtype, follows, vector_width)
+        passive = along("penetration" if falls_back else "clipped")
     elif model.hammerstein is not None and falls_back:
-        penetration, trained = (
-            hammerstein_stage(model.hammerstein, dt_s, dtype, follows, vector_width)
-            for follows in ("penetration", "clipped")
-        )
-        excess = (penetration, trained)
+        excess = (along("penetration"), along("clipped"))
     if model.features is None or model.regressor is None:
         return Stages(None, None, passive, excess)
     kept = model.regressor.used_columns(model.features.n_features)
-    features = feature_stage(model.features, kept, dt_s, dtype)
-    regressor = regressor_stage(model.regressor, kept, scene.runtime, dtype)
+    with blaming("the stage of the features", type(model.features), UsageError):
+        features = feature_stage(model.features, kept, dt_s, dtype)
+    with blaming("the stage of the regressor", type(model.regressor), UsageError):
+        regressor = regressor_stage(model.regressor, kept, scene.runtime, dtype)
     return Stages(features, regressor, passive, excess)
 
 

@@ -11,6 +11,7 @@ from springpot.codegen.coupling.gains import CoupleConfig, couple_config, requir
 from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
+from springpot.codegen.plan.energy import EnergyConfig, StorageBounds, energy_config
 from springpot.codegen.plan.limits import (
     GuardConfig,
     OutputConfig,
@@ -24,8 +25,8 @@ from springpot.codegen.plan.limits import (
 from springpot.codegen.plan.model_stages import LeftOut, model_stages, unused_orders
 from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages.hammerstein import hammerstein_stage
 from springpot.codegen.stages.model_force import RangeConfig, Stages
+from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
 from springpot.codegen.stages.stage import vector_width_of
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 
@@ -52,6 +53,8 @@ class Plan(Stages):
     max_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
+    energy: EnergyConfig | None
+    viscous_npm: Real | None
     silence: SilenceConfig
     watchdog_s: float
     left_out: tuple[LeftOut, ...]
@@ -102,6 +105,11 @@ class Plan(Stages):
         return self.couple is None and None not in steps
 
     @property
+    def energy_acts(self) -> bool:
+        """Tell whether the account of energy cuts the force, and does not only note it."""
+        return self.scene.guard.energy == "account"
+
+    @property
     def max_force_n(self) -> float:
         """Largest force that leaves, in either direction, N."""
         return max(float(self.output.max_n), -float(self.output.min_n))
@@ -136,6 +144,12 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
+    output = output_config(model, scene, dt_s, contact, dtype)
+    energy = None
+    if scene.guard.energy != "off":
+        bounds = StorageBounds(trained, output, contact, choice.coupling)
+        resolution_m = 1e-6 * scene.device.resolution_um
+        energy = energy_config(stages, bounds, resolution_m, dt_s, dtype)
     return Plan(
         **vars(stages),
         scene=scene,
@@ -151,12 +165,15 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         at_proxy=choice.coupling.mode == "proxy",
         max_mps=dtype(max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
-        output=output_config(model, scene, dt_s, contact, dtype),
+        output=output,
+        energy=energy,
+        viscous_npm=_viscous_npm(scene, dt_s, dtype),
         silence=silence_config(watchdog_s, dt_s, dtype),
         watchdog_s=float(dtype(watchdog_s)),
         left_out=(
             *unused_orders(model, dtype),
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
+            *_energy_left_out(scene, dtype),
         ),
         accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,
@@ -172,8 +189,9 @@ def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[
         return stages, _outside_note(model, scene)
     tangent = tangent_fallback(stages, model, dt_s, dtype)
     penetration = hammerstein_stage(
-        tangent, dt_s, dtype, "penetration", vector_width_of(scene.runtime)
-    )
+        tangent, dt_s, dtype, "penetration", vector_width_of(scene.runtime),
+        surface=(scene.guard.contact or model.contact) == "surface",
+    )  # fmt: skip
     return replace(stages, passive=penetration), (
         "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
         f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
@@ -181,15 +199,17 @@ def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[
 
 
 def _time_step(model: Model, scene: Scene) -> float:
-    trained_hz = 1.0 / model.dt_s
-    if not RATES_HZ[0] * 0.999 <= trained_hz <= RATES_HZ[1] * 1.001:
-        raise UsageError(
-            f"the model was recorded at {trained_hz:g} Hz: a loop runs at {RATES_HZ[0]:g} to "
-            f"{RATES_HZ[1]:g} Hz: import the recordings with --resample-hz"
-        )
-    rate_hz = scene.runtime.rate_hz
+    trained_hz, rate_hz = 1.0 / model.dt_s, scene.runtime.rate_hz
     if rate_hz is not None and model.exact_at_any_rate:
         return 1.0 / rate_hz  # poles are exact at any rate
+    if not RATES_HZ[0] * 0.999 <= trained_hz <= RATES_HZ[1] * 1.001:
+        way = "import the recordings with --resample-hz"
+        if model.exact_at_any_rate:
+            way = "give [runtime] rate_hz = 1000, at which it is as exact"
+        raise UsageError(
+            f"the model was recorded at {trained_hz:g} Hz: a loop runs at {RATES_HZ[0]:g} to "
+            f"{RATES_HZ[1]:g} Hz: {way}"
+        )
     if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-3:
         raise UsageError(
             f"runtime.rate_hz = {rate_hz:g}: the model's features were fitted at {trained_hz:g} Hz "
@@ -239,6 +259,21 @@ def _units_left_out(
     if alpha is None:
         left_out.append(LeftOut("smoothing", "smoothing.time_constant_s is 0", 2 * size))
     return left_out
+
+
+def _viscous_npm(scene: Scene, dt_s: float, dtype: type[Any]) -> Real | None:
+    """Damping of the device over a tick, b/dt, for the account; None if it is not known, or 0."""
+    if scene.guard.energy == "off" or not scene.device.viscous_nspm:
+        return None
+    viscous_npm: Real = dtype(scene.device.viscous_nspm / dt_s)
+    return viscous_npm
+
+
+def _energy_left_out(scene: Scene, dtype: type[Any]) -> list[LeftOut]:
+    if scene.guard.energy != "off":
+        return []
+    saved = (7 + 7) * np.dtype(dtype).itemsize  # constants, state
+    return [LeftOut("account of energy", "guard.energy is off", saved)]
 
 
 def _outside_note(model: Model, scene: Scene) -> str:

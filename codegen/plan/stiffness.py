@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.model.model import Hammerstein, Model
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.model_force import RangeConfig, Stages, clip, model_force
 
 STEP = 0.05  # of the trained depth: longer than a leaf of a forest, shorter than a press
@@ -54,14 +55,13 @@ def tangent_fallback(stages: Stages, model: Model, dt_s: float, dtype: type[Any]
     damper_nspm = max((fast_n - slow_n) / (fast_mps - slow_mps), 0.0)
     tau_s = 5.0 * dt_s
     return Hammerstein(
-        basis="powers",
         origin_m=end_m,
         span_m=step_m,
-        elastic_n=np.array([spring_npm * step_m, 0.0, 0.0]),
+        elastic_n=np.array([spring_npm * step_m]),
         tau_s=np.array([tau_s]),
-        branch_n=np.array([[damper_nspm / tau_s * step_m, 0.0, 0.0]]),
+        branch_n=np.array([[damper_nspm / tau_s * step_m]]),
         radius_m=np.zeros(0),
-        stop_n=np.zeros((0, 3)),
+        stop_n=np.zeros((0, 1)),
         bias_n=0.0,
     )
 

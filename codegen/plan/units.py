@@ -45,13 +45,14 @@ def planned_headers(plan: Plan) -> list[str]:
     headers += ["sp_contact.h"] if plan.contact else []
     headers += ["sp_couple.h"] if plan.couple is not None else []
     headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
+    headers += ["sp_energy.h"] if plan.energy is not None else []
     return list(dict.fromkeys([*headers, "sp_output.h"]))
 
 
 def state_members(plan: Plan) -> list[Member]:
     """Members of sp_state, in order."""
     members = [
-        Member("sp_silence_state silence", (REAL, U32)),
+        Member("sp_silence_state silence", (REAL, REAL, U32)),
         Member("sp_guard_state guard", (REAL, REAL, U32, U32)),
     ]
     members += [member for stage in stages(plan) for member in stage.members]
@@ -61,7 +62,9 @@ def state_members(plan: Plan) -> list[Member]:
         members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
-    return [*members, Member("sp_output_state output", (REAL, REAL, REAL, REAL, REAL, REAL))]
+    if plan.energy is not None:
+        members.append(Member("sp_energy_state energy", (REAL,) * 7))
+    return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
 
 
 def state_bytes(plan: Plan) -> int:

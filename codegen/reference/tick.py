@@ -10,11 +10,10 @@ from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.followed import Followed
 from springpot.codegen.reference.guarding import Guarded
-from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, RAMPED, RESYNC, Notes
+from springpot.codegen.reference.notes import RESYNC, Notes
+from springpot.codegen.reference.output import Output
 from springpot.codegen.stages.model_force import RangeConfig
 from springpot.codegen.stages.stage import bounded, flushed
-
-PACE, HURRY, DECAY = 1.2, 1.03, 0.9  # SP_OUTPUT_PACE, SP_OUTPUT_HURRY, SP_OUTPUT_DECAY
 
 
 def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
@@ -43,7 +42,7 @@ class OutputStage:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
         self._couple = Coupled(plan.couple) if plan.couple is not None else None
-        self._output = _Output(plan)
+        self._output = Output(plan)
         self._smoothed = plan.dtype(0)
 
     def run(
@@ -57,15 +56,21 @@ class OutputStage:
         """
         model_n = shaped(self._plan, pressed, model_n)
         force_n = np.zeros(len(notes), dtype=model_n.dtype)
+        before = model_n.dtype.type(0)
         for i, (ticks, latched) in enumerate(zip(guarded.ticks, guarded.latched, strict=True)):
             if not ticks:
-                held_n, note = self._output.hold(latched, guarded.fall[i])
-                force_n[i], notes[i] = guarded.share[i] * held_n, note
+                force_n[i], notes[i] = self._output.hold(
+                    latched, guarded.silent[i], guarded.fall[i], guarded.share[i]
+                )
                 continue
             row = followed.row[i]
+            here = followed.position[row]
+            way = here - before
+            before = here
             if notes[i] & RESYNC:
                 self._forget()
-                self._output.restart()
+                self._output.restart(here)
+                way = model_n.dtype.type(0)
             for at in range(row - ticks + 1, row + 1):
                 force = model_n.dtype.type(0)
                 if contact[at]:
@@ -73,7 +78,9 @@ class OutputStage:
                 else:
                     self._forget()
                     self._output.free()
-            force_n[i], note = self._output.force(latched, model_n.dtype.type(ticks), force)
+            step = way / model_n.dtype.type(ticks) if ticks > 1 else way
+            self._output.pay(here, model_n.dtype.type(ticks), way, step)
+            force_n[i], note = self._output.force(latched, bool(ticks > 1), step, force)
             notes[i] |= note
         return force_n
 
@@ -121,105 +128,3 @@ class Coupled:
             bounded(v + (phi[2] * from_rest + phi[3] * w)),
         )
         return force_n
-
-
-class _Output:
-    def __init__(self, plan: Plan) -> None:
-        self._config = plan.output
-        self._real = plan.dtype
-        # One tick in ticks, as the C has it: 1 but for rounding.
-        self._tick = plan.silence.dt_s * plan.silence.per_dt
-        self._force: Any = self._real(0)
-        self._share: Any = self._real(0)
-        self._model: Any = self._real(0)
-        self._slope: Any = self._real(0)
-        self._aim: Any = self._real(0)
-        self._pace: Any = self._real(0)
-
-    def restart(self) -> None:
-        self._share = self._slope = self._pace = self._real(0)
-
-    def free(self) -> None:
-        self._share = self._real(1)
-        self._force = self._model = self._slope = self._pace = self._real(0)
-
-    def hold(self, latched: Any, fall: Any) -> tuple[Any, int]:
-        """A tick without a good sample; fall: how much of it was latched."""
-        if self._tick - fall >= 0.5:
-            self._wait()
-        if latched:
-            return self._fall(fall), LATCHED
-        return self._force, HELD
-
-    def _wait(self) -> None:
-        under_way = self._pace > 0
-        at = self._clamped((self._aim if under_way else self._force) + self._slope)[0]
-        self._slope = flushed(self._real(DECAY) * self._slope)
-        if under_way:
-            self._aim = at
-            self._return()
-        else:
-            self._force = at
-
-    def force(self, latched: Any, ticks: Any, force: Any) -> tuple[Any, int]:
-        """A good sample, `ticks` after the last one."""
-        if latched:
-            return self._fall(self._real(1)), LATCHED
-        last, note = self._force, 0
-        if self._share < 1:
-            force = force * self._share
-            self._share = self._share + self._config.rise * ticks
-            note |= RAMPED
-        late = self._pace > 0 or ticks > self._real(PACE)
-        if late:
-            force, clamped = self._after_silence(ticks, force)
-            note |= clamped
-        force, limited = self._slewed(ticks, last, force)
-        self._force, clamped = self._clamped(force)
-        if not late:
-            self._slope = self._force - self._model
-            self._model = self._force
-        return self._force, note | limited | clamped
-
-    def _after_silence(self, ticks: Any, force: Any) -> tuple[Any, int]:
-        before = abs(self._slope)
-        self._aim, note = self._clamped(force)
-        self._slope = (self._aim - self._model) / ticks
-        self._model = self._aim
-        change = max(abs(self._slope), before)
-        if not ticks > self._real(PACE):
-            change = min(change, self._real(HURRY) * self._pace)
-        self._pace = max(change, self._pace)
-        self._return()
-        return self._force, note | (LIMITED if self._pace > 0 else 0)
-
-    def _return(self) -> None:
-        may = self._real(PACE) * self._pace + self._config.return_n
-        up, down = self._force + may, self._force - may
-        if self._aim > up:
-            self._force = up
-        elif self._aim < down:
-            self._force = down
-        else:
-            self._force, self._pace = self._aim, self._real(0)
-
-    def _clamped(self, force: Any) -> tuple[Any, int]:
-        min_n, max_n = self._config.min_n, self._config.max_n
-        if min_n <= force <= max_n:
-            return force, 0
-        beyond = min_n if force < min_n else self._real(0)
-        return (max_n if force > max_n else beyond), CLAMPED
-
-    def _slewed(self, ticks: Any, last: Any, force: Any) -> tuple[Any, int]:
-        zero, slew = self._real(0), self._config.slew_n * ticks
-        most = (last if last > 0 else zero) + slew
-        minimum = (last if last < 0 else zero) - slew
-        if force > most:
-            return most, LIMITED
-        return (minimum, LIMITED) if force < minimum else (force, 0)
-
-    def _fall(self, ticks: Any) -> Any:
-        step = self._config.fall_n * ticks
-        down, up = self._force - step, self._force + step
-        self._force = down if down > 0 else up if up < 0 else self._real(0)
-        return self._force

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.stages.hammerstein import HammersteinStage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage, Starts
 
 

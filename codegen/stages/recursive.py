@@ -20,6 +20,7 @@ from springpot.codegen.stages.stage import (
     Member,
     Starts,
     feature_stage,
+    numbers,
     segments,
 )
 from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
@@ -27,16 +28,16 @@ from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
 
 
-def pole_states(loss: Reals, rises: Reals, n_poles: int) -> Reals:
-    """sp_poles.h: states after each tick, shape (n, poles); rises (n,) or (n, poles)."""
-    real = loss.dtype.type
-    smallest = real(SMALLEST)
-    states = np.empty((len(rises), n_poles), dtype=loss.dtype)
-    h = np.zeros(n_poles, dtype=loss.dtype)
-    for i, rise in enumerate(rises):
-        h = h + (rise - loss * h)
-        h[np.abs(h) < smallest] = real(0)
-        states[i] = h
+def pole_states(loss: Reals, rises: Reals, h: Reals) -> Reals:
+    """sp_poles.h: states after each tick, (n, poles), from h, (poles,); rises (n,), (n, poles)."""
+    states = np.empty((len(rises), len(h)), dtype=loss.dtype)
+    for k, (its_loss, begin) in enumerate(zip(numbers(loss), numbers(h), strict=True)):
+        along, its_h = [], begin
+        for rise in numbers(rises if rises.ndim == 1 else rises[:, k]):
+            its_h = its_h + (rise - its_loss * its_h)
+            its_h = its_h if abs(its_h) >= SMALLEST else its_h * 0
+            along.append(its_h)
+        states[:, k] = along
     return states
 
 
@@ -143,8 +144,9 @@ class RecursiveStage(WeightedSumStage):
         for begin, end, held in segments(len(depth), starts):
             first = depth[begin] if held else depth.dtype.type(0)
             rises = np.diff(depth[begin:end], prepend=first)
-            fast = pole_states(self.loss, rises, len(self.loss))
-            slow = pole_states(self.slow_loss, rises.astype(np.float64), len(self.slow_loss))
+            fast = pole_states(self.loss, rises, np.zeros_like(self.loss))
+            slow_rises, at_rest = rises.astype(np.float64), np.zeros_like(self.slow_loss)
+            slow = pole_states(self.slow_loss, slow_rises, at_rest)
             states = np.concatenate([fast, slow.astype(depth.dtype)], axis=1)
             result[begin:end] = self.weigh(states)[:, : self.n_features]
         return result

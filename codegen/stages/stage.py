@@ -194,6 +194,11 @@ def bounded(x: Any) -> Any:
     return below if below > -largest else -largest
 
 
+def numbers(values: Reals) -> list[Any]:
+    """Numbers of an array, (n,), for loops over ticks: Python's own are doubles, and fast."""
+    return values.tolist() if values.dtype == np.float64 else list(values)
+
+
 def padded(n: int, vector_width: int = VECTOR_WIDTH) -> int:
     """Return n rounded up to whole vectors."""
     return -(-n // vector_width) * vector_width

@@ -22,18 +22,6 @@ if TYPE_CHECKING:
         Hand as Hand,
     )
     from springpot.host.stability.check import (
-        is_stable as is_stable,
-    )
-    from springpot.host.stability.check import (
-        loop_words as loop_words,
-    )
-    from springpot.host.stability.check import (
-        require_stable as require_stable,
-    )
-    from springpot.host.stability.check import (
-        scene_loop as scene_loop,
-    )
-    from springpot.host.stability.check import (
         stability as stability,
     )
     from springpot.host.stability.closed_loop import (
@@ -46,6 +34,18 @@ if TYPE_CHECKING:
         case_outcome as case_outcome,
     )
     from springpot.host.stability.judgement import judge as judge
+    from springpot.host.stability.linear import (
+        is_stable as is_stable,
+    )
+    from springpot.host.stability.linear import (
+        loop_words as loop_words,
+    )
+    from springpot.host.stability.linear import (
+        require_stable as require_stable,
+    )
+    from springpot.host.stability.linear import (
+        scene_loop as scene_loop,
+    )
     from springpot.host.stability.small_signal import small_signal_map as small_signal_map
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

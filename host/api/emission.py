@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         golden_positions as golden_positions,
     )
     from springpot.codegen.emit.project import prefixed as prefixed
+    from springpot.codegen.literals import literal as literal
     from springpot.codegen.plan.plan import Plan as Plan
     from springpot.codegen.plan.plan import make_plan as make_plan
     from springpot.codegen.plan.units import state_bytes as state_bytes
@@ -33,6 +34,24 @@ if TYPE_CHECKING:
     )
     from springpot.codegen.reference.run import run_reference as run_reference
     from springpot.codegen.reference.tick import Coupled as Coupled
+    from springpot.codegen.stages.stage import (
+        Columns as Columns,
+    )
+    from springpot.codegen.stages.stage import (
+        FeatureStage as FeatureStage,
+    )
+    from springpot.codegen.stages.stage import (
+        Member as Member,
+    )
+    from springpot.codegen.stages.stage import (
+        RegressorStage as RegressorStage,
+    )
+    from springpot.codegen.stages.stage import (
+        feature_stage as feature_stage,
+    )
+    from springpot.codegen.stages.stage import (
+        regressor_stage as regressor_stage,
+    )
     from springpot.host.emission.emission import (
         MODEL_COPY as MODEL_COPY,
     )

@@ -38,8 +38,11 @@ class LoadedScene:
 
         require_emission(folder)
         self.edited = require_as_emitted(folder, accept_edited)
-        self._library = SceneLibrary(folder)
+        self._folder, self._library = folder, SceneLibrary(folder)
         self.manifest: dict[str, Any] = self._library.manifest
+
+    def __repr__(self) -> str:
+        return f"LoadedScene({str(self._folder)!r}, {1.0 / self.dt_s:.6g} Hz)"
 
     @property
     def dt_s(self) -> float:

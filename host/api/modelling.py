@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from springpot.codegen.model.features import Features as Features
     from springpot.codegen.model.features import FirBank as FirBank
     from springpot.codegen.model.model import (
-        Hammerstein as Hammerstein,
-    )
-    from springpot.codegen.model.model import (
         TrainedRange as TrainedRange,
     )
     from springpot.codegen.model.model_file import (
@@ -24,6 +21,10 @@ if TYPE_CHECKING:
     from springpot.codegen.model.model_file import (
         model_hash as model_hash,
     )
+    from springpot.codegen.model.model_file import (
+        register_part as register_part,
+    )
+    from springpot.codegen.model.passive import Hammerstein as Hammerstein
     from springpot.codegen.model.regressors import Forest as Forest
     from springpot.codegen.model.regressors import Regressor as Regressor
     from springpot.trainer.features.exponentials import recursive_bank as recursive_bank
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from springpot.trainer.kinds import (
         fit_kind as fit_kind,
     )
+    from springpot.trainer.models.contact import depth_m as depth_m
     from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS
     from springpot.trainer.models.fit import assemble as assemble
     from springpot.trainer.models.forests import (
@@ -65,14 +67,11 @@ if TYPE_CHECKING:
         TrainingSet as TrainingSet,
     )
     from springpot.trainer.models.training_set import (
-        depth_m as depth_m,
-    )
-    from springpot.trainer.models.training_set import (
         training_set as training_set,
     )
     from springpot.trainer.recordings.formats.file_format import FileFormat as FileFormat
     from springpot.trainer.recordings.formats.file_format import FileRequest as FileRequest
-    from springpot.trainer.recordings.formats.sampling import RawChannels as RawChannels
+    from springpot.trainer.recordings.formats.raw_channels import RawChannels as RawChannels
     from springpot.trainer.recordings.quality.coverage import (
         Coverage as Coverage,
     )

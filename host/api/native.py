@@ -46,6 +46,9 @@ if TYPE_CHECKING:
         TickTimes as TickTimes,
     )
     from springpot.host.native.replay import (
+        replayed as replayed,
+    )
+    from springpot.host.native.replay import (
         replayed_accuracy as replayed_accuracy,
     )
     from springpot.host.native.scene_library import (

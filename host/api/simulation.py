@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from springpot.host.simulation.bench import (
         SimulatedHand as SimulatedHand,
     )
+    from springpot.host.simulation.cases import cases as cases
     from springpot.host.simulation.hand_loop import (
         HandLoop as HandLoop,
     )
@@ -47,6 +48,5 @@ if TYPE_CHECKING:
         parse_url as parse_url,
     )
     from springpot.host.simulation.scenarios import Workspace as Workspace
-    from springpot.host.simulation.scenarios import cases as cases
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -1,6 +1,7 @@
 """One call for each step of the job: record, train, predict, emit, validate, stability."""
 
 import tempfile
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -75,19 +76,26 @@ def train(
 
 
 def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
-    """Force of the model itself along positions (n,), m: (n,), N, in float64, without limits.
+    """Force of the model itself along positions (n,), m: (n,), N, in float64; >= 0 at a surface.
 
-    dt_s: time between samples, s, where it is known: another one than the model's is a DataError.
+    dt_s: time between samples, s, where it is known: another one than the model's is a DataError,
+    and so are positions ten times deeper than the training presses, as in millimetres. From 1.5
+    times on a UserWarning says that the force is an extrapolation.
     """
     from springpot.trainer.models.compatibility import require_compatible, zero_of
-    from springpot.trainer.models.predict import predict_n
+    from springpot.trainer.models.limited import DEEP, limited_n, times_trained
 
     positions = np.asarray(position_m, dtype=np.float64)
     step_s = model.dt_s if dt_s is None else dt_s
     still_n = np.zeros_like(positions)
     recording = Recording("positions", positions, still_n, step_s, zero_of(model))
     require_compatible(recording, model)
-    return predict_n(model, recording)
+    force_n = limited_n(model, recording)
+    times = times_trained(model, recording)
+    if times > DEEP:
+        text = f"positions go to {times:.3g} times the trained depth: the force is an extrapolation"
+        warnings.warn(text, UserWarning, stacklevel=2)
+    return force_n
 
 
 def emit(
@@ -186,4 +194,4 @@ def _resolved(scene: Scene | File | None, model: Model | File | None) -> tuple[S
         assert stated is not None
         model = folder / stated.model
     chosen = model if isinstance(model, Model) else read_model(model)
-    return stated or Scene(schema=1, name=chosen.name, model="model.spm"), chosen
+    return stated or scene_file.default_scene(chosen), chosen

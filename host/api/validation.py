@@ -21,6 +21,9 @@ if TYPE_CHECKING:
         WEBER_FRACTION as WEBER_FRACTION,
     )
     from springpot.host.metrics import (
+        accuracy as accuracy,
+    )
+    from springpot.host.metrics import (
         floor_keys as floor_keys,
     )
     from springpot.host.metrics import (
@@ -32,6 +35,8 @@ if TYPE_CHECKING:
     from springpot.host.metrics import (
         rms as rms,
     )
+    from springpot.host.stiffness import slope_errors as slope_errors
+    from springpot.host.stiffness import slope_keys as slope_keys
     from springpot.host.validation.seen import known_among as known_among
     from springpot.host.validation.seen import seen_line as seen_line
     from springpot.host.validation.store import Series as Series

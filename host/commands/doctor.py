@@ -46,6 +46,7 @@ def _device_findings(url: str, scene: Path | None, yes: bool) -> "list[Diagnosis
     from springpot.codegen.scene import Device
     from springpot.host.doctor.device_check import PUSH_N, PUSH_S, check_device
     from springpot.host.emission.scene_file import read_scene
+    from springpot.host.session.terminal import stopping_on_sigterm
 
     keys = Device() if scene is None else read_scene(scene).device
     push = yes or (
@@ -54,4 +55,5 @@ def _device_findings(url: str, scene: Path | None, yes: bool) -> "list[Diagnosis
             f"Hold the handle loosely: may {url} push with {PUSH_N:g} N for {PUSH_S:g} s?", err=True
         )
     )
-    return check_device(url, keys, push=push)
+    with stopping_on_sigterm():
+        return check_device(url, keys, push=push)

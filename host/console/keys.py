@@ -19,7 +19,10 @@ class Keys:
     def pressed(self) -> str:
         found = ""
         while self._terminal is not None and select.select([self._terminal], [], [], 0)[0]:
-            keys = os.read(self._terminal.fileno(), 64).decode(errors="replace")
+            try:
+                keys = os.read(self._terminal.fileno(), 64).decode(errors="replace")
+            except OSError:  # a terminal that was closed gives none
+                keys = ""
             if not keys:
                 break
             found += keys
@@ -37,4 +40,5 @@ def reading_keys() -> Iterator[Keys]:
     try:
         yield Keys(sys.stdin)
     finally:
-        termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+        with contextlib.suppress(termios.error):  # the terminal was closed
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)

@@ -1,6 +1,7 @@
 """What every opened device offers to a session."""
 
 import math
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -88,6 +89,7 @@ class OpenedDevice(Protocol):
     comes_back: bool = True
 
     @property
+    @abstractmethod
     def unreached(self) -> str:
         """What its force does if this host cannot reach it any more: each driver has to say."""
         ...
@@ -107,6 +109,7 @@ class OpenedDevice(Protocol):
         """Why it is gone or off, where something below it says so; or empty."""
         return ""
 
+    @abstractmethod
     def link(self, library: "CLibrary") -> Any:
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
         ...
@@ -115,11 +118,14 @@ class OpenedDevice(Protocol):
         """The board, where it renders the scene itself and no loop runs here; else None."""
         return None
 
+    @abstractmethod
     def stop(self) -> None:
         """After the loop: no force, acknowledged where the device can. Raises nothing."""
         ...
 
-    def close(self) -> None: ...
+    @abstractmethod
+    def close(self) -> None:
+        """Let the device go: the last call."""
 
 
 class VirtualDevice(OpenedDevice):

@@ -6,8 +6,8 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from springpot.codegen.entry_points import registered
-from springpot.codegen.errors import UsageError
+from springpot.codegen.entry_points import blaming, registered
+from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.url import Address, parse_address
 
@@ -22,8 +22,8 @@ class Driver:
     interface stands before the place, odrive://INTERFACE/CHANNEL. has_default: the place may be
     left out. echoes: the force that it measures is its own command. holds_weight: it takes
     [device] weight_n. own_frame: its position and force have one frame, so [device] force_sign
-    has no meaning. links: C sources of its link if they are not springpot's
-    (host/native/loop_library.py says how they declare it). place: in lists.
+    has no meaning. links: C files of its link if they are not springpot's, each of which declares
+    what Python calls between "springpot declarations begin" and "end". place: in lists.
     """
 
     example: str
@@ -36,6 +36,11 @@ class Driver:
     echoes: bool = False
     links: tuple[Path, ...] = ()
     place: int = 100
+
+    def __post_init__(self) -> None:
+        """Raise TypeError for links that are no tuple; of a text each letter would be a file."""
+        if not isinstance(self.links, tuple):
+            raise TypeError("links: give a tuple of paths, (Path(...),)")
 
     def function(self) -> Callable[[Address, DeviceRequirements], OpenedDevice]:
         """Return what `opens` names, loaded."""
@@ -112,4 +117,10 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
         raise UsageError(
             f"{url}: its position and force have one frame: leave [device] force_sign out"
         )
-    return driver.function()(address, requirements)
+    with blaming(url, driver.opens, DeviceError):
+        opened = driver.function()(address, requirements)
+        if OpenedDevice not in type(opened).__mro__:
+            raise TypeError(
+                f"{type(opened).__name__} inherits neither OpenedDevice nor VirtualDevice"
+            )
+        return opened

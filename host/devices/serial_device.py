@@ -32,6 +32,7 @@ _ASK_S, _AGAIN_S, _LOOK_S = 2.0, 0.05, 0.0005
 _WATCHDOG_S = 0.75 * ZERO_S
 _PROOFS = 3  # a frame may be lost, or come late
 _REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
+_REFUSED_ACTION = 1
 
 
 class SerialDevice(OpenedDevice):
@@ -112,35 +113,39 @@ class SerialDevice(OpenedDevice):
 
     def command(self, action: str, patience_s: float = _ASK_S) -> None:
         """Send a command until it is acknowledged. Raises DeviceError where it is not."""
-        sent: list[int] = []
-
-        def send() -> bytes:
-            # ASK before it: the device forgets the sequence, and the loop's numbers are ahead.
-            asked = self.sender.encode("ask", layout=layout()) if action == "STOP" else b""
-            sent.append(self.sender.sequence)
-            return asked + self.sender.encode(
-                "command",
-                action=constant(action),
-                watchdog_s=self.watchdog_s,
-                rate_hz=self.requirements.rate_hz,
-            )
+        # ASK before it: the device forgets the sequence, and the loop's numbers are ahead.
+        asked = self.sender.encode("ask", layout=layout()) if action == "STOP" else b""
+        sequence = self.sender.sequence
+        content = asked + self.sender.encode(
+            "command",
+            action=constant(action),
+            watchdog_s=self.watchdog_s,
+            rate_hz=self.requirements.rate_hz,
+        )
 
         def is_answer(frame: Frame) -> bool:
-            return frame.name == "ack" and frame.values["command"] in sent
+            return frame.name == "ack" and frame.values["command"] == sequence
 
-        ack = self._ask(send, is_answer, patience_s)
+        ack = self._ask(lambda: content, is_answer, patience_s)
         if ack is None:
             raise DeviceError(
                 f"{self.address.url}: {action} was not acknowledged within {patience_s:g} s: "
                 "restart the device"
             )
         if refused := ack["refused"]:
-            required = self.requirements
-            raise DeviceError(
-                f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')} "
-                f"({required.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
-                "change runtime.rate_hz or guard.watchdog_ms in the scene"
+            raise self._refusal(action, refused)
+
+    def _refusal(self, action: str, refused: int) -> DeviceError:
+        said = f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')}"
+        if refused == _REFUSED_ACTION:
+            return DeviceError(
+                f"{said} ({action}): its self-test failed, or its firmware is of an older "
+                "springpot: flash the firmware of this one"
             )
+        return DeviceError(
+            f"{said} ({self.requirements.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
+            "change runtime.rate_hz or guard.watchdog_ms in the scene"
+        )
 
     def frames(self) -> list[Frame]:
         """Frames that have come since the last call (before the loop takes over)."""
@@ -151,9 +156,10 @@ class SerialDevice(OpenedDevice):
 
     def send(self, name: str, **values: Any) -> None:
         """Send one message (before the loop takes over, or to a board that renders)."""
-        self._write(self.sender.encode(name, **values))
+        self.write(self.sender.encode(name, **values))
 
-    def _write(self, content: bytes) -> None:
+    def write(self, content: bytes) -> None:
+        """Send the bytes of whole frames."""
         try:
             self.port.write(content)
         except (OSError, serial.SerialException) as error:
@@ -170,7 +176,7 @@ class SerialDevice(OpenedDevice):
         """The answer; None where none came. It is sent again and again: a frame may be lost."""
         until_s = time.monotonic() + patience_s
         while (now_s := time.monotonic()) < until_s:
-            self._write(send())
+            self.write(send())
             for frame in self._frames_until(min(now_s + _AGAIN_S, until_s)):
                 if is_answer(frame):
                     return frame.values

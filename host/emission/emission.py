@@ -24,6 +24,7 @@ from springpot.host.emission.checksums import (
     require_replaceable,
     write_checksums,
 )
+from springpot.host.emission.felt import felt_notices
 from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
@@ -32,7 +33,8 @@ from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
 from springpot.host.native.wasm_module import scene_module
 from springpot.host.native.wasm_node import missing_node, run_in_node
-from springpot.host.stability.check import Check, check, require_stable
+from springpot.host.stability.check import Check, check
+from springpot.host.stability.linear import require_stable
 
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
 MODEL_COPY = "from/model.spm"
@@ -121,7 +123,7 @@ def write_emission(
 def _built(
     plan: Plan, aside: Path, folder: Path, write_s: float, accept_unmeasured: bool
 ) -> Emission:
-    notices = _unchecked(plan.scene)
+    notices = [*felt_notices(plan), *_unchecked(plan.scene)]
     footprint = compile_s = checked = None
     unmeasured = ""
     try:
@@ -131,7 +133,8 @@ def _built(
         if differs := library.selftest():
             raise MismatchError(
                 f"{plan.scene.name}: the built C differs from its numpy reference at golden tick "
-                f"{differs - 1}: nothing was emitted; report the compiler ({library.path})"
+                f"{differs - 1}: nothing was emitted; correct a stage of your own, or report the "
+                f"compiler ({library.path})"
             )
         unmeasured = missing_tools(plan.scene.runtime.target)
         if unmeasured:

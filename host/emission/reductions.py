@@ -22,9 +22,8 @@ from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.compatibility import require_compatible
-from springpot.trainer.models.passive.passive_terms import hammerstein_force
-from springpot.trainer.models.predict import regressor_force
-from springpot.trainer.models.training_set import depth_m
+from springpot.trainer.models.contact import depth_m
+from springpot.trainer.models.predict import predict_each_n, regressor_force
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection.prune import Pruned, pruned_models
 
@@ -90,18 +89,17 @@ class _Evaluation:
 
 
 def _evaluation(model: Model, recordings: Sequence[Recording]) -> _Evaluation:
+    assert model.features is not None
     every = -(-sum(len(item.force_n) for item in recordings) // _EVALUATED)
-    values, target_n = [], []
-    for item in recordings:
-        rows = np.arange(0, len(item.force_n), every)
-        depth = depth_m(item, model.contact)
-        force_n = item.force_n[rows]
-        if model.hammerstein is not None and model.hammerstein_adds:
-            force_n = force_n - hammerstein_force(model.hammerstein, depth, model.dt_s, rows)
-        assert model.features is not None
-        values.append(feature_values(model.features, depth, model.dt_s, rows))
-        target_n.append(force_n)
-    return _Evaluation(np.concatenate(values), np.concatenate(target_n))
+    pieces = [(item, np.arange(0, len(item.force_n), every)) for item in recordings]
+    values = [
+        feature_values(model.features, depth_m(item, model.contact), model.dt_s, rows)
+        for item, rows in pieces
+    ]
+    # What is not the trees': the passive part, which remembers through a session.
+    others_n = predict_each_n(replace(model, features=None, regressor=None), pieces)
+    force_n = np.concatenate([item.force_n[rows] for item, rows in pieces])
+    return _Evaluation(np.concatenate(values), force_n - others_n)
 
 
 def _measured(
@@ -130,7 +128,7 @@ def _measured(
             flash_bytes=emission.footprint.flash_bytes,
             ram_bytes=emission.ram_bytes,
             instructions=None if bound is None else bound.tick,
-            rmse_n=replayed_accuracy(replay, recordings).rmse_n,
+            rmse_n=replayed_accuracy(plan, replay, recordings).rmse_n,
         )
 
 

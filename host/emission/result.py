@@ -36,6 +36,10 @@ class Emission:
     check: Check | None
     notices: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        flash = f"flash {self.footprint.flash_bytes}, " if self.footprint else ""
+        return f"Emission({str(self.folder)!r}, {flash}RAM {self.ram_bytes} bytes)"
+
     def as_dict(self) -> dict[str, Any]:
         """Keys of `emit --json`."""
         footprint = self.footprint

@@ -10,6 +10,7 @@ from pydantic import TypeAdapter
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.host.console.toml_file import checked_keys, toml_as_json
 
@@ -79,6 +80,11 @@ def model_path(scene: Scene, scene_file: Path) -> Path:
     if not file.exists():
         raise DataError(f"{file}: cannot be read (no such file): `model` of {scene_file} names it")
     return file
+
+
+def default_scene(model: Model) -> Scene:
+    """The scene of a model alone: every key has its default."""
+    return Scene(schema=1, name=model.name, model="model.spm")
 
 
 def _checked(text: str, where: str) -> Scene:

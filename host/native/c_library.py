@@ -52,11 +52,16 @@ class CLibrary:
 
 
 def declarations(headers: Sequence[Path], real: str = "") -> str:
-    """Cut what cffi reads out of headers; real: "float" or "double" where they use sp_real."""
+    """Cut what cffi reads out of headers; real: "float" or "double" where they use sp_real.
+
+    Raises CompilerError for a header that begins declarations and does not end them.
+    """
     parts = [f"typedef {real} sp_real;"] if real else []
     for header in headers:
         text = header.read_text(encoding="utf-8")
         for declared in text.split(_BEGIN)[1:]:
+            if _END not in declared:
+                raise CompilerError(f"{header}: has no line {_END!r} after {_BEGIN!r}")
             parts.append(declared[: declared.index(_END)])
     return "\n".join(parts)
 

@@ -97,7 +97,8 @@ def run_compiler(arguments: Sequence[str]) -> None:
 
 def first_error(said: str) -> str:
     """First line of what a compiler said that tells of an error; else the end of it."""
-    lines = [line for line in said.splitlines() if "error" in line]
+    told = ("error", "multiple definition")  # the linker says "error" only of its own end
+    lines = [line for line in said.splitlines() if any(word in line for word in told)]
     return lines[0] if lines else said.strip()[-300:]
 
 

@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.plan.plan import Plan
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.loop_library import INPUT
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
+from springpot.trainer.models.motion import DepthMotion, in_ticks, motions
 from springpot.trainer.recordings.recording import Recording
 
 COLD_BYTES = 8 << 20
@@ -134,12 +136,29 @@ def load_port(real: str) -> CLibrary:
     return load([PORT_TESTBENCH / "sp_replay.h"], [PORT_TESTBENCH / "sp_replay.c"], real)
 
 
-def replayed_accuracy(replay: Replay, recordings: Sequence[Recording]) -> Accuracy:
-    """Error of the C on recordings, each from a fresh state, behind the start-up ramp."""
-    forces, ramps = [], []
-    for recording in recordings:
-        position = recording.position_m.astype(replay.dtype)
-        force_n, notes = replay.run(position, backward_velocity(position, recording.dt_s))
-        forces.append(force_n.astype(np.float64))
-        ramps.append(start_up_ramp(notes))
+def motions_of(plan: Plan, recordings: Sequence[Recording]) -> list[DepthMotion]:
+    """What the C is given: each recording from a fresh state, or those of one session in a row."""
+    positions = [recording.position_m for recording in recordings]
+    return [in_ticks(each, plan.dt_s) for each in motions(recordings, positions, plan.contact)]
+
+
+def replayed(
+    plan: Plan, replay: Replay, recordings: Sequence[Recording]
+) -> tuple[list[Samples], list[int]]:
+    """Forces of the C along recordings, (n,), N, and the samples of each in the start-up ramp."""
+    forces = [np.zeros(0)] * len(recordings)
+    ramps = [0] * len(recordings)
+    for motion in motions_of(plan, recordings):
+        position = motion.depth_m.astype(replay.dtype)
+        force_n, notes = replay.run(position, backward_velocity(position, plan.dt_s))
+        ramps[motion.recordings[0]] = start_up_ramp(notes)
+        for number, start in zip(motion.recordings, motion.starts, strict=True):
+            its = slice(start, start + len(recordings[number].force_n))
+            forces[number] = force_n[its].astype(np.float64)
+    return forces, ramps
+
+
+def replayed_accuracy(plan: Plan, replay: Replay, recordings: Sequence[Recording]) -> Accuracy:
+    """Error of the C on recordings, behind the start-up ramp."""
+    forces, ramps = replayed(plan, replay, recordings)
     return accuracy([recording.force_n for recording in recordings], forces, ramps)

@@ -1,20 +1,26 @@
 """Serve one page on localhost behind an unguessable token, and push events to every open browser.
 
 Nobody waits for a page: what is new is asked of its watcher every `every_s`, in the thread that
-writes to that page, and a page that takes nothing for some seconds is gone.
+writes to that page, and a page that takes nothing for some seconds is gone. A stranger on this
+machine costs a few threads for some seconds: connections are counted, requests have a deadline.
 """
 
+import io
 import re
 import secrets
+import socket
 import sys
 import threading
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Generic, Self, TypeVar
 
-_SEND_S = 5.0  # a page that takes nothing, or says half a request, for so long is gone
+_SEND_S = 5.0  # a page that takes nothing for so long is gone
+_REQUEST_S = 5.0  # for the whole of a request, however it trickles in
+_MAX_CONNECTIONS = 16  # at once; more are closed unheard
 _ALIVE_S = 1.0  # between signs of life: a closed page is found out by writing to it
 _POLL_S = 0.05  # of the end
 _MAX_BODY = 8192  # bytes that a page may send
@@ -94,9 +100,14 @@ class PageServer(ABC, Generic[W]):
 
     def answer(self, request: "_Request") -> None:
         """One request; anything but the page's own finds nothing here."""
-        name = request.path.removeprefix(f"/{self._token}/")
-        if request.headers.get("Host") != self._host or name == request.path:
+        _, token, name = [*request.path.split("/", 2), "", ""][:3]
+        known = secrets.compare_digest(token.encode(), self._token.encode())
+        # A browser says whose page sends; what is no browser says nothing.
+        own = request.headers.get("Origin", f"http://{self._host}") == f"http://{self._host}"
+        if not known or request.headers.get("Host") != self._host:
             request.send_error(HTTPStatus.NOT_FOUND)
+        elif request.command == "POST" and not own:
+            request.send_error(HTTPStatus.FORBIDDEN)
         elif request.command == "POST":
             body = request.body()
             status, text = (HTTPStatus.BAD_REQUEST, "") if body is None else self.posted(name, body)
@@ -140,15 +151,61 @@ class _Server(ThreadingHTTPServer):
     block_on_close = False
     page: PageServer[Any]
 
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self._room = threading.BoundedSemaphore(_MAX_CONNECTIONS)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Begin a thread for it, if there is room."""
+        if self._room.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Answer it, and make room again."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._room.release()
+
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A page that leaves in the middle of a request is no fault of the session."""
         if not isinstance(sys.exception(), OSError):
             super().handle_error(request, client_address)
 
 
+class _UntilDeadline(io.RawIOBase):
+    """What a socket gives until a time; then its reader gets a TimeoutError."""
+
+    def __init__(self, connection: socket.socket, until_s: float) -> None:
+        self._connection, self._until_s = connection, until_s
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Wait for what is left of the time at most."""
+        left_s = self._until_s - time.monotonic()
+        if left_s <= 0:
+            raise TimeoutError("half a request")
+        self._connection.settimeout(left_s)
+        try:
+            return self._connection.recv_into(buffer)
+        finally:
+            self._connection.settimeout(_SEND_S)
+
+
 class _Request(BaseHTTPRequestHandler):
     server: _Server
     timeout = _SEND_S
+    server_version, sys_version = "springpot", ""
+
+    def setup(self) -> None:
+        """Read the request until its deadline."""
+        super().setup()
+        until_s = time.monotonic() + _REQUEST_S
+        self.rfile = io.BufferedReader(_UntilDeadline(self.connection, until_s))
 
     def do_GET(self) -> None:
         self.server.page.answer(self)

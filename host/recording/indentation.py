@@ -4,6 +4,7 @@ with a force controller (runtime_c/port/posix/sp_press.h) in place of a scene.""
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -30,12 +31,28 @@ _GAINS = {"p_gain": 1.0, "d_gain_s": 0.01, "d_time_s": 0.0015}
 OPEN_LOOP = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
 
 
+# Faults of sp_press.h, and what to do.
+_FAULTS = {
+    1: "ran into the object faster than {mps:g} m/s, braked, stopped: has it lost what it presses? "
+    "else slow the protocol down, or raise --max-speed-mps",
+    2: "its force sensor shows {measured_n:.2g} N where the motor gives {motor_n:.2g} N, force "
+    "zero, stopped: does the tool touch the object, does the sensor move with the force, are its "
+    "scale and sign right?",
+    3: "the force control rings, force zero, stopped: put the tool on the object, take play out of "
+    "its mount, or press a softer object",
+}
+
+
 @dataclass(frozen=True)
 class Limits:
-    """Beyond them a press stops; max_force_n None: `room` x the maximum command."""
+    """Beyond them a press stops; max_force_n None: `room` x the maximum command.
+
+    max_speed_mps: into the object; None: the device's `max_mps`.
+    """
 
     max_force_n: float | None = None
     max_depth_m: float = 0.03
+    max_speed_mps: float | None = None
 
 
 class PressedDevice:
@@ -43,17 +60,21 @@ class PressedDevice:
 
     object_name: of what lies under it, as part of file names. rate_hz: of the samples that are
     kept. sensed: a sensor beside the device measures. room: of the limit of force over the command,
-    if none is given.
+    if none is given. max_mps: limit of speed, likewise: above that of the softest known object.
     """
 
     rate_hz = RATE_HZ
+    start_s: float | None = None  # of the last press, since this device was taken
     sensed = False
     room = 1.3
+    max_mps = 0.6
 
     def __init__(
         self, url: str, object_name: str, limits: Limits, on_progress: Callable[[Progress], None]
     ) -> None:
         self.object_name = object_name
+        self.session = datetime.now(UTC).isoformat(timespec="seconds")
+        self._taken_s = time.monotonic()
         self.url, self._limits = url, limits
         self._on_progress = on_progress
 
@@ -74,6 +95,8 @@ class PressedDevice:
         """
         rows = self.rows(len(command_n), on_samples, lead)
         self.drive(command_n, self.driven(command_n), self.gains, rows, self.room)
+        kept_s = (len(command_n) - lead) / RATE_HZ
+        self.start_s = time.monotonic() - self._taken_s - kept_s
         rest(_REST_S)
         return rows.position_m[lead:], rows.force_n[lead:]
 
@@ -107,7 +130,8 @@ class PressedDevice:
         Raises as `press`.
         """
         max_n = float(np.max(np.abs(command_n)))
-        steps = press_step_functions(driven_n, _HEADROOM * max_n, gains)
+        max_mps = self._limits.max_speed_mps or self.max_mps
+        steps = press_step_functions(driven_n, _HEADROOM * max_n, {**gains, "max_mps": max_mps})
         settings = LoopSettings(
             period_s=1 / RATE_HZ,
             seconds=(len(command_n) + _MORE_TICKS) / RATE_HZ + 1.0,
@@ -120,14 +144,15 @@ class PressedDevice:
         try:
             self.attach(runner)
             runner.start()
-            self._watch(runner, rows)
+            self._watch(runner, rows, steps.kept[0])
         finally:
             runner.close()
         line, error = runner.why()
         if not rows.full:
+            self._require_no_fault(steps.kept[0])
             raise error or SpringpotError(f"{self.url}: the press did not come to its end: {line}")
 
-    def _watch(self, runner: SessionRunner, rows: PressRows) -> None:
+    def _watch(self, runner: SessionRunner, rows: PressRows, press: Any) -> None:
         with reading_keys() as keys:
             for progress in runner.watch(0.05):
                 self._on_progress(progress)
@@ -141,9 +166,18 @@ class PressedDevice:
                         "check its position sensor; what came before is kept"
                     )
                 if progress.state.watchdog_trips and not rows.full:
+                    self._require_no_fault(press)
                     raise trip_error(self.url, progress.state, runner.device_failure)
                 if rows.full:
                     runner.stop()
+
+    def _require_no_fault(self, press: Any) -> None:
+        """Raise what the press itself ended for."""
+        if press.fault:
+            told = _FAULTS[press.fault].format(
+                mps=press.max_mps, measured_n=press.mean_measured_n, motor_n=press.mean_motor_n
+            )
+            raise DeviceError(f"{self.url}: {told}; what came before is kept")
 
     def unmeasured(self) -> SpringpotError:
         """The error of a press that measures no force."""
@@ -186,7 +220,7 @@ def trip_error(url: str, state: LoopState, why: str = "") -> DeviceError:
 def press_step_functions(
     command_n: Samples, max_force_n: float, gains: Mapping[str, float]
 ) -> StepFunctions:
-    """A force controller that follows command_n, one value a tick."""
+    """A force controller that follows command_n, one value a tick; gains: fields of sp_press."""
     library = loop_library("double")
     command_n = np.ascontiguousarray(command_n, dtype=np.float64)
     settings: dict[str, Any] = {

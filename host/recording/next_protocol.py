@@ -8,7 +8,7 @@ from typing import Any
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Contact
-from springpot.trainer.models.training_set import contact_of
+from springpot.trainer.models.contact import contact_of
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.spikes import hold_spikes
 from springpot.trainer.selection.next_presses import NextPress

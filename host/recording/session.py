@@ -96,7 +96,7 @@ def record_session(
         dt_s = 1 / device.rate_hz
         with JournalWriter(file, name, dt_s, source, details) as journal:
             position_m, force_n = device.press(profile.command_n, journal.append, profile.lead)
-            journal.finish()
+            journal.finish(session=device.session, start_s=device.start_s)
         recording = Recording(name, position_m, force_n, dt_s, source=source, details=details)
         qualities.append(_quality(file, recording, profile))
         on_press(qualities[-1])

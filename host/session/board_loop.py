@@ -50,7 +50,7 @@ class BoardLoop:
         self._want_stop = False
         self._next: SerialDevice | None = None
         self._actions: list[str] = ["RESET"]
-        self._asked: list[int] = []  # sequences of the command under way
+        self._asked: tuple[int, bytes] | None = None  # the command under way: sequence, bytes
         self._again_s = 0.0
         self._begun = False
         self._counts = dict.fromkeys(LinkCounts.__dataclass_fields__, 0)
@@ -128,7 +128,7 @@ class BoardLoop:
                 self._counts["crc_errors"] += self._device.receiver.crc_errors
                 self._counts["sequence_gaps"] += self._device.receiver.gaps
                 self._device, self._next = self._next, None
-                self._actions, self._begun = ["RESET"], False
+                self._actions, self._asked, self._begun = ["RESET"], None, False
                 self._update(connected=1)
             if self._state.connected:
                 try:
@@ -148,20 +148,23 @@ class BoardLoop:
             self._listen(time.monotonic() - begin_s)
 
     def _act(self, now_s: float) -> None:
-        """Send the oldest command that is not acknowledged, again and again."""
+        """Send the oldest command that is not acknowledged, again and again: it acts once."""
         if not self._actions or now_s < self._again_s:
             return
         self._again_s = now_s + _AGAIN_S
         device = self._device
-        self._asked.append(device.sender.sequence)
-        required = device.requirements
-        device.send("command", action=constant(self._actions[0]), rate_hz=required.rate_hz,
-                    watchdog_s=required.watchdog_s)  # fmt: skip
+        if self._asked is None:
+            required, sequence = device.requirements, device.sender.sequence
+            self._asked = sequence, device.sender.encode(
+                "command", action=constant(self._actions[0]), rate_hz=required.rate_hz,
+                watchdog_s=required.watchdog_s,
+            )  # fmt: skip
+        device.write(self._asked[1])
 
     def _acknowledged(self, command: int) -> None:
-        if self._actions and command in self._asked:
+        if self._asked is not None and command == self._asked[0]:
             self._actions.pop(0)
-            self._asked.clear()
+            self._asked = None
             self._again_s = 0.0
 
     def _feed_until(self, now_s: float) -> None:

@@ -4,6 +4,7 @@ import os
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.devices.device import OpenedDevice
@@ -162,18 +163,28 @@ class CLoop:
         return self._ffi.from_buffer("sp_row[]", table)
 
     def _adopt(self, device: OpenedDevice) -> Any:
-        try:
-            link = device.link(self._library)
-        except AttributeError as error:
-            if not str(error).isidentifier():  # cffi's is the name of what no link declares
-                raise
-            raise DeviceError(
-                f"{type(device).__name__}: {error}: declare it in the C file of the device's link, "
-                'between the lines "springpot declarations begin" and "end"'
-            ) from None
+        with blaming(f"{type(device).__name__}.link", type(device), DeviceError):
+            link = _link(device, self._library)
         self._links.append(link)
         self._kept.append(device)
         return link
+
+
+def _link(device: OpenedDevice, library: CLibrary) -> Any:
+    """Return the device's link. Raises DeviceError for a function that no link declares."""
+    try:
+        link = device.link(library)
+    except AttributeError as error:
+        if not str(error).isidentifier():  # cffi's is the name of what no link declares
+            raise
+        raise DeviceError(
+            f"{type(device).__name__}: {error}: declare it in the C file of the device's link, "
+            'between the lines "springpot declarations begin" and "end"; or, if that file was '
+            "left out above, correct it"
+        ) from None
+    if not (link and link.read and link.write and link.reset):
+        raise TypeError("returns no sp_link that has read, write and reset")
+    return link
 
 
 def _spare_cpu() -> int:

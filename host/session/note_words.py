@@ -9,9 +9,10 @@ _WORDS = {
     "resync": "history begins anew here",
     "outside": "deeper than was recorded",
     "clamped": "force kept within its limits",
-    "ramped": "force rising from zero",
+    "ramped": "force rising after a start or a silence",
     "latched": "watchdog: no force until a reset",
     "limited": "force held back: faster than a touch",
+    "energy": "force cut to what the hand has paid for",
 }
 NOTE_NAMES: dict[int, str] = {getattr(notes, name.upper()): name for name in _WORDS}
 NOTE_WORDS = {bit: _WORDS[name] for bit, name in NOTE_NAMES.items()}

@@ -116,8 +116,10 @@ class Session:
             if self.error is None and run.fault() and unfelt:
                 self.error = DeviceError(self.line)
             self._warned = self._warnings.finish()
-            self._report(self.line)
-            self._close_log(run)
+            try:
+                self._report(self.line)
+            finally:
+                self._close_log(run)
 
     @property
     def runner(self) -> SessionRunner:

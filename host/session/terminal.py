@@ -1,7 +1,8 @@
-"""Watching a running loop: a live line, the keys that stop, pause and reset, SIGTERM as a stop."""
+"""Watching a running loop: a live line, the keys that stop, pause and reset, signals as a stop."""
 
 import contextlib
 import math
+import os
 import signal
 from collections.abc import Iterator
 from types import FrameType
@@ -55,15 +56,43 @@ def progress_line(progress: Progress, keys: str = _KEYS) -> str:
     return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
 
 
+# A kill, a closed terminal and Ctrl-\ ask for the same thing.
+_ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+
+
 @contextlib.contextmanager
 def stopping_on_sigterm() -> Iterator[None]:
-    """Leave with statements, and so end with zero force, when the process is asked to end."""
+    """Leave with statements, and so end with zero force, when the process is asked to end.
 
-    def leave(_number: int, _frame: FrameType | None) -> None:
-        raise KeyboardInterrupt("SIGTERM")  # Python's own of Ctrl-C says nothing
+    By SIGTERM, SIGHUP or SIGQUIT, once: more of them do not interrupt the end. A signal that was
+    ignored stays ignored, as nohup wants. A terminal that was closed is written to no more.
+    """
+    terminals = [stream for stream in (0, 1, 2) if os.isatty(stream)]
 
-    before = signal.signal(signal.SIGTERM, leave)
+    def leave(number: int, _frame: FrameType | None) -> None:
+        for again in before:
+            signal.signal(again, signal.SIG_IGN)
+        if number == signal.SIGHUP:
+            _write_nowhere(terminals)
+        raise KeyboardInterrupt(signal.Signals(number).name)  # Python's own of Ctrl-C says nothing
+
+    before = {
+        number: handler
+        for number in _ENDING
+        if (handler := signal.getsignal(number)) != signal.SIG_IGN
+    }
+    for number in before:
+        signal.signal(number, leave)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _write_nowhere(streams: list[int]) -> None:
+    """Let these streams take and give nothing: an error of theirs must not end what is left."""
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in streams:
+        os.dup2(nowhere, stream)
+    os.close(nowhere)

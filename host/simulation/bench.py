@@ -48,6 +48,7 @@ class ObjectMotion:
 class SimulatedBench:
     """An object under a force-controlled device at 1 kHz, as its sensors see it."""
 
+    start_s: float | None = None  # of the last press, if it met what the ones before had pressed
     _state: Any = None
     _ticks = 0  # since this object was put there
 
@@ -67,6 +68,11 @@ class SimulatedBench:
     def rate_hz(self) -> int:
         """Of the samples that are kept."""
         return self.simulated.presses.rate_hz
+
+    @property
+    def session(self) -> str:
+        """Of this object and what is random about it."""
+        return f"{self.simulated.name}, seed {self.simulated.seed}"
 
     def prepare(self) -> dict[str, Any]:
         """Nothing: it is ready."""
@@ -97,6 +103,7 @@ class SimulatedBench:
             self._move(np.zeros(round(settings.rest_s / DT_S)))
         self._presses += 1
         self._move(command_n[:lead])
+        self.start_s = None if settings.rest_s is None else DT_S * self._ticks
         parts = []
         chunk = step * max(1, _CHUNK // step)
         for begin in range(lead, len(command_n), chunk):

@@ -1,4 +1,4 @@
-"""Cases of the closed loop: what a hand wants to do, and what goes wrong meanwhile."""
+"""What a hand wants to do in the closed loop: motions, and the intentions that carry them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,13 +14,10 @@ from springpot.codegen.plan.plan import Plan
 from springpot.host.simulation.hand_loop import Scenario
 
 _FREE_M = 0.002  # start in free air, this far from the surface
-HOLDS = (0.2, 0.5, 0.8)  # of the trained depth
-HOLD_S, RISE_S, SETTLE_S = 1.5, 0.4, 0.5
+RISE_S, SETTLE_S = 0.4, 0.5
 PUSH_OF_CLAMP = 11.5 / 12.0
-GLITCH_M = 0.005
 _STICKING_MPS = 1e-3  # slower, a hand does not push against all of the friction
 _FASTER = 4.0  # than the maximum trained speed
-JITTER, DROPPED = 0.3, 0.1
 
 Motion = Callable[[Samples], Samples]
 Force = Callable[[Samples], Samples]
@@ -32,8 +29,8 @@ class Case:
 
     still: ticks over which vibration is measured, if not all. quiet: the hand holds still then, so
     that vibration is a fault. stiffer: plays on the object made stiffer, which its coupling softens
-    on purpose. judged: a session goes on; else one ends there, and nothing is judged. beyond:
-    faster than trained, where lost samples may be felt.
+    on purpose. ends: so few samples come that the scene has to end it. beyond: faster than
+    trained, where lost samples may be felt.
     """
 
     name: str
@@ -41,7 +38,7 @@ class Case:
     still: tuple[slice, ...] = ()
     quiet: bool = False
     stiffer: bool = False
-    judged: bool = True
+    ends: bool = False
     beyond: bool = False
 
 
@@ -89,7 +86,7 @@ def still_ticks(space: Workspace, shares: int, hold_s: float) -> tuple[slice, ..
     """Ticks of each hold, once it has settled."""
     period_s = RISE_S + hold_s
     edges = [
-        (i * period_s + RISE_S + SETTLE_S * min(1.0, hold_s / HOLD_S), (i + 1) * period_s)
+        (i * period_s + RISE_S + min(SETTLE_S, hold_s / 3.0), (i + 1) * period_s)
         for i in range(shares)
     ]
     return tuple(slice(round(a / space.dt_s), round(b / space.dt_s)) for a, b in edges)
@@ -157,54 +154,6 @@ def pushing(space: Workspace) -> Scenario:
 def _undisturbed(dt_s: Samples, intended_m: Samples, push_n: Samples) -> Scenario:
     n = len(dt_s)
     return Scenario(dt_s, intended_m, push_n, np.zeros(n), np.zeros(n, dtype=np.uint8))
-
-
-def hold_case(name: str, space: Workspace, force: Force, hand: Hand, stiffer: bool = False) -> Case:
-    """Hold at three depths."""
-    motion, seconds = holding(space, HOLDS, HOLD_S)
-    scenario = pressing(space, motion, force, hand, seconds)
-    return Case(name, scenario, still_ticks(space, len(HOLDS), HOLD_S), True, stiffer)
-
-
-def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
-    """All cases but `stiff`, which is `hold` of another scene. force: the model alone's."""
-    space = Workspace.of(plan)
-
-    def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Scenario:
-        return pressing(space, motion, force, hand, seconds, jitter)
-
-    tap = tapping(space, 4.0, 0.6)
-    single, seconds = holding(space, (0.5,), 2.6)
-    longer, minute = holding(space, (0.6,), 60.0)
-    glitches = press(single, seconds)
-    at = np.arange(round(1.0 / space.dt_s), len(glitches.dt_s), max(1, round(0.25 / space.dt_s)))
-    glitches.error_m[at] = GLITCH_M * np.where(np.arange(len(at)) % 2, -1.0, 1.0)
-    lost = press(single, seconds)
-    lost.error_m[_bursts(plan, at)] = np.nan
-    drops = press(tap, 3.0)
-    drops.dropped[:] = np.random.default_rng(2).uniform(size=len(drops.dropped)) < DROPPED
-    return [
-        hold_case("hold", space, force, hand),
-        Case("tap-4hz", press(tap, 3.0)),
-        Case("tap-8hz", press(tapping(space, 8.0, 0.4), 3.0)),
-        Case("fast", press(striking(space), 3.0)),
-        Case("deep", pushing(space)),
-        Case("jitter", press(tap, 3.0, JITTER)),
-        Case("drops", drops),
-        Case("long-hold", press(longer, minute), still_ticks(space, 1, 60.0), quiet=True),
-        Case("glitch", glitches, still_ticks(space, 1, 2.6)),
-        Case("nan", lost, still_ticks(space, 1, 2.6)),
-    ]
-
-
-def _bursts(plan: Plan, at: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Ticks of bursts, each longer than the last, all shorter than the watchdog waits."""
-    longest = max(1, round(plan.watchdog_s / plan.dt_s) - 2)
-    lengths = np.unique(np.linspace(1, longest, len(at)).astype(int))
-    found = np.concatenate(
-        [begin + np.arange(n) for begin, n in zip(at, lengths, strict=False)]
-    )  # fmt: skip
-    return np.asarray(found[found < round(3.0 / plan.dt_s)])
 
 
 def _derivatives(motion: Motion, t: Samples, step_s: float) -> tuple[Samples, Samples]:

@@ -14,7 +14,7 @@ FAITHFUL_PERCENT = 10.0
 class Grade(IntEnum):
     """From the least to the gravest."""
 
-    UNJUDGED = 0
+    ENDS = 0
     GOOD = 1
     LOOK = 2
     BAD = 3
@@ -22,12 +22,16 @@ class Grade(IntEnum):
     @property
     def word(self) -> str:
         """As pages print it, beside its colour."""
-        return {"UNJUDGED": "not judged"}.get(self.name, self.name.lower())
+        return self.name.lower()
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """An outcome, how good it is, and why. kicks: losses of samples are felt."""
+    """An outcome, how good it is, and why.
+
+    unbounded: its force or depth is, or it vibrates more and more, or it goes on, or ends, against
+    what it should. kicks: losses of samples are felt.
+    """
 
     outcome: Outcome
     grade: Grade
@@ -38,6 +42,16 @@ class Judgement:
     unfaithful: bool = False
 
     @property
+    def ends(self) -> bool:
+        """Whether the scene has to end the case."""
+        return self.outcome.played.ends
+
+    @property
+    def grows(self) -> bool:
+        """Whether it vibrates more and more."""
+        return self.outcome.vibration.grows
+
+    @property
     def beyond(self) -> tuple[int, float]:
         """Sorts judgements, the gravest last."""
         return self.grade, self.outcome.fidelity_percent
@@ -45,24 +59,30 @@ class Judgement:
 
 def judge(outcome: Outcome) -> Judgement:
     """One outcome. Lost samples at four times the trained speed warn, and do not condemn."""
-    if not outcome.played.judged:
-        return Judgement(outcome, Grade.UNJUDGED, "a session ends at such a rate of samples")
-    lossy = outcome.losses is not None
-    unbounded = not outcome.bounded
-    loud = outcome.played.quiet and outcome.hf_speed_mps > QUIET_MPS
-    kicks = outcome.losses is not None and outcome.losses.kicks
+    if outcome.played.ends:
+        return _judge_end(outcome)
+    lossy, vibration = outcome.losses is not None, outcome.vibration
+    ends = outcome.latched_s is not None
+    unbounded = not outcome.bounded or vibration.grows or ends
+    slow_mps = vibration.lf_speed_mps or 0.0
+    fast, slow = outcome.hf_speed_mps > QUIET_MPS, slow_mps > QUIET_MPS
+    loud = outcome.played.quiet and (fast or slow)
+    faults = () if outcome.losses is None else outcome.losses.faults
     unfaithful = not lossy and not outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT
     reasons = [
         words
         for holds, words in (
-            (unbounded, "not bounded"),
-            (loud, f"vibrates with {1e3 * outcome.hf_speed_mps:.2g} mm/s on a hold"),
-            (kicks, "lost samples are felt as a kick"),
+            (not outcome.bounded, "not bounded"),
+            (vibration.grows, "vibrates more and more on a hold"),
+            (ends, "ends, though enough samples come"),
+            (loud and fast, f"vibrates with {1e3 * outcome.hf_speed_mps:.2g} mm/s on a hold"),
+            (loud and slow, f"sways with {1e3 * slow_mps:.2g} mm/s below 15 Hz on a hold"),
+            *((True, words) for words in faults),
             (unfaithful, "felt otherwise than the model"),
         )
         if holds
     ]
-    bad = unbounded or (kicks and not outcome.played.beyond)
+    bad = unbounded or (faults and not outcome.played.beyond)
     grade = Grade.BAD if bad else Grade.LOOK if reasons else Grade.GOOD
     if not reasons:
         reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.played.quiet else [
@@ -70,7 +90,15 @@ def judge(outcome: Outcome) -> Judgement:
         ]  # fmt: skip
     if outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT:
         reasons.append("felt softer than it is, as its coupling means it to be")
-    return Judgement(outcome, grade, ", ".join(reasons), unbounded, loud, kicks, unfaithful)
+    return Judgement(outcome, grade, ", ".join(reasons), unbounded, loud, bool(faults), unfaithful)
+
+
+def _judge_end(outcome: Outcome) -> Judgement:
+    """Too few samples come: the scene has to end it, whatever the hand does then."""
+    if outcome.ended:
+        words = f"ends after {1e3 * (outcome.latched_s or 0.0):.0f} ms, as it should"
+        return Judgement(outcome, Grade.ENDS, words)
+    return Judgement(outcome, Grade.BAD, "goes on though too few samples come", unbounded=True)
 
 
 def judged_cases(outcomes: Sequence[Outcome]) -> list[Judgement]:

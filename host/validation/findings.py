@@ -110,6 +110,14 @@ def code_findings(result: dict[str, Any], manifest: dict[str, Any]) -> Iterator[
         f"{differs} of {result['samples']} ticks differ, bit for bit",
         "check the compiler (springpot doctor)" if differs else "",
     )
+    accepted = manifest["provenance"].get("accepted_signs", [])
+    if accepted:
+        yield SceneFinding(
+            "Signs",
+            Grade.LOOK,
+            f"the data of {', '.join(accepted)} speak against the signs that were accepted",
+            "see that the force pushes out before a hand holds the device",
+        )
     left_out = manifest["left_out"]
     named = ", ".join(item["what"] for item in left_out) or "nothing"
     yield SceneFinding("Left out of the C", Grade.GOOD, named)

@@ -23,6 +23,7 @@ from springpot.host.pages.page import page_text
 from springpot.host.session.note_words import notes_in_words
 from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section
+from springpot.host.stiffness import slope_words
 from springpot.host.validation import figures
 from springpot.host.validation.error_parts import errors_by_speed
 from springpot.host.validation.findings import (
@@ -75,6 +76,7 @@ def write_report(folder: Path) -> Path:
         "mean_error_n": mean_error_n,
         "notes": notes_in_words(result["notes"]),
         "over_floor": floor_words(result),
+        "slopes": slope_words(result),
         "jnd_words": JND_WORDS,
         "speeds": speeds,
         "prediction": figures.prediction_figure(typical),
@@ -100,7 +102,7 @@ def _validated(folder: Path) -> tuple[Stored, Emitted]:
     stored = read_validation(folder)
     result = stored.metadata["result"]
     emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
-    if emitted.hash != result["hash"] or "error_per_jnd" not in result:
+    if emitted.hash != result["hash"] or "slope_floor_percent" not in result:
         raise DataError(
             f"{folder}: changed since it was validated, or validated by an older springpot: "
             "`springpot validate` again"

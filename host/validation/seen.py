@@ -5,6 +5,7 @@ recording; of one that was cut, resampled or converted since, the hash is anothe
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import Any
 
 from springpot.codegen.model.model import Model
 from springpot.trainer.recordings.recording import Recording
@@ -30,6 +31,12 @@ def known_among(
         or smoothed(hold_spikes(recording)[0], smooth_s).content_hash in hashes
         for recording in recordings
     )
+
+
+def accepted_words(manifest: Mapping[str, Any]) -> str:
+    """Training recordings with signs that a person accepted on import; "" where there are none."""
+    accepted = manifest.get("provenance", {}).get("accepted_signs", [])
+    return f"accepted, against the data, of {', '.join(accepted)}" if accepted else ""
 
 
 def seen_line(seen: int | None, recordings: int) -> str:

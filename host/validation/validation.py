@@ -1,5 +1,6 @@
 """Validation: recordings replayed through the C, against the measurement and the reference."""
 
+import json
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, replace
@@ -11,19 +12,22 @@ from numpy.typing import NDArray
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import MismatchError
+from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
 from springpot.codegen.progress import counted
 from springpot.codegen.reference.run import run_reference
 from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
-from springpot.host.metrics import Accuracy, accuracy, error_ratios, start_up_ramp
+from springpot.host.metrics import Accuracy, accuracy, error_ratios, rms, start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
-from springpot.host.native.replay import Replay, TickTimes
+from springpot.host.native.replay import Replay, TickTimes, motions_of
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.note_words import NOTE_NAMES
+from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
 from springpot.host.validation.seen import seen_by
 from springpot.trainer.models.compatibility import require_compatible
+from springpot.trainer.models.limited import limited_each_n
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.recording import Recording
@@ -39,9 +43,10 @@ class Validation:
     """Result over all recordings; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit. floor: of the recordings, logs of sessions apart. edited: files of the folder that are not
-    as emitted, and were accepted. seen: how many recordings the model was trained on, None where it
-    does not say.
+    bit. floor: of the recordings, logs of sessions apart. model_rmse_n: error of the model itself;
+    rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone. edited:
+    files of the folder that are not as emitted, and were accepted. seen: how many recordings the
+    model was trained on, None where it does not say.
     """
 
     accuracy: Accuracy
@@ -51,8 +56,18 @@ class Validation:
     predicted_n: tuple[NDArray[np.float64], ...]
     manifest: dict[str, Any]
     floor: NoiseFloor
+    slopes: SlopeErrors | None = None
+    model_rmse_n: float | None = None
+    rendering_n: float | None = None
     edited: tuple[str, ...] = ()
     seen: int | None = None
+
+    def __repr__(self) -> str:
+        found = self.accuracy
+        return (
+            f"Validation(RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, "
+            f"{len(self.predicted_n)} recordings, {self.mismatches} ticks differ)"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of `validate --json`."""
@@ -62,6 +77,9 @@ class Validation:
             "mean_recording_rmse_interval_n": errors.pop("interval_n"),
             **errors,
             **error_ratios(self.accuracy, self.floor),
+            **slope_keys(self.slopes),
+            "model_rmse_n": self.model_rmse_n,
+            "rendering_n": self.rendering_n,
             "mismatches": self.mismatches,
             "notes": self.notes,
             "tick_ns": shown_fields(self.ticks),
@@ -88,10 +106,37 @@ def validate(
     for recording in recordings:
         require_compatible(recording, model, plan.dt_s)
     library = SceneLibrary(folder)
-    library.manifest["hash"] = emitted.hash  # of what was built, edits and all
+    # What the C carries is a part of it; the hash is of what was built, edits and all.
+    stored = json.loads((folder / "manifest.json").read_text())
+    library.manifest = {**stored, **library.manifest, "hash": emitted.hash}
     with _board(device, plan, emitted.hash) as board:
         found = _validated(plan, library, recordings, paced_s, board)
-    return replace(found, edited=emitted.edited, seen=seen_by(model, recordings))
+    return replace(
+        _with_parts(found, model, plan, recordings),
+        edited=emitted.edited,
+        seen=seen_by(model, recordings),
+    )
+
+
+def _with_parts(
+    found: Validation, model: Model, plan: Plan, recordings: Sequence[Recording]
+) -> Validation:
+    """The error in its parts: of the model, and of what renders it; logs of sessions apart."""
+    model = replace(model, dt_s=plan.dt_s)  # of a scene with a rate of its own, which is as exact
+    errors, added = [], []
+    pairs = zip(recordings, found.predicted_n, strict=True)
+    objects = [pair for pair in pairs if not is_log_of(pair[0], found.manifest["hash"])]
+    alone = limited_each_n(model, [recording for recording, _ in objects])
+    for (recording, force_n), alone_n in zip(objects, alone, strict=True):
+        errors.append(alone_n - recording.force_n)
+        added.append(force_n - alone_n)
+    if not errors:
+        return found
+    return replace(
+        found,
+        model_rmse_n=rms(np.concatenate(errors)),
+        rendering_n=rms(np.concatenate(added)),
+    )
 
 
 def _board(
@@ -121,13 +166,13 @@ def _validated(
     board: "BoardReplay | None",
 ) -> Validation:
     replay = Replay(library)
-    predicted: list[NDArray[np.float64]] = []
-    ramps: list[int] = []
-    objects: list[Recording] = []
+    predicted: dict[int, NDArray[np.float64]] = {}
+    ramps = dict.fromkeys(range(len(recordings)), 0)
+    logs: set[int] = set()
     mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
-    for recording in counted(recordings, "replaying"):
-        position = recording.position_m.astype(plan.dtype)
+    for motion in counted(motions_of(plan, recordings), "replaying"):
+        position = motion.depth_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
         force, notes = replay.run(position, velocity)
         predicted_m = proxy_positions(plan, library, position, velocity)
@@ -135,10 +180,12 @@ def _validated(
         mismatches += int(
             np.sum(bits_differ(force, reference.force_n) | (notes != reference.notes))
         )
-        again = repeat_session(replay, recording, library.manifest["hash"])
+        first = recordings[motion.recordings[0]]
+        again = repeat_session(replay, first, library.manifest["hash"])
         if again is None:
-            objects.append(recording)
+            ramps[motion.recordings[0]] = start_up_ramp(notes)
         else:
+            logs.add(motion.recordings[0])
             force = again[0]
             mismatches += again[1]
         if board is not None:
@@ -146,19 +193,24 @@ def _validated(
             mismatches += others
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
-        predicted.append(force.astype(np.float64))
-        ramps.append(start_up_ramp(notes) if again is None else 0)
+        for number, start in zip(motion.recordings, motion.starts, strict=True):
+            its = slice(start, start + len(recordings[number].force_n))
+            predicted[number] = force[its].astype(np.float64)
+    in_order = tuple(predicted[number] for number in range(len(recordings)))
     longest = max(recordings, key=lambda recording: len(recording.position_m))
     position = longest.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
     return Validation(
-        accuracy=accuracy([recording.force_n for recording in recordings], predicted, ramps),
+        accuracy=accuracy(
+            [recording.force_n for recording in recordings], in_order, list(ramps.values())
+        ),
         mismatches=mismatches,
         notes=counts,
         ticks=replay.tick_times(position, velocity, plan.dt_s, paced_s),
-        predicted_n=tuple(predicted),
+        predicted_n=in_order,
         manifest=library.manifest,
-        floor=find_noise_floor(objects),
+        floor=find_noise_floor([r for i, r in enumerate(recordings) if i not in logs]),
+        slopes=slope_errors(recordings, in_order, list(ramps.values())),
     )
 
 

@@ -18,9 +18,10 @@
  * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed, a long
  * dt_s), the next good sample makes up for: the object's memory, the coupling's proxy and every
  * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
- * force goes from where it is to the model's a tick at a time, a little faster than the model's own
- * changes: without a kick. Such a call takes as many ticks' time as went by. Without a good sample
- * for longer than the watchdog's time, the force goes to zero and stays there until sp_reset.
+ * force is the model's again at once where that is lower, within 10 ms where it is higher. Such a
+ * call takes as many ticks' time as went by. Without a good sample the force never rises; if that
+ * lasts for longer than the watchdog's time, or comes again and again, it goes to zero and stays
+ * there until sp_reset.
  *
  * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
  * misuse: nothing has changed, and *force_n was not written.
@@ -68,13 +69,14 @@ int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real veloci
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);
 
-/* dt_s (s) have passed without a sample: the force goes on as it last changed, less and less, until
- * the watchdog takes it to zero. */
+/* dt_s (s) have passed without a sample: the force stays, or falls if the tool was on its way out,
+ * until the watchdog takes it to zero. */
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
- * differs, or one more than there are ticks where NaN is assumed away. Catches a compiler whose
- * defaults change floating-point results. Needs sp_state_size() bytes of stack more than a tick. */
+ * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
+ * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()
+ * bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
 

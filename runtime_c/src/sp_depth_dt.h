@@ -6,7 +6,7 @@
 #include "sp_depth.h"
 #include "sp_measured.h"
 
-/* rates: [SP_DEPTH_PIECES + 1][n_poles], 1/s, at the ends of the pieces. Loss of pole i. */
+/* rates: [n_pieces + 1][n_poles], 1/s, at the nodes; the last row repeats. Loss of pole i. */
 static inline sp_real sp_depth_measured_loss(const sp_real *rates, uint32_t n_poles, uint32_t i,
                                              sp_curve_place place, sp_real dt_s)
 {
@@ -15,7 +15,7 @@ static inline sp_real sp_depth_measured_loss(const sp_real *rates, uint32_t n_po
     const sp_real ends = dt_s * rate[n_poles];
     const sp_real at_begin = sp_measured_loss(begins);
     const sp_real at_end = sp_measured_loss(ends);
-    return at_begin + place.way * (sp_real)SP_DEPTH_PIECES * (at_end - at_begin);
+    return at_begin + place.way * (at_end - at_begin);
 }
 
 static inline void sp_depth_poles_dt(const sp_real *rates, uint32_t n_poles, sp_curve_place place,

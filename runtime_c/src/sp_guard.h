@@ -72,17 +72,19 @@ static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_
     return x;
 }
 
-/* Share of the held force that a sample which is not taken may feel: where it may be true and is
- * shallower, no more than its depth's. */
+/* Share of the held force that a sample which is not taken may feel: where it may be true, no more
+ * than its depth's, and none above the surface. */
 static inline sp_real sp_guard_share(const sp_guard_config *config, const sp_guard_state *state,
                                      sp_real x)
 {
-    const sp_real zero = (sp_real)0;
     x = sp_flushed(x);
-    if (!sp_guard_plausible(config, x) || !(x < state->good_m && state->good_m > zero)) {
+    if (!sp_guard_plausible(config, x)) {
         return (sp_real)1;
     }
-    const sp_real share = x > zero ? x / state->good_m : zero;
+    if (!(x > (sp_real)0)) {
+        return (sp_real)0;
+    }
+    const sp_real share = x < state->good_m ? x / state->good_m : (sp_real)1;
     return share < (sp_real)1 ? share : (sp_real)1;
 }
 

@@ -22,7 +22,6 @@ typedef struct {
     sp_real per_span; /* 1/m */
     sp_real bias_n;
     uint32_t n_pieces;
-    uint32_t degree;
     uint32_t n_branches;
     uint32_t n_stops;
 } sp_hammerstein_config;
@@ -47,8 +46,7 @@ static inline void sp_hammerstein_rest(const sp_hammerstein_config *config,
                                        const sp_hammerstein_tables *tables, sp_real u,
                                        sp_real *before, sp_real *held, sp_real *play)
 {
-    sp_curve(tables->branches, config->degree, config->n_branches, sp_curve_at(u, config->n_pieces),
-             before);
+    sp_curve(tables->branches, config->n_branches, sp_curve_at(u, config->n_pieces), before);
     for (uint32_t i = 0; i < config->n_branches; i++) {
         held[i] = (sp_real)0;
     }
@@ -63,13 +61,13 @@ static inline sp_real sp_hammerstein_still(const sp_hammerstein_config *config,
                                            sp_curve_place place, sp_real *play)
 {
     sp_real still_n;
-    sp_curve(tables->spring, config->degree, 1, place, &still_n);
+    sp_curve(tables->spring, 1, place, &still_n);
     still_n += config->bias_n;
     for (uint32_t k = 0; k < config->n_stops; k++) {
-        const sp_real *stop = tables->stops + k * config->n_pieces * (config->degree + 1);
+        const sp_real *stop = tables->stops + k * (config->n_pieces + 1) * 2;
         sp_real stop_n;
         play[k] = sp_stops_play(play[k], u, tables->radius[k]);
-        sp_curve(stop, config->degree, 1, sp_curve_at(play[k], config->n_pieces), &stop_n);
+        sp_curve(stop, 1, sp_curve_at(play[k], config->n_pieces), &stop_n);
         still_n -= stop_n;
     }
     return still_n;

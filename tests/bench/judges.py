@@ -13,6 +13,7 @@ Two processes; it says how long it still takes. OUT/judges.json holds all cells 
 import argparse
 import json
 import os
+import subprocess
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -23,6 +24,7 @@ from typing import Any
 
 import numpy as np
 from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorded
+from spring_dashpot import spring_dashpot_percent
 
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.native.machine import machine_metadata
@@ -92,6 +94,7 @@ def judged(cell: Cell, out: Path) -> dict[str, Any]:
         "object": cell.name,
         "structure": cell.structure,
         "floor_percent": None if floor_n is None else 100.0 * floor_n / peak_n,
+        "spring_dashpot_percent": spring_dashpot_percent(training, test),
         "rows": data.rows_total,
     }
     models = found.setdefault("models", {})
@@ -114,13 +117,14 @@ def measured(kind: str, data: Any, options: FitOptions, test: Recordings) -> dic
     fit = fit_kind(kind, "judged", data, options)
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
     with built(plan) as library:
-        errors = prediction_errors(plan, library, test)
+        errors = prediction_errors(plan, library, test, data.recordings)
         tick_ns = hot_ns(plan, library, test)
     percent = errors["rmse_percent_of_peak"]
     if not np.isfinite(percent):
         raise ValueError(f"the force is not finite ({percent})")
     chosen = {"chosen": fit.metadata["chosen"]} if "chosen" in fit.metadata else {}
-    return {"percent": percent, "tick_ns": tick_ns, **chosen}
+    slopes = {name: value for name, value in errors.items() if name.startswith("slope_")}
+    return {"percent": percent, "tick_ns": tick_ns, **slopes, **chosen}
 
 
 def known(cell: Cell, out: Path) -> dict[str, Any]:
@@ -183,6 +187,7 @@ def main() -> None:
     ]
     metadata = machine_metadata()
     result = {
+        "commit": commit(),
         "machine": f"{metadata['processor']}, {metadata['system']}",
         "compiler": metadata["compiler"],
         "candidates": list(dict.fromkeys(name for found in cells for name in found["models"])),
@@ -190,6 +195,16 @@ def main() -> None:
     }
     (asked.out / "judges.json").write_text(json.dumps(result, indent=1) + "\n")
     print(f"{asked.out / 'judges.json'}: {len(cells)} cells")
+
+
+def commit() -> str:
+    """What was measured; with "+" where files have changed since."""
+    git = ("git", "-C", str(Path(__file__).parent))
+    head, changed = (
+        subprocess.run([*git, *words], capture_output=True, text=True, check=True).stdout.strip()
+        for words in (("rev-parse", "HEAD"), ("status", "--porcelain", "--untracked-files=no"))
+    )
+    return head + "+" * bool(changed)
 
 
 def in_a_line(found: dict[str, Any]) -> str:

@@ -44,7 +44,12 @@ def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, R
     itself = None
     for profile in profiles:
         position_m, force_n = bench.press(profile.command_n, lead=profile.lead)
-        parts[profile.part].append(Recording(profile.name, position_m, force_n, dt_s))
+        session = "" if bench.start_s is None else bench.session
+        parts[profile.part].append(
+            Recording(
+                profile.name, position_m, force_n, dt_s, session=session, start_s=bench.start_s
+            )
+        )
         if itself is None or simulated.presses.rest_s is None:
             itself = ObjectMotion(simulated, dt_s, SUBSTEPS * RATE_HZ // bench.rate_hz)
         else:

@@ -11,6 +11,8 @@ from springpot.trainer.kinds import AUTO
 
 Metadata = dict[str, Any]
 MACH1 = "mach1"
+PASSIVE = "hammerstein"
+SLOPES = "stiffness, %"
 GROUPS = (
     ("Mach-1, one frequency left out in turn", (MACH1,)),
     ("Foreign objects", FOREIGN_OBJECTS),
@@ -20,9 +22,10 @@ KINSHIP = (
     "Which of our models is of a judge's own class: `hammerstein` (and the passive part of "
     "`hybrid`) is made of curves, Maxwell modes and stops, and so are the five silicones: they "
     "flatter it. `stiffening-tissue` is quasi-linear too, one curve with 24 modes, and of its "
-    "class but for the steepness of the curve. Of `mullins` its adaptation and drift are, its "
-    "damage is not. `bergstrom-boyce` creeps at a rate that depends on stress, the fluid of "
-    "`poro-viscoelastic` flows the slower the denser it is: no model of ours is of their class. "
+    "class but for the steepness of the curve. Flow and damage were added with "
+    "`bergstrom-boyce`, which creeps at a rate that depends on stress, and `mullins` in sight: "
+    "their laws are others, their kind is the same. The fluid of `poro-viscoelastic` flows the "
+    "slower the denser it is: no model of ours is of that class. "
     "Mach-1 is a real machine on a material that is not stated.\n"
 )
 EXPLAINED = (
@@ -30,7 +33,8 @@ EXPLAINED = (
     "below it the time of a tick. The best candidate is bold. floor: of a simulated object, the "
     "error that the object itself makes when it is moved along the measured positions (noise and "
     "steps of the sensors, drift); of Mach-1, the scatter of its cycles. auto / best: the error "
-    "of what `auto` chose without the test part, of that of the best candidate. "
+    "of what `auto` chose without the test part, of that of the best candidate. The last column: "
+    "error of the stiffness of `hammerstein` on the way in, median and 95 %, and its floor. "
     "[recordings](../reference/recordings.md) says what the recordings are. `paper`: the "
     "paper's 27 presses, and 4 of its sums as a test; it and `third-repeat` press one object "
     "every 2 s, the others a fresh one each time; `slow-ramps` sampled at 50 Hz, `one-long` at "
@@ -74,7 +78,8 @@ def judges_section(judges: Metadata) -> list[str]:
     parts = [
         "## Judges that are no kin\n",
         f"`python tests/bench/judges.py`: {len(judges['cells'])} cells of object and recording; "
-        f"{judges['machine']}; {judges['compiler']}.\n",
+        f"{judges['machine']}; {judges['compiler']}; "
+        f"commit {judges.get('commit', 'unknown')[:12]}.\n",
         KINSHIP,
         EXPLAINED,
         "| cells | auto / best, geometric mean | at most | where |\n| --- | --- | --- | --- |",
@@ -104,7 +109,7 @@ def choice_row(title: str, cells: Sequence[Metadata]) -> str:
 
 def cells_table(cells: Sequence[Metadata], names: Sequence[str]) -> str:
     """One row a cell, one column a candidate."""
-    head = ["object", "recording", "floor, %", *names, "auto took", "auto / best"]
+    head = ["object", "recording", "floor, %", *names, "auto took", "auto / best", SLOPES]
     rows = [head, ["---"] * len(head)]
     for cell in cells:
         models, best = cell["models"], best_candidate(cell)
@@ -112,8 +117,17 @@ def cells_table(cells: Sequence[Metadata], names: Sequence[str]) -> str:
             cell["object"], cell["structure"], floor_cell([cell]),
             *(model_cell(models.get(name), name == best) for name in names),
             models[AUTO].get("chosen", "-"), f"{auto_ratio(cell):.2f}",
+            slope_cell(models.get(PASSIVE)),
         ])  # fmt: skip
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def slope_cell(model: Metadata | None) -> str:
+    """Median and 95 % quantile of the error of the stiffness, and its floor."""
+    if model is None or model.get("slope_floor_percent") is None:
+        return "unknown"
+    names = ("slope_error_median_percent", "slope_error_p95_percent", "slope_floor_percent")
+    return "<br>".join(plain(model[name], 2) for name in names)
 
 
 def floor_cell(cells: Sequence[Metadata]) -> str:
@@ -130,30 +144,3 @@ def model_cell(model: Metadata | None, best: bool) -> str:
         return "failed"
     error = plain(model["percent"])
     return f"{f'**{error}**' if best else error}<br>{model['tick_ns']:.0f}&nbsp;ns"
-
-
-def judges_summary(judges: Metadata) -> str:
-    """Of the README: one row an object, geometric means over its recordings."""
-    names = judges["candidates"]
-    head = ["object", "recordings", "floor, %", *names, "auto / best, at most"]
-    rows = [head, ["---"] * len(head)]
-    for title, cells in grouped(judges):
-        rows.append([f"*{title}*", *[""] * (len(head) - 1)])
-        for name in dict.fromkeys(cell["object"] for cell in cells):
-            of_it = [cell for cell in cells if cell["object"] == name]
-            means = [
-                geometric([percent(cell["models"].get(kind, {})) for cell in of_it])
-                for kind in names
-            ]
-            worst = max(auto_ratio(cell) for cell in of_it)
-            shown = [plain(mean) if np.isfinite(mean) else "failed" for mean in means]
-            rows.append([name, str(len(of_it)), floor_cell(of_it), *shown, f"{worst:.2f}"])
-    table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
-    return (
-        "Error in % of the peak force, geometric mean over recordings that ask for what was not "
-        "trained (a depth left out, a third repeat, minutes of memory, another speed, a preload), "
-        "through the emitted C; floor: what the sensors leave. The five silicones are of the model "
-        "class of `hammerstein` itself and come last; "
-        "[results](docs/explanation/results.md#judges-that-are-no-kin) has every cell, "
-        f"and what each judge is.\n\n{table}"
-    )

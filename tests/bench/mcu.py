@@ -54,7 +54,7 @@ def report(model: Path, mode: str, name: str, position, recordings) -> None:
         replay = Replay(SceneLibrary(emission.folder))
         force_n, notes = replay.run(position, velocity)
         batch = run_batch(emission.folder, board, steps(position, velocity))
-        found = replayed_accuracy(replay, recordings)
+        found = replayed_accuracy(emission.plan, replay, recordings)
     differ = int(np.sum((batch.force_n.view("u4") != force_n.view("u4")) | (batch.notes != notes)))
     restarts = (batch.notes & RESYNC) != 0
     bound = instruction_bound(emission.plan)

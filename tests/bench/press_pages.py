@@ -5,17 +5,19 @@
 Emits the models of tests/golden/press and writes docs/press.html, five simulated silicones, one
 with a recording to compare, and docs/press-recorded.html, models of compressions that others
 recorded, which are not in the page. --train makes the models anew first; DATA: the folder where
-their ecoflex_compression lies. --picture: docs/press.png, of the first page while it is pressed.
+their ecoflex_compression lies. --picture: docs/press.gif, the first page while it is pressed.
 Needs clang and lld, the picture chromium.
 """
 
 import argparse
-import math
 import sys
 import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
+from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.driven_browser import driven_browser
@@ -49,7 +51,8 @@ ABOUT = {
 }
 _REPEATS = 5  # of the ten compressions of a cylinder
 _HAND_M = 0.003
-_PRESS_S, _PRESSED_S = 1.4, 3.6
+_PRESS_S, _PRESSED_S = 1.8, 5.4
+_WIDTH, _COLOURS = 900, 64
 
 
 def page_scene(name: str) -> Scene:
@@ -71,7 +74,7 @@ def main() -> None:
     """Train what was asked for, then write both pages."""
     parser = argparse.ArgumentParser(description="the pages of docs/")
     parser.add_argument("--train", type=Path, metavar="DATA", help="recordings by others")
-    parser.add_argument("--picture", action="store_true", help="draw docs/press.png, too")
+    parser.add_argument("--picture", action="store_true", help="draw docs/press.gif, too")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
@@ -136,7 +139,8 @@ def compare(folder: Path, recordings: list[Recording]) -> None:
 
 
 def draw_picture(place: Path) -> None:
-    """The page after two presses, within a third."""
+    """Three presses, a picture after the other, each shown for as long as it took."""
+    frames: list[tuple[float, Image.Image]] = []
     with driven_browser(place) as browser:
         browser.open((ROOT / "docs" / "press.html").as_uri(), 1200, 700)
         browser.until("document.body !== null && document.body.classList.contains('ready')")
@@ -146,11 +150,25 @@ def draw_picture(place: Path) -> None:
         )
         x, began_s = left + width / 2, time.monotonic()
         browser.mouse("mousePressed", x, top + 0.3 * height)
+        # By the page's own clock: a screenshot holds everything else up.
+        browser.value(
+            f"(() => {{ const began = performance.now(); setInterval(() => {{ const y = {top} + "
+            f"{height} * (0.3 + 0.6 * Math.sin(Math.PI * (performance.now() - began) / "
+            f"{1e3 * _PRESS_S}) ** 2); document.getElementById('object').dispatchEvent(new "
+            f"PointerEvent('pointermove', {{clientX: {x}, clientY: y, pointerId: 1, buttons: 1, "
+            f"bubbles: true}})) }}, 5) }})()"
+        )
         while (passed_s := time.monotonic() - began_s) < _PRESSED_S:
-            share = 0.3 + 0.6 * math.sin(math.pi * passed_s / _PRESS_S) ** 2
-            browser.mouse("mouseMoved", x, top + share * height)
-            time.sleep(0.01)
-        browser.screenshot(ROOT / "docs" / "press.png")
+            browser.screenshot(place / "frame.png")
+            with Image.open(place / "frame.png") as shown:
+                size = (_WIDTH, round(_WIDTH * shown.height / shown.width))
+                frames.append((passed_s, shown.convert("RGB").resize(size)))
+    starts_s, pictures = zip(*frames, strict=True)
+    palette = pictures[-1].quantize(_COLOURS)
+    reduced = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
+    lasts_ms = [round(1e3 * each) for each in np.diff([*starts_s, _PRESSED_S])]
+    reduced[0].save(ROOT / "docs" / "press.gif", save_all=True, append_images=reduced[1:],
+                    duration=lasts_ms, loop=0, optimize=True)  # fmt: skip
 
 
 if __name__ == "__main__":

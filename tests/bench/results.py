@@ -21,7 +21,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from judges_table import judges_section, judges_summary
+from front_page import bars_figure, sentence
+from judges_table import judges_section
 from wasm import wasm_section
 
 from springpot.host.metrics import JND_WORDS, floor_words
@@ -84,6 +85,8 @@ def pages(results: list[Metadata], judges: Metadata | None) -> dict[Path, str]:
         ROOT / "docs" / f"pareto-{i + 1}.svg": front_figure(result) + "\n"
         for i, result in enumerate(benches)
     }
+    if judges:
+        written[ROOT / "docs" / "bars.svg"] = bars_figure(judges) + "\n"
     written[ROOT / "docs" / "explanation" / "results.md"] = results_page(benches, judges)
     written[ROOT / "README.md"] = readme(benches, judges)
     return written
@@ -189,35 +192,9 @@ def readme(benches: list[Metadata], judges: Metadata | None) -> str:
     text = (ROOT / "README.md").read_text()
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
-    parts = [
-        *([judges_summary(judges)] if judges else []),
-        f"![Error against the time of a tick of every model of {benches[0]['name']}]"
-        "(docs/pareto-1.svg)",
-        *map(readme_results, benches),
-        "More, and how it was measured: [results](docs/explanation/results.md).",
-    ]
+    parts = ["![Error of springpot, the paper's forest, a spring and a dashpot](docs/bars.svg)"]
+    parts += [sentence(benches, judges)] if judges else []
     return "\n".join([f"{before}{BEGIN}", "\n\n".join(parts), f"{END}{after}"])
-
-
-def readme_results(result: Metadata) -> str:
-    """The picks, and the paper's three models."""
-    picked = dict.fromkeys(found["point"] for found in result["picks"].values())
-    swept = points_of(result)
-    points = [p for key in picked for p in swept if p.key == key]
-    points += [p for p in swept if not p.options and p.model.startswith("r")]
-    names = [
-        f"{', '.join(n for n, f in result['picks'].items() if f['point'] == key)}: "
-        f"{label(next(p for p in swept if p.key == key))}"
-        for key in picked
-        if key
-    ]
-    kin = ", of `hammerstein`'s own class" if kinship(result) == _KIN else ""
-    return (
-        f"`springpot bench` on recordings of the {result['name']}{kin}: "
-        f"{len(swept)} models in {result['cpu_s']:.0f} s of processor time. Picks: "
-        f"{'; '.join(names)}. The other rows are the paper's models and the negative control.\n\n"
-        f"{table(points, result['target'], result['validation_floor']['noise_floor_n'])}"
-    )
 
 
 def stored_judges() -> Metadata | None:

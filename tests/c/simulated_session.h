@@ -17,6 +17,7 @@ static struct {
     uint32_t room;
     int placed;
     int write_gives, writes;
+    uint64_t full_until_ns; /* until then a write finds no room */
     double written_n[CAPACITY];
     int makes_ready, device_resets;
     sp_motion motion;
@@ -118,7 +119,7 @@ static int write_sim(sp_link *link, uint64_t now_ns, double force_n)
     (void)link;
     CHECK(now_ns == sim_now_ns);
     sim.written_n[sim.writes++ % CAPACITY] = force_n;
-    return sim.write_gives;
+    return now_ns < sim.full_until_ns ? 1 : sim.write_gives;
 }
 
 static void reset_sim(sp_link *link, uint64_t now_ns)

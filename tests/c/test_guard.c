@@ -149,7 +149,7 @@ static void a_share_is_zero_at_the_surface_and_one_without_depth(void)
     const sp_guard_state surface = {.started = 1};
     CHECK(sp_guard_share(&config, &deep, (sp_real)1e-31) == (sp_real)0);
     CHECK(sp_guard_share(&config, &deep, (sp_real)0) == (sp_real)0);
-    CHECK(sp_guard_share(&config, &surface, (sp_real)-0.002) == (sp_real)1);
+    CHECK(sp_guard_share(&config, &surface, (sp_real)-0.002) == (sp_real)0);
 }
 
 static void a_way_stays_within_the_believable_positions(void)

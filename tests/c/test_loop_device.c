@@ -134,7 +134,7 @@ static void a_force_has_the_sign_of_the_device_and_silence_releases_it(void)
     self.paused = 1;
     CHECK(send_force(&self, 0, &put) == 1 && device.released);
     device.released = 0;
-    stop_device(&self);
+    sp_loop_stop_device(&self);
     CHECK(device.released);
 }
 
@@ -272,7 +272,7 @@ static void a_device_that_leaves_or_trips_gets_nothing_more(void)
     CHECK(call_of_row(10) == (SP_CALL_NONE | SP_CALL_SILENT));
     between_ticks();
     sim.write_gives = SP_LINK_GONE;
-    stop_device(&self);
+    sp_loop_stop_device(&self);
     CHECK(sim.writes == 1 && self.link == NULL && self.disconnects == 1 && !self.connected);
 }
 
@@ -286,6 +286,22 @@ static void a_device_that_is_not_ready_is_asked_at_the_start(void)
     begin_at_work();
     device.ready = 0;
     CHECK(session(&config, &end) == 100 && sim.device_resets == 1 && sim.calls == 100);
+}
+
+/* However long there is no room for it: at most a fifth of a second. */
+static void zero_is_sent_at_the_end_until_it_is_taken_three_times(void)
+{
+    for (uint64_t full_ms = 0; full_ms <= 300; full_ms++) {
+        between_ticks();
+        sim.full_until_ns = sim_now_ns + full_ms * 1000000u;
+        sp_loop_stop_device(&self);
+        const int waits = full_ms <= 200 ? (int)full_ms : 201;
+        CHECK(sim.writes == waits + (full_ms <= 200 ? 3 : 0) && device.released);
+        CHECK(sim_now_ns == START_NS + (full_ms <= 200 ? full_ms : 200) * 1000000u);
+        for (int k = 0; k < sim.writes; k++) {
+            CHECK(sim.written_n[k] == 0.0);
+        }
+    }
 }
 
 int main(void)
@@ -304,5 +320,6 @@ int main(void)
     what_is_asked_is_heard_in_the_next_period();
     a_device_that_leaves_or_trips_gets_nothing_more();
     a_device_that_is_not_ready_is_asked_at_the_start();
+    zero_is_sent_at_the_end_until_it_is_taken_three_times();
     return failed;
 }

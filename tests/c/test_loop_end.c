@@ -202,6 +202,22 @@ static void an_open_period_that_meets_a_limit_ends_it(void)
     CHECK(call_of_row(0) == (SP_CALL_IDLE | SP_CALL_UNSENT));
 }
 
+/* A late tick leaves its force to the next one, but a zero goes out. */
+static void a_late_tick_that_meets_a_limit_sends_zero(void)
+{
+    for (int late = 0; late < 2; late++) {
+        for (int limit = 0; limit < 2; limit++) {
+            between_ticks();
+            sim.force_n = limit ? 99.0 : 0.5;
+            self.waiting_count = 1;
+            CHECK(sp_loop_tick(&self, late) == 1);
+            CHECK(self.reason == (limit ? SP_STOP_FORCE : 0));
+            CHECK(sim.writes == (limit || !late ? 1 : 0));
+            CHECK(limit == 0 || (sim.written_n[0] == 0.0 && self.row.sent_n == 0.0));
+        }
+    }
+}
+
 static void the_status_is_that_of_the_loop(void)
 {
     sp_loop_state state;
@@ -242,6 +258,7 @@ int main(void)
     each_trip_of_the_watchdog_is_counted_once();
     idle_takes_the_last_force_where_the_scene_gives_none();
     an_open_period_that_meets_a_limit_ends_it();
+    a_late_tick_that_meets_a_limit_sends_zero();
     the_status_is_that_of_the_loop();
     return failed;
 }

@@ -1,120 +1,137 @@
+/* The output's laws, step by step, by hand. A force may pull, too. */
 #include <math.h>
 
 #include "check.h"
 #include "sp_output.h"
 
-static const sp_output_config config = {.min_n = (sp_real)0,
-                                        .max_n = (sp_real)12,
-                                        .slew_n = (sp_real)100,
+static const sp_output_config config = {.min_n = (sp_real)-12,
+                                        .max_n = (sp_real)16,
+                                        .slew_n = (sp_real)4,
                                         .rise = (sp_real)0.25,
-                                        .fall_n = (sp_real)1.5,
-                                        .return_n = (sp_real)0.08};
+                                        .back = (sp_real)0.5,
+                                        .fall_n = (sp_real)1.5};
+enum { OTHER_NOTE = SP_NOTE_HELD }; /* said before by another unit: it stays */
 
-static sp_output_state at_rest(void)
+static sp_output_state after(double given_n)
 {
-    sp_output_state state = {0};
-    sp_output_free(&state);
-    return state;
+    return (sp_output_state){.given_n = (sp_real)given_n, .share = (sp_real)1};
 }
 
-static void force_stays_within_limits(void)
+static sp_real next(sp_output_state *state, double force_n, int *notes)
+{
+    return sp_output_force(&config, state, 0, (sp_real)1, (sp_real)force_n, notes);
+}
+
+static void what_leaves_is_within_the_limits(void)
 {
     const struct {
-        sp_real in, out;
+        double in, out;
         int notes;
-    } cases[] = {{(sp_real)5, (sp_real)5, 0},
-                 {(sp_real)12, (sp_real)12, 0},
-                 {(sp_real)13, (sp_real)12, SP_NOTE_CLAMPED},
-                 {(sp_real)-1, (sp_real)0, SP_NOTE_CLAMPED},
-                 {(sp_real)INFINITY, (sp_real)12, SP_NOTE_LIMITED | SP_NOTE_CLAMPED},
-                 {(sp_real)-INFINITY, (sp_real)0, SP_NOTE_LIMITED | SP_NOTE_CLAMPED},
-                 {(sp_real)NAN, (sp_real)0, SP_NOTE_CLAMPED}};
+    } cases[] = {{-12, -12, 0},
+                 {16, 16, 0},
+                 {-13, -12, SP_NOTE_CLAMPED},
+                 {17, 16, SP_NOTE_CLAMPED},
+                 {(double)INFINITY, 16, SP_NOTE_CLAMPED},
+                 {(double)-INFINITY, -12, SP_NOTE_CLAMPED},
+                 {(double)NAN, 0, SP_NOTE_CLAMPED}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        sp_output_state state = at_rest();
-        int notes = 0;
-        CHECK(sp_output_force(&config, &state, (sp_real)1, cases[i].in, &notes) == cases[i].out);
-        CHECK(notes == cases[i].notes);
+        int notes = OTHER_NOTE;
+        CHECK((double)sp_output_clamp(&config, (sp_real)cases[i].in, &notes) == cases[i].out);
+        CHECK(notes == (OTHER_NOTE | cases[i].notes));
+        sp_output_state state = after(cases[i].out);
+        CHECK((double)next(&state, cases[i].in, &notes) == cases[i].out);
+        CHECK((double)state.given_n == cases[i].out);
     }
 }
 
-static void force_ramps_in_after_a_restart(void)
+static void a_force_grows_by_the_slew_from_what_was_given_and_falls_at_once(void)
 {
-    sp_output_state state = at_rest();
-    sp_output_restart(&state);
+    const struct {
+        double given, in, out;
+    } cases[] = {{3, 9, 7},     {3, 7, 7},       {-3, 9, 4},  {-3, 4, 4},    {-3, -9, -7},
+                 {-3, -7, -7},  {3, -9, -4},     {3, -4, -4}, {9, 0.5, 0.5}, {9, 0, 0},
+                 {0, 0.5, 0.5}, {0, -0.5, -0.5}, {0, 9, 4},   {-9, 0, 0}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        sp_output_state state = after(cases[i].given);
+        int notes = OTHER_NOTE;
+        CHECK((double)next(&state, cases[i].in, &notes) == cases[i].out);
+        CHECK((double)state.given_n == cases[i].out);
+        CHECK(notes == (OTHER_NOTE | (cases[i].in == cases[i].out ? 0 : SP_NOTE_LIMITED)));
+    }
+}
+
+static void a_shorter_call_grows_and_rises_less(void)
+{
+    sp_output_state state = after(0);
+    int notes = 0;
+    CHECK(sp_output_force(&config, &state, 0, (sp_real)0.5, (sp_real)9, &notes) == (sp_real)2);
+    sp_output_state ramp = {.rise = (sp_real)0.25};
+    (void)sp_output_force(&config, &ramp, 0, (sp_real)0.5, (sp_real)8, &notes);
+    CHECK(ramp.share == (sp_real)0.125);
+}
+
+static void a_restart_rises_from_zero(void)
+{
+    sp_output_state state = after(8);
+    sp_output_restart(&config, &state);
     for (int i = 0; i < 4; i++) {
         int notes = 0;
-        CHECK(sp_output_force(&config, &state, (sp_real)1, (sp_real)8, &notes) == (sp_real)(2 * i));
-        CHECK(notes == SP_NOTE_RAMPED);
+        CHECK(next(&state, 8, &notes) == (sp_real)(2 * i) && notes == SP_NOTE_RAMPED);
     }
     int notes = 0;
-    CHECK(sp_output_force(&config, &state, (sp_real)1, (sp_real)8, &notes) == (sp_real)8 &&
-          notes == 0);
+    CHECK(next(&state, 8, &notes) == (sp_real)8 && notes == 0);
+    sp_output_restart(&config, &state);
+    sp_output_free(&state); /* in air: what comes next starts from zero by itself */
+    CHECK(next(&state, 3, &notes) == (sp_real)3 && notes == 0);
 }
 
-/* The model's force grew by 0.5 N in each of ten ticks without a sample, and stays there. */
-static void after_a_silence_the_force_comes_back_little_by_little(void)
+/* given, model's force, share before; share after, and what is given in that tick. */
+static void after_a_silence_the_share_rises_from_what_was_given(void)
 {
-    sp_output_state state = at_rest();
-    int notes = 0;
-    (void)sp_output_force(&config, &state, (sp_real)1, (sp_real)2, &notes);
-    (void)sp_output_force(&config, &state, (sp_real)1, (sp_real)2, &notes);
-    for (int i = 0; i < 9; i++) {
-        sp_output_wait(&config, &state, (sp_real)1);
-        CHECK(state.force_n == (sp_real)2);
-    }
-    sp_real last = (sp_real)2;
-    int arrived = 0;
-    for (int i = 0; i < 60 && !arrived; i++) {
-        notes = 0;
-        const sp_real ticks = (sp_real)(i == 0 ? 10 : 1);
-        const sp_real force = sp_output_force(&config, &state, ticks, (sp_real)7, &notes);
-        CHECK(force > last && force - last <= (sp_real)0.7);
-        arrived = force == (sp_real)7;
-        CHECK(notes == (arrived ? 0 : SP_NOTE_LIMITED));
-        last = force;
-    }
-    CHECK(arrived);
-    notes = 0;
-    CHECK(sp_output_force(&config, &state, (sp_real)1, (sp_real)12, &notes) == (sp_real)12);
-}
-
-static void without_samples_the_force_goes_on_less_and_less(void)
-{
-    sp_output_state state = at_rest();
-    int notes = 0;
-    (void)sp_output_force(&config, &state, (sp_real)1, (sp_real)5, &notes);
-    (void)sp_output_force(&config, &state, (sp_real)1, (sp_real)5.1, &notes);
-    sp_real last = state.force_n, step = (sp_real)0.1001;
-    for (int i = 0; i < 100; i++) {
-        sp_output_wait(&config, &state, (sp_real)1);
-        CHECK(state.force_n >= last && state.force_n - last <= step);
-        step = state.force_n - last + (sp_real)1e-6;
-        last = state.force_n;
-    }
-    CHECK(last > (sp_real)6 && last < (sp_real)6.11); /* ten times the last change, at most */
-}
-
-static void endless_forces_after_a_silence_stay_within_limits(void)
-{
-    const sp_real from[] = {(sp_real)NAN, (sp_real)INFINITY, (sp_real)-INFINITY, (sp_real)1e30};
-    for (unsigned i = 0; i < sizeof from / sizeof from[0]; i++) {
-        sp_output_state state = at_rest();
+    const struct {
+        double given, in, share, share_after, out;
+    } cases[] = {{2, 8, 1, 1.25, 6},    /* 1/4 + 1/2, the slew; then + 1/2 */
+                 {6, 8, 1, 1.25, 8},    /* 3/4 + 1/2: there */
+                 {9, 8, 1, 1, 8},       /* lower: at once */
+                 {-2, -8, 1, 1.25, -6}, /* pulling */
+                 {-2, 8, 1, 1, 4},      /* the other way: from zero */
+                 {0, 8, 0.5, 0.5, 2},   /* a ramp that is under way stays as slow */
+                 {4, 8, 0.25, 0.5, 2},  /* nor does it jump */
+                 {0, 0, 1, 1, 0}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        sp_output_state state = {.given_n = (sp_real)cases[i].given,
+                                 .share = (sp_real)cases[i].share,
+                                 .rise = (sp_real)0.25};
         int notes = 0;
-        (void)sp_output_force(&config, &state, (sp_real)1, (sp_real)6, &notes);
-        (void)sp_output_force(&config, &state, (sp_real)5, from[i], &notes);
-        for (int k = 0; k < 100; k++) {
-            CHECK(state.force_n >= config.min_n && state.force_n <= config.max_n);
-            sp_output_wait(&config, &state, (sp_real)3);
-        }
+        const sp_real out =
+            sp_output_force(&config, &state, 1, (sp_real)1, (sp_real)cases[i].in, &notes);
+        CHECK((double)out == cases[i].out);
+        CHECK((double)state.share == cases[i].share_after);
+    }
+}
+
+static void a_latched_force_falls_for_as_many_ticks_as_passed(void)
+{
+    const struct {
+        double from, ticks, to;
+    } cases[] = {{8, 2, 5}, {-8, 2, -5}, {2, 0.5, 1.25}, {0.5, 0.25, 0.125},
+                 {3, 2, 0}, {0, 1, 0},   {-1, 1, 0}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        sp_output_state state = after(cases[i].from);
+        int notes = OTHER_NOTE;
+        const sp_real force_n = sp_output_fall(&config, &state, (sp_real)cases[i].ticks, &notes);
+        CHECK((double)force_n == cases[i].to && state.given_n == force_n);
+        CHECK(notes == (OTHER_NOTE | SP_NOTE_LATCHED));
     }
 }
 
 int main(void)
 {
-    force_stays_within_limits();
-    force_ramps_in_after_a_restart();
-    after_a_silence_the_force_comes_back_little_by_little();
-    without_samples_the_force_goes_on_less_and_less();
-    endless_forces_after_a_silence_stay_within_limits();
+    what_leaves_is_within_the_limits();
+    a_force_grows_by_the_slew_from_what_was_given_and_falls_at_once();
+    a_shorter_call_grows_and_rises_less();
+    a_restart_rises_from_zero();
+    after_a_silence_the_share_rises_from_what_was_given();
+    a_latched_force_falls_for_as_many_ticks_as_passed();
     return failed;
 }

@@ -48,8 +48,32 @@ static void endless_silence_is_latched(void)
     }
 }
 
+/* 2 ms of every 14 may be silent, not 3; a third of the ticks ends within 0.1 s. */
+static void silences_add_up(void)
+{
+    const struct {
+        int silent, of, ends;
+    } cases[] = {{1, 8, 0}, {2, 15, 0}, {19, 142, 0}, {1, 7, 1}, {18, 40, 1}, {1, 3, 1}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        sp_silence_state state = {0};
+        int end = 0;
+        for (int tick = 0; tick < 20000 && !state.latched; tick++) {
+            end = tick;
+            if (tick % cases[i].of < cases[i].silent) {
+                (void)sp_silence_passed(&config, &state, config.dt_s);
+            } else {
+                sp_silence_heard(&state, config.dt_s);
+                CHECK(state.silent_s == (sp_real)0);
+            }
+        }
+        CHECK((int)state.latched == cases[i].ends);
+        CHECK(cases[i].of > 3 || end < 100);
+    }
+}
+
 int main(void)
 {
+    silences_add_up();
     ticks_without_a_sample_are_counted();
     measured_times_are_rounded_to_ticks();
     a_long_silence_is_latched_from_the_watchdog_on();

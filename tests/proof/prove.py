@@ -1,6 +1,6 @@
 """`make prove`: Eva over the emitted C of every kind, coupling and number type.
 
-    python tests/proof/prove.py [--defects] [--only TEXT] [--out prove.json]
+    python tests/proof/prove.py [--defects] [--only TEXT] [--known prove.json] [--out prove.json]
     python tests/proof/prove.py --folder DIR
 
 Exit status 1 where an alarm is left, or a planted defect raises none; 2 without Frama-C, and where
@@ -21,7 +21,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))  # where pytest looks, too
 
-from proof.eva.analysis import Analysis, EvaFailedError, frama_c
+from proof.eva.analysis import Analysis, EvaFailedError, Known, frama_c
 from proof.eva.defects import DEFECTS, Defect, analyse_defect
 from proof.eva.ports import PORT_DRIVERS, Port, analyse_port
 from proof.eva.scene_analysis import analyse_scene
@@ -49,15 +49,17 @@ def main() -> int:
     if options.folder:
         return _report_folder(options.folder)
     began = time.monotonic()
+    known = _known(options.known)
     wanted = [one for one in proved_scenes() if options.only in one.name]
     with tempfile.TemporaryDirectory(prefix="prove-") as where, ThreadPoolExecutor(2) as pool:
         folder = Path(where)
-        emitted = [emit_scene(one, folder) for one in wanted]
-        rows = list(pool.map(_said(_scene_row), wanted, emitted))
+        for one in wanted:  # fits each model once, so not in threads
+            emit_scene(one, folder)
+        rows = _in_pairs(pool, _scene_row, wanted, folder, known)
         ports = [one for one in PORT_DRIVERS if options.only in one.name]
-        rows += pool.map(_said(_port_row), ports, [folder] * len(ports))
+        rows += _in_pairs(pool, _port_row, ports, folder, known)
         planted = [one for one in DEFECTS if options.defects]
-        defects = list(pool.map(_said(_defect_row), planted, [folder] * len(planted)))
+        defects = _in_pairs(pool, _defect_row, planted, folder, known)
     seconds = time.monotonic() - began
     left = sum(row["alarms"] for row in rows)
     missed = [row["defect"] for row in defects if not row["alarms"]]
@@ -72,6 +74,7 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--defects", action="store_true", help="plant each defect too")
     parser.add_argument("--only", default="", help="scenes whose name has this text")
+    parser.add_argument("--known", type=Path, help="take from it what was answered of the same C")
     parser.add_argument("--folder", type=Path, help="one emitted folder instead")
     parser.add_argument("--out", type=Path, help="write the figures as JSON")
     return parser.parse_args()
@@ -96,44 +99,68 @@ def _report_folder(folder: Path) -> int:
     return 1 if found.alarms else 0
 
 
-def _scene_row(scene: ProvedScene, folder: Path) -> tuple[dict[str, Any], Analysis]:
-    found = analyse_scene(folder)
-    row = {
-        "scene": scene.name, "kind": scene.kind, "coupling": scene.coupling,
-        "number": scene.number, "alarms": len(found.alarms), "seconds": round(found.seconds, 1),
-    }  # fmt: skip
-    return row, found
+def _known(file: Path | None) -> Known:
+    """Answers of an earlier run, by question."""
+    if file is None:
+        return {}
+    stored = json.loads(file.read_text())
+    return {
+        row["question"]: Analysis(
+            (row["caught_by"],) if row["alarms"] else (), row["seconds"], row["question"]
+        )
+        for row in stored["rows"] + stored["defects"]
+        if ("defect" in row) == bool(row["alarms"])  # an alarm is looked at anew
+    }
 
 
-def _port_row(port: Port, folder: Path) -> tuple[dict[str, Any], Analysis]:
-    found = analyse_port(port, folder)
-    row = {
-        "scene": port.name, "kind": "port", "coupling": "", "number": "",
-        "alarms": len(found.alarms), "seconds": round(found.seconds, 1),
-    }  # fmt: skip
-    return row, found
+def _in_pairs(
+    pool: ThreadPoolExecutor,
+    row_of: Callable[[Any, Path, Known], tuple[dict[str, Any], Analysis]],
+    those: Sequence[Any],
+    folder: Path,
+    known: Known,
+) -> list[dict[str, Any]]:
+    """A row of each, and a line about it as soon as it is known."""
 
-
-def _defect_row(defect: Defect, folder: Path) -> tuple[dict[str, Any], Analysis]:
-    found = analyse_defect(defect, folder)
-    caught = found.alarms[0] if found.alarms else "nothing"
-    row = {"defect": defect.what, "scene": defect.scene.name, "alarms": len(found.alarms)}
-    return {**row, "caught_by": caught}, found
-
-
-def _said(row_of: Callable[..., tuple[dict[str, Any], Analysis]]) -> Callable[..., dict[str, Any]]:
-    """The row, and a line about it as soon as it is known."""
-
-    def run(*arguments: Any) -> dict[str, Any]:
-        row, found = row_of(*arguments)
+    def run(one: Any) -> dict[str, Any]:
+        row, found = row_of(one, folder, known)
+        row |= {"seconds": round(found.seconds, 1), "question": found.question}
         named = row.get("defect", row["scene"])
-        print(f"{named:45} {row['alarms']:3} alarms {found.seconds:6.1f} s", flush=True)
+        when = "known" if found.question in known else f"{found.seconds:6.1f} s"
+        print(f"{named:45} {row['alarms']:3} alarms {when:>8}", flush=True)
         if "defect" not in row:
             for alarm in found.alarms:
                 print(f"    {alarm}", flush=True)
         return row
 
-    return run
+    return list(pool.map(run, those))
+
+
+def _scene_row(scene: ProvedScene, folder: Path, known: Known) -> tuple[dict[str, Any], Analysis]:
+    found = analyse_scene(folder / scene.name, laws=scene.laws, known=known)
+    row = {
+        "scene": scene.name, "kind": scene.kind, "coupling": scene.coupling,
+        "number": scene.number, "alarms": len(found.alarms),
+    }  # fmt: skip
+    return row, found
+
+
+def _port_row(port: Port, folder: Path, known: Known) -> tuple[dict[str, Any], Analysis]:
+    found = analyse_port(port, folder, known=known)
+    row = {
+        "scene": port.name, "kind": "port", "coupling": "", "number": "",
+        "alarms": len(found.alarms),
+    }  # fmt: skip
+    return row, found
+
+
+def _defect_row(defect: Defect, folder: Path, known: Known) -> tuple[dict[str, Any], Analysis]:
+    found = analyse_defect(defect, folder, known)
+    row = {
+        "defect": defect.what, "scene": defect.scene.name, "alarms": len(found.alarms),
+        "caught_by": found.alarms[0] if found.alarms else "nothing",
+    }  # fmt: skip
+    return row, found
 
 
 def _write(

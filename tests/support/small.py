@@ -7,10 +7,13 @@ import numpy as np
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein
+from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
 from springpot.trainer.features.fractional import fir_derivatives, gl_taps
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import Fit, FitOptions
+from springpot.trainer.models.motion import DepthMotion
+from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.recordings.recording import Recording, Zero
 
 DT_S = 1e-3
@@ -48,7 +51,14 @@ def small_fit(trees: int = 5) -> Fit:
 
 
 def small_model() -> Model:
+    """A forest, the kind with most C: a second of the compiler."""
     return small_fit().model
+
+
+@cache
+def passive_model() -> Model:
+    """A spring with a memory, the kind with least C: for what any model shows."""
+    return fit_model("hammerstein", "small", training(), FitOptions(seed=1)).model
 
 
 def scene(
@@ -57,6 +67,7 @@ def scene(
     smoothing_s: float = 0.0,
     prefix: str = "sp",
     forest: str = "table",
+    energy: str = "account",
 ) -> Scene:
     return Scene(
         schema=1,
@@ -65,12 +76,13 @@ def scene(
         runtime=Runtime(number=number, prefix=prefix, forest=forest),  # type: ignore[arg-type]
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
         smoothing=Smoothing(time_constant_s=smoothing_s),
+        guard=Guard(energy=energy),  # type: ignore[arg-type]
     )
 
 
 def model_file(folder: Path, model: Model | None = None) -> Path:
     path = folder / "model.spm"
-    write_model(path, model or small_model())
+    write_model(path, model or passive_model())
     return path
 
 
@@ -89,3 +101,21 @@ def wandering(seed: int, ticks: int = 4000) -> np.ndarray:
     position_m[bad[16]] = 1e30
     position_m[bad[17]] = 1e-42
     return position_m
+
+
+def flow(force_n: float) -> Flow:
+    """Two branches that flow, of either power."""
+    return Flow(np.array([50.0, 2e3]), np.array([3, 5]), np.array([1, 4]), np.full(2, force_n))
+
+
+def damage(curve_n: np.ndarray) -> Damage:
+    """Either power, and either kind of healing; curve_n: slopes of one curve."""
+    curves_n = np.outer([0.3, 0.1, 0.2, 0.1], curve_n)
+    return Damage(np.array([0.0, 0.0, 5.0, 5.0]), np.array([1, 3, 1, 3]), curves_n)
+
+
+def passive_force_n(
+    model: Hammerstein, depth_m: np.ndarray, dt_s: float, surface: bool
+) -> np.ndarray:
+    """Force of a passive model along depths, (n,), N, from rest at the first one."""
+    return model_along(model, DepthMotion(depth_m, (0,), (0,)), dt_s, surface)[0]

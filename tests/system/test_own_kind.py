@@ -9,29 +9,40 @@ import numpy as np
 import pytest
 from support.small import press, recording, scene, training
 
-from springpot.codegen.model.features import Features
-from springpot.codegen.model.model_file import read_model, register_part, write_model
-from springpot.codegen.model.regressors import Regressor
-from springpot.codegen.scene import Runtime
-from springpot.codegen.stages.stage import (
+from springpot import (
+    Fit,
+    FitOptions,
+    Recording,
+    Runtime,
+    emit,
+    predict,
+    read_model,
+    train,
+    validate,
+    write_model,
+)
+from springpot.emission import (
     Columns,
     FeatureStage,
     Member,
     RegressorStage,
     feature_stage,
+    literal,
     regressor_stage,
 )
-from springpot.host.emission.emission import emit
-from springpot.host.validation.validation import validate
 from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
-from springpot.trainer import kinds
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.kinds import Kind, fit_model
-from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.passive.passive_fit import fit_passive
-from springpot.trainer.models.predict import predict_n, regressor_force
-from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.recording import Recording
+from springpot.modelling import (
+    KINDS,
+    Features,
+    Kind,
+    Regressor,
+    TrainingSet,
+    assemble,
+    feature_values,
+    fit_passive,
+    register_part,
+    regressor_force,
+)
 
 
 @dataclass(frozen=True)
@@ -89,11 +100,7 @@ class LineStage(RegressorStage):
     headers = ()
 
     def tables(self) -> list[str]:
-        return [f"static const sp_real slope = {self.slope!s}{self.suffix};"]
-
-    @property
-    def suffix(self) -> str:
-        return "f" if isinstance(self.slope, np.float32) else ""
+        return [f"static const sp_real slope = {literal(self.slope)};"]
 
     def force(self) -> list[str]:
         return ["const sp_real model_n = slope * features[0];"]
@@ -141,14 +148,16 @@ register_part(Line)
 def test_it_trains_emits_validates_and_is_benchmarked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(kinds.KINDS, "line", Kind("line", "a straight line", fit_line))
-    model = fit_model("line", "x", training(), FitOptions()).model
+    monkeypatch.setitem(KINDS, "line", Kind("line", "a straight line", fit_line))
+    model = train(training(), "line", "x").model
     file = tmp_path / "line.spm"
     write_model(file, model)
     read = read_model(file)
     tests = [recording("one", press(1.5)), recording("two", press(2.5, 0.006))]
-    np.testing.assert_array_equal(predict_n(read, tests[0]), predict_n(model, tests[0]))
-    emission = emit(replace(scene(), model="line.spm"), file, tmp_path / "c")
+    np.testing.assert_array_equal(
+        predict(read, tests[0].position_m), predict(model, tests[0].position_m)
+    )
+    emission = emit(tmp_path / "c", model=file, scene=replace(scene(), model="line.spm"))
     assert emission.manifest["model"] == "line"
     found = validate(tmp_path / "c", tests, paced_s=0.1)
     assert found.mismatches == 0

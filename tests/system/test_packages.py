@@ -56,7 +56,18 @@ def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
     assert names - locked == {"springpot", "ziglang"}  # ziglang: where there is no compiler at all
 
 
-EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "jinja2", "can", "cantools", "m2cgen")
+EXTRAS = (
+    "scipy",
+    "sklearn",
+    "joblib",
+    "matplotlib",
+    "jinja2",
+    "can",
+    "cantools",
+    "openpyxl",
+    "nptdms",
+    "m2cgen",
+)
 CODE = (
     "import sys\nfor name in {!r}: sys.modules[name] = None\n"
     "sys.argv = ['springpot', *{!r}]\nfrom springpot.host.cli import main\nmain()"
@@ -92,6 +103,6 @@ def test_what_trains_says_which_extra_it_needs(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 2
     line = done.stderr.splitlines()[-1]
-    assert line.endswith("is not installed: `pip install 'springpot[train,report,can,m2cgen]'`"), (
-        line
-    )
+    assert line.endswith(
+        "is not installed: `pip install 'springpot[train,report,can,files,m2cgen]'`"
+    ), line

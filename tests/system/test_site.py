@@ -6,16 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import click
 import pytest
 from support.paths import ROOT
 
-import springpot
-from springpot.host.cli import springpot as command_line
-
 sys.path.append(str(ROOT / "docs" / "_ext"))
-from reference_pages import commands, scene_keys
-from reference_pages.c_header import declarations, notes
 
 LINK = re.compile(r"\]\(([^)#:\s]+)[^)\s]*\)|(?:href|src)=\"([^\"#:]+)\"")
 
@@ -44,25 +38,6 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     assert not done.stderr
     return out / "html"
-
-
-@pytest.mark.slow
-def test_it_holds_every_option_key_function_and_name(pages: Path) -> None:
-    reference = {file.stem: file.read_text() for file in (pages / "reference").glob("*.html")}
-    for name, command in commands.every_command(click.Context(command_line, info_name="springpot")):
-        for option in command.params:
-            if isinstance(option, click.Option):
-                target = f"cmdoption-{name.replace(' ', '-')}-{option.opts[0].lstrip('-')}"
-                assert f'id="{target}"' in reference["commands"], target
-    for row in scene_keys.key_rows():
-        target = f"{row.section}-{row.name}".lstrip("-").replace("_", "-")
-        assert f'id="{target}"' in reference["scene"], target
-    for group in declarations():
-        for function in group.functions:
-            (name,) = re.findall(r"(\w+)\(", function)
-            assert f'id="c.{name}"' in reference["c"], name
-    assert all(f'id="c.{note}"' in reference["c"] for note, _, _ in notes())
-    assert all(f'id="springpot.{name}"' in reference["python"] for name in springpot.__all__)
 
 
 @pytest.mark.slow

@@ -28,6 +28,7 @@ from springpot.trainer.ensemble import ensemble_data, from_ensemble
 from springpot.trainer.estimator import PositionRegressor
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.limited import limited_n
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.rf_fd import history_features
 from springpot.trainer.recordings.recording import Recording
@@ -45,7 +46,7 @@ def test_predictions_are_the_models(kind: str) -> None:
     fitted = small(kind).fit(X, Y)
     model = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20)).model
     for item, force_n in zip(training(), fitted.predict(X), strict=True):
-        np.testing.assert_array_equal(force_n, predict_n(model, item))
+        np.testing.assert_array_equal(force_n, limited_n(model, item))
     assert fitted.score(X, Y) > 0.9
 
 
@@ -117,7 +118,8 @@ def test_ensembles_become_c(ensemble: object, number: str, lags: bool) -> None:
     model = from_ensemble(regressor, training(), features, name="mine")
     item = recording("new", 0.8 * X[-1])
     assert predict_n(model, item).max() == pytest.approx(item.force_n.max(), rel=0.2)
-    with built(make_plan(model, scene(number=number))) as library:
+    # Trees that extrapolate return energy here: the account would cut their force.
+    with built(make_plan(model, scene(number=number, energy="off"))) as library:
         assert library.selftest() == 0
         force_c, _ = library.new_state().run(item.position_m)
         library.new_state().run(wandering(3))

@@ -5,17 +5,23 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from support.paths import TESTS
+from support.small import training
 
-from springpot import DeviceError
+from springpot import DataError, DeviceError, UsageError, import_recordings, train
+from springpot.devices import DeviceRequirements, Driver, OpenedDevice, open_device
+from springpot.host.devices import drivers
 from springpot.host.session.c_loop import CLoop
 from springpot.loop import loop_library
+from springpot.modelling import KINDS, FileFormat, FileRequest, Kind, RawChannels
+from springpot.trainer.recordings.formats import importing
 
 CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 SCENE = 'schema = 1\nname = "rig"\nmodel = "rig.spm"\n[runtime]\nrate_hz = 1000.0\n'
@@ -105,7 +111,9 @@ def python(environment: dict[str, str], script: str) -> subprocess.CompletedProc
                           text=True, check=False)  # fmt: skip
 
 
-@pytest.mark.parametrize("link", ["int broken(", None])
+@pytest.mark.parametrize(
+    "link", ["int broken(", "/* springpot declarations begin */ int f(void);", None]
+)
 def test_a_link_that_cannot_be_built_leaves_all_other_devices(
     tmp_path: Path, link: str | None
 ) -> None:
@@ -151,5 +159,84 @@ def test_a_function_that_no_link_declares_is_named() -> None:
     with pytest.raises(DeviceError, match="sp_link_nobody_init: declare it"):
         CLoop._adopt(adopting, undeclared)
     faulty: Any = SimpleNamespace(link=lambda _library: SimpleNamespace().memory)
-    with pytest.raises(AttributeError, match="memory"):  # its own defect, not a missing declaration
+    with pytest.raises(DeviceError, match=r"AttributeError: .*'memory'"):  # no missing declaration
         CLoop._adopt(adopting, faulty)
+    nothing: Any = SimpleNamespace(link=lambda _library: None)
+    with pytest.raises(DeviceError, match="no sp_link that has read, write and reset"):
+        CLoop._adopt(adopting, nothing)
+
+
+MARK = "%rows%"
+
+
+def read_rows(path: Path, request: FileRequest) -> Any:
+    """Return what the file says that is wrong."""
+    n = np.arange(5.0)
+    raw = RawChannels("x", n, n, n, time_digit_s=0.0, source="x", line_of=int)
+    wrong = {
+        "no list": (raw, ""),
+        "no line": [raw],
+        "short time": ([replace(raw, time_s=n[:4])], ""),
+        "a list": ([replace(raw, force_n=cast(Any, [0.0] * 5))], ""),
+    }
+    return wrong[path.read_text().removeprefix(MARK)]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("no list", "reading the format 'rows': TypeError: its reader returns no .list of RawCh"),
+        ("no line", "reading the format 'rows': TypeError: its reader returns no .list of RawCh"),
+        ("short time", r"x: time \(4,\), position \(5,\).*give three 1-D numpy arrays"),
+        ("a list", "give three 1-D numpy arrays"),
+        ("a key", r"KeyError: 'a key' .*, test_entry_points.py line \d+\): correct or uninstall"),
+    ],
+)
+def test_what_a_reader_does_wrong_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, told: str
+) -> None:
+    rows = FileFormat("rows", lambda start: start.startswith(MARK.encode()), read_rows)
+    monkeypatch.setattr(importing, "file_formats", lambda: {"rows": rows})
+    file = tmp_path / "x.rows"
+    file.write_text(MARK + text)
+    with pytest.raises(DataError, match=told):
+        import_recordings(file)
+
+
+class Mute(OpenedDevice):
+    """It has no link, and does not say what its force does unreached."""
+
+    def stop(self) -> None:
+        """End nothing."""
+
+    def close(self) -> None:
+        """Close nothing."""
+
+
+@pytest.mark.parametrize(
+    ("opens", "told"),
+    [
+        (Mute, "abstract.*Mute.*link.*unreached"),
+        (lambda *_: object(), "object inherits neither OpenedDevice nor VirtualDevice"),
+        (lambda _: object(), "takes 1 positional argument but 2 were given"),
+        (f"{__name__}:nothing", "no attribute 'nothing'"),
+    ],
+)
+def test_what_a_driver_does_wrong_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, opens: Any, told: str
+) -> None:
+    monkeypatch.setattr(drivers, "drivers", lambda: {"mute": Driver("mute://1", opens)})
+    with pytest.raises(DeviceError, match=f"^mute://1: .*{told}.*: correct or uninstall"):
+        open_device("mute://1", DeviceRequirements(1000.0, 0.1, 1.0))
+
+
+def test_links_are_a_tuple_of_files() -> None:
+    with pytest.raises(TypeError, match="tuple"):
+        Driver("mute://1", Mute, links=cast(Any, Path("mute.c")))
+
+
+@pytest.mark.parametrize("fit", [lambda *_: None, lambda *_: {}["fit"], f"{__name__}:nothing"])
+def test_what_a_fit_does_wrong_is_one_line(monkeypatch: pytest.MonkeyPatch, fit: Any) -> None:
+    monkeypatch.setitem(KINDS, "wrong", Kind("wrong", "a mistake", fit))
+    with pytest.raises(UsageError, match=r"^kind 'wrong': .*: correct or uninstall that package"):
+        train(training(), "wrong")

@@ -1,11 +1,11 @@
 """Values of a model's features along a recording, in float64, only at the rows that are used."""
 
+from collections.abc import Sequence
 from functools import singledispatch
 from itertools import pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.signal import lfilter
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.features import (
@@ -53,12 +53,27 @@ def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: I
     return values
 
 
-def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
-    """State h of a pole, (n,): h' = x' - h/tau, x linear within a step and at rest before."""
-    loss, gain = loss_and_gain(np.array([tau_s]), dt_s)
+def highpass(
+    values: Samples, tau_s: float, dt_s: float, pauses: Sequence[tuple[int, float]] = ()
+) -> Samples:
+    """State h of a pole, (n,): h' = x' - h/tau, x linear within a step and at rest before.
+
+    pauses: samples, ascending, before which so many seconds passed: half of their rise comes first.
+    """
+    from scipy.signal import lfilter  # what replays recordings has no scipy
+
+    losses, gains = loss_and_gain(np.array([tau_s]), dt_s)
+    loss, gain = float(losses[0]), float(gains[0])
     rises = np.diff(values, prepend=values[:1])
-    filtered: Samples = lfilter([gain[0]], [1.0, loss[0] - 1.0], rises)
-    return filtered
+    states, begin, h = np.empty_like(rises), 0, 0.0
+    for index, seconds in (*pauses, (len(values), 0.0)):
+        part = rises[begin:index]
+        states[begin:index] = lfilter([gain], [1.0, loss - 1.0], part, zi=[(1.0 - loss) * h])[0]
+        if index < len(values):
+            half = 0.5 * float(rises[index])
+            h = (float(states[index - 1]) + half) * float(np.exp(-seconds / tau_s)) + half
+            states[index], begin = h, index + 1
+    return states
 
 
 def highpass_by_depth(values: Samples, lost: Samples) -> Samples:

@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 from annotated_types import Ge, Interval
 
 from springpot.codegen.model.features import Features
-from springpot.codegen.model.model import Hammerstein, Model
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
@@ -18,6 +19,8 @@ from springpot.trainer.paper import PAPER_SMOOTH_S
 PAPER_TREES = 100
 PAPER_LEAF = 5
 PAPER_CENTERS = 100
+
+ACCEPTED_SIGNS = "accepted_signs"  # item of a model's provenance
 
 Engine = Literal["fir", "fir-fast", "recursive"]
 
@@ -64,6 +67,10 @@ class Fit:
     metadata: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        seconds = self.feature_s + self.fit_s + self.search_s
+        return f"Fit({self.model!r}, {self.rows} rows, {seconds:.3g} s)"
+
 
 def assemble(
     kind: str,
@@ -96,9 +103,16 @@ def assemble(
             "recordings": _hashes(data),
             "scikit-learn": version("scikit-learn"),
             "springpot": version("springpot"),
+            **_accepted(data),
             **metadata,
         },
     )
+
+
+def _accepted(data: TrainingSet) -> dict[str, list[str]]:
+    """Recordings with signs that a person accepted on import."""
+    names = [recording.name for recording in data.recordings if recording.signs_accepted]
+    return {ACCEPTED_SIGNS: names} if names else {}
 
 
 def _hashes(data: TrainingSet) -> dict[str, str]:

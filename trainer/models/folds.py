@@ -1,18 +1,24 @@
-"""Folds of cross-validation that do not leak: repeats apart, each depth or speed held out whole."""
+"""Folds of cross-validation that do not leak: repeats apart, each depth or speed held out whole.
+
+What is held out is a press: from one turn at the top to the next, in whatever recording it is.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.quality.motion import turning_points
 
 N_FOLDS = 5
 FEWEST = 3  # recordings, or ranges, of which one can be held out
 _SAME_DEPTH = 0.03  # of the stroke: repeats of one press
 _SAME_SPEED = 1.25
-_DEPTH_RANGE = 1.15  # recordings whose depths differ by less are of one range
+_DEPTH_RANGE = 1.15  # presses whose depths differ by less are of one range
+_TURN = 0.1  # of the trained depth: what turns by less is one press
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,20 +43,47 @@ def repeats_apart(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: in
     return Folds(number, tuple(range(count)))
 
 
-def held_out_whole(data: TrainingSet) -> list[Folds]:
-    """Folds of recordings by depth and by speed, each if there are three groups or more.
+@dataclass(frozen=True)
+class Press:
+    """Samples begin .. end of a recording, counted over all recordings."""
 
-    The depth with the greatest force is never held out, because that measures extrapolation only.
-    """
-    deepest_m = np.array([depth.max() for depth in data.depths_m]) - data.trained.min_m
-    speeds_mps = np.array([_rms_speed(depth, data.dt_s) for depth in data.depths_m])
-    strongest = int(np.argmax([recording.force_n.max() for recording in data.recordings]))
-    depth, speed = _grouped(deepest_m, _DEPTH_RANGE), _grouped(speeds_mps, _SAME_SPEED)
+    begin: int
+    end: int
+    depth_m: float
+    force_n: float
+    rms_mps: float
+
+
+def presses(data: TrainingSet) -> list[Press]:
+    """Every press of a set: recordings, cut where the tool turns back into the object."""
+    min_m = _TURN * (data.trained.max_m - data.trained.min_m)
     found = []
-    for number, never in ((depth, int(depth[strongest])), (speed, None)):
-        groups = range(int(number.max()) + 1)
-        if len(groups) >= FEWEST:
-            found.append(Folds(number, tuple(group for group in groups if group != never)))
+    for first, depth_m, recording in zip(data.bounds, data.depths_m, data.recordings, strict=False):
+        turns = turning_points(depth_m, min_m)[1:-1]
+        # Turns alternate: those at which the tool goes in again begin a press.
+        inward = turns[1::2] if turns and depth_m[turns[0]] > depth_m[0] else turns[0::2]
+        cuts = [0, *inward, len(depth_m)]
+        for begin, end in pairwise(cuts):
+            part = depth_m[begin:end]
+            found.append(Press(
+                int(first) + begin, int(first) + end, float(part.max()),
+                float(recording.force_n[begin:end].max()), _rms_speed(part, data.dt_s),
+            ))  # fmt: skip
+    return found
+
+
+def held_out_whole(data: TrainingSet, rows: Indices) -> list[Folds]:
+    """Folds of rows by the depth and by the speed of their press, if there are three groups."""
+    known = presses(data)
+    press = np.searchsorted([each.begin for each in known], rows, side="right") - 1
+    deepest_m = np.array([each.depth_m for each in known]) - data.trained.min_m
+    speed_mps = np.array([each.rms_mps for each in known])
+    found = []
+    for values, ratio in ((deepest_m, _DEPTH_RANGE), (speed_mps, _SAME_SPEED)):
+        number = _grouped(values, ratio)
+        groups = int(number.max()) + 1
+        if groups >= FEWEST:
+            found.append(Folds(number[press], tuple(range(groups))))
     return found
 
 
@@ -65,12 +98,29 @@ def recording_folds(data: TrainingSet, rows: Indices, seed: int) -> Folds:
 
 
 def fold_families(data: TrainingSet, rows: Indices, seed: int) -> list[Folds]:
-    """Every honest way to fold the rows: `recording_folds`, and each of `held_out_whole`."""
-    found = [recording_folds(data, rows, seed)]
-    if len(data.recordings) >= FEWEST:
-        owner = data.owner(rows)
-        found += [Folds(folds.number[owner], folds.tested) for folds in held_out_whole(data)]
-    return found
+    """Every honest way to fold the rows: `recording_folds`, and each of `held_out_whole`, once.
+
+    What is as deep as nothing else is never held out: that measures extrapolation only.
+    """
+    depth_m = np.concatenate([
+        depth[its] for depth, its in zip(data.depths_m, data.split(rows), strict=True)
+    ])  # fmt: skip
+    deepest_m = (
+        depth_m > data.trained.min_m + (data.trained.max_m - data.trained.min_m) / _DEPTH_RANGE
+    )
+    found: list[Folds] = []
+    for folds in (recording_folds(data, rows, seed), *held_out_whole(data, rows)):
+        tested = tuple(k for k in folds.tested if (deepest_m & (folds.number != k)).any())
+        known = any(_same(folds.number, each.number) for each in found)
+        if tested and not known:
+            found.append(Folds(folds.number, tested))
+    return found or [recording_folds(data, rows, seed)]
+
+
+def _same(one: Indices, other: Indices) -> bool:
+    """Whether two numberings part the rows alike."""
+    pairs = len(np.unique(np.stack([one, other]), axis=1).T)
+    return pairs == len(np.unique(one)) == len(np.unique(other))
 
 
 def pieces(families: Sequence[Folds]) -> Indices:

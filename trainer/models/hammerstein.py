@@ -9,11 +9,9 @@ from springpot.codegen.model.features import Features, Lags
 from springpot.trainer.features.exponentials import recursive_bank
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.forests import depth_scale, fit_forest
-from springpot.trainer.models.passive.passive_fit import timed_passive
-from springpot.trainer.models.passive.passive_terms import (
-    hammerstein_force,
-    parameter_count,
-)
+from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
+from springpot.trainer.models.passive.passive_force import model_along
+from springpot.trainer.models.passive.passive_terms import parameter_count
 from springpot.trainer.models.rf_fd import PAPER_ORDERS
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
@@ -27,14 +25,16 @@ MAX_LAG = 8192  # samples: a ring of 32 kB in float32
 def fit_hammerstein(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Kind `hammerstein`: 15 to 100 numbers, passive in the large."""
+    """Kind `hammerstein`: some hundred numbers, passive in the large."""
     (passive, rows, error_n), fit_s = timed_passive(data, options)
     metadata = {
         "n_parameters": parameter_count(passive),
         "cv_rmse_n": error_n,
-        "basis": passive.basis,
-        "stretch": passive.stretch,
+        "law": " and ".join(passive_choice(data, options)[0].law) or "plain",
+        "nodes": passive.nodes,
         "rate_ratio": passive.rate_ratio,
+        "recovers": passive.recovers,
+        "sessions": sum(len(motion.recordings) > 1 for motion in data.motions),
     }
     model = assemble(
         "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
@@ -69,7 +69,10 @@ def fit_hybrid(
     feature_begin = time.perf_counter()
     values = data.features(features, rows)
     feature_s = time.perf_counter() - feature_begin
-    passive_n = data.along(rows, lambda depth, at: hammerstein_force(passive, depth, data.dt_s, at))
+    surface = data.contact == "surface"
+    passive_n = data.along_motions(
+        rows, lambda motion, at: model_along(passive, motion, data.dt_s, surface)[0][at]
+    )
     residual_n = data.force_n(rows) - passive_n
     span_m = data.trained.max_m - data.trained.min_m
     forest, importance = fit_forest(

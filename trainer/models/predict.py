@@ -13,9 +13,10 @@ from springpot.codegen.forest.wide import forest_table
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Rbf, Regressor
 from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.passive.passive_terms import hammerstein_force
+from springpot.trainer.models.contact import depth_m
+from springpot.trainer.models.motion import motions
+from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.models.radial import rbf_force
-from springpot.trainer.models.training_set import depth_m
 from springpot.trainer.recordings.recording import Recording
 
 
@@ -26,14 +27,26 @@ def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -
 
 
 def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> Samples:
-    """Force at rows of several recordings, (rows,), N: a forest's table is made once for all."""
-    depths = [(depth_m(recording, model.contact), rows) for recording, rows in pieces]
+    """Force at rows of several recordings, (rows,), N: those of one session one after another.
+
+    A forest's table is made once for all; its features know each recording alone.
+    """
+    recordings = [recording for recording, _ in pieces]
+    depths = [depth_m(recording, model.contact) for recording in recordings]
     force_n = np.zeros(sum(len(rows) for _, rows in pieces))
     if model.features is not None and model.regressor is not None:
-        values = [feature_values(model.features, depth, model.dt_s, rows) for depth, rows in depths]
+        values = [
+            feature_values(model.features, depth, model.dt_s, rows)
+            for depth, (_, rows) in zip(depths, pieces, strict=True)
+        ]
         force_n += regressor_force(model.regressor, np.concatenate(values))
     if model.hammerstein is not None and model.hammerstein_adds:
-        parts = [hammerstein_force(model.hammerstein, d, model.dt_s, rows) for d, rows in depths]
+        surface = model.contact == "surface"
+        parts = [np.zeros(0)] * len(pieces)
+        for motion in motions(recordings, depths, surface):
+            along_n = model_along(model.hammerstein, motion, model.dt_s, surface)[0]
+            for number, start in zip(motion.recordings, motion.starts, strict=True):
+                parts[number] = along_n[start + pieces[number][1]]
         force_n += np.concatenate(parts)
     return force_n
 

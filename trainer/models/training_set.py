@@ -14,7 +14,8 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features.values import feature_values
-from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
+from springpot.trainer.models.motion import DepthMotion, motions, rows_in
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
 from springpot.trainer.recordings.spikes import hold_spikes
@@ -24,12 +25,6 @@ ALL_BELOW = 20_000
 MAX_ROWS = 50_000
 _STEP_TOLERANCE = 1e-3
 MAX_SMOOTHED = 0.25  # of the shortest recording
-_LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is its surface
-_REST_SHARE = 0.02  # of the peak force
-_PRELOADED = (
-    "force is {rest_n:.3g} N at the lowest positions and no recording leaves the object: the model "
-    "pushes there too, and has no surface; if position 0 is the surface, record from above it"
-)
 _Result = TypeVar("_Result")
 
 
@@ -73,10 +68,9 @@ class TrainingSet:
         """Rows of a fit, ascending, (rows,); fraction as in `choose_rows`."""
         return choose_rows(self.rows_total, fraction, np.random.default_rng(seed))
 
-    def many_rows(self) -> NDArray[np.intp]:
-        """All rows, or 50 000 evenly spaced ones, (rows,): for fits that cost little a row."""
-        count = min(self.rows_total, MAX_ROWS)
-        return np.linspace(0, self.rows_total - 1, count).astype(np.intp)
+    def even_rows(self, most: int = MAX_ROWS) -> NDArray[np.intp]:
+        """All rows, or `most` evenly spaced ones, (rows,): for fits that cost little a row."""
+        return np.linspace(0, self.rows_total - 1, min(self.rows_total, most)).astype(np.intp)
 
     def force_n(self, rows: NDArray[np.intp]) -> Samples:
         """Measured force at rows, (rows,), N."""
@@ -101,6 +95,32 @@ class TrainingSet:
             rows[begin:end] - first
             for begin, end, first in zip(cuts[:-1], cuts[1:], self.bounds[:-1], strict=True)
         ]
+
+    @cached_property
+    def motions(self) -> tuple[DepthMotion, ...]:
+        """The recordings as the object met them: those of a session one after another."""
+        return motions(self.recordings, self.depths_m, self.contact == "surface")
+
+    def motion_rows(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+        """Samples of each motion, (its rows,), for rows of all recordings."""
+        rows_of = self.split(rows)
+        return [rows_in(motion, rows_of) for motion in self.motions]
+
+    def in_order(self, rows: NDArray[np.intp], found: Sequence[Samples]) -> Samples:
+        """Values at `motion_rows`, of each motion (its rows, ...), in the order of the rows."""
+        count = np.searchsorted(rows, self.bounds)
+        values = np.empty((len(rows), *found[0].shape[1:]))
+        for motion, its in zip(self.motions, found, strict=True):
+            at = [np.arange(count[number], count[number + 1]) for number in motion.recordings]
+            values[np.concatenate(at)] = its
+        return values
+
+    def along_motions(
+        self, rows: NDArray[np.intp], values: Callable[[DepthMotion, NDArray[np.intp]], Samples]
+    ) -> Samples:
+        """`values` of each motion at its samples, (samples, ...), in the order of the rows."""
+        pairs = zip(self.motions, self.motion_rows(rows), strict=True)
+        return self.in_order(rows, [values(motion, at) for motion, at in pairs])
 
     def owner(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
         """Index of the recording of each row, (rows,)."""
@@ -129,11 +149,12 @@ def training_set(
     """
     dt_s = common_time_step(recordings)
     held, spikes = zip(*(hold_spikes(recording) for recording in recordings), strict=True)
-    recordings, warnings = held, [line for line in spikes if line]
+    recordings = held
+    warnings = [spike.text for found in spikes for spike in found]
     if contact is None:
         contact = contact_of(recordings)
         if contact == "always" and recordings[0].zero == "none":
-            warnings.append(_PRELOADED.format(rest_n=rest_force_n(recordings)))
+            warnings.append(surface_warning(recordings))
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
     if smooth_s > MAX_SMOOTHED * shortest.duration_s:
         raise UsageError(
@@ -164,49 +185,6 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
                 f"{first.rate_hz:g} Hz: import both with one --resample-hz"
             )
     return first.dt_s
-
-
-def contact_of(recordings: Sequence[Recording]) -> Contact:
-    """Return "surface" where force is 0 at position 0, "always" where the tool never leaves.
-
-    It never leaves where an importer moved the zero, or where force at the lowest depth is 2 % of
-    the peak or more and no recording shows where contact begins. (One that does has a tare: it is
-    no force that the object pushes with.)
-    """
-    moved = [recording.name for recording in recordings if recording.zero != "none"]
-    if moved and len(moved) != len(recordings):
-        kept = next(recording.name for recording in recordings if recording.zero == "none")
-        raise DataError(
-            f"{moved[0]} was imported with --zero and {kept} without: import all the same way"
-        )
-    if moved:
-        return "always"
-    peak_n = max(float(recording.force_n.max()) for recording in recordings)
-    if abs(rest_force_n(recordings)) < _REST_SHARE * peak_n or peak_n <= 0.0:
-        return "surface"
-    return "surface" if any(map(_shows_contact, recordings)) else "always"
-
-
-def rest_force_n(recordings: Sequence[Recording]) -> float:
-    """Median force at the lowest 2 % of the depths of all recordings, N."""
-    depth = np.concatenate([depth_m(recording, "surface") for recording in recordings])
-    force_n = np.concatenate([recording.force_n for recording in recordings])
-    return float(np.median(force_n[depth <= depth.min() + _LOWEST * np.ptp(depth)]))
-
-
-def _shows_contact(recording: Recording) -> bool:
-    try:
-        find_contact(recording)
-    except DataError:
-        return False
-    return True
-
-
-def depth_m(recording: Recording, contact: Contact) -> Samples:
-    """Positions as the model sees them, (n,), m: those above the surface count as 0."""
-    if contact == "always":
-        return recording.position_m
-    return np.maximum(recording.position_m, 0.0)
 
 
 def trained_range(recordings: Sequence[Recording], contact: Contact) -> TrainedRange:

@@ -1,4 +1,4 @@
-"""Removal of what a rig adds to samples: delays, mass beyond the load cell, offset, surface.
+"""Removal of what a rig adds to samples: delays, mass beyond the load cell, give, offset, surface.
 
 Nothing here happens unasked, each step is reported in one line and kept in the recording's details.
 """
@@ -24,16 +24,20 @@ class Conditioning:
     position_delay_s, force_delay_s: how much later than the truth the channels were sampled; kept
     as metadata, and with `align` also taken out.
     mass_kg: of what moves beyond the load cell; its inertial force is removed.
+    frame_npm: stiffness of the machine's frame, N/m: its give under the force is removed; 0: rigid.
     tare: force without contact, N, or "auto": found out of contact.
     contact_force: force above the tare that marks the surface, N, or "auto": just above the noise.
+    accept_signs: signs that the data speak against are those of the rig; said wherever it is used.
     """
 
     position_delay_s: float = 0.0
     force_delay_s: float = 0.0
     align: bool = False
     mass_kg: float = 0.0
+    frame_npm: float = 0.0
     tare: float | Literal["auto"] | None = None
     contact_force: float | Literal["auto"] | None = None
+    accept_signs: bool = False
 
 
 def condition(recording: Recording, options: Conditioning) -> tuple[Recording, list[str]]:
@@ -53,6 +57,10 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
         recording = _without_inertia(recording, options.mass_kg, messages)
     if options.tare is not None or options.contact_force is not None:
         recording = _from_contact(recording, options, messages)
+    if options.frame_npm:  # of the force without its tare: the surface, where it is 0, stays
+        recording = _without_give(recording, options.frame_npm, messages)
+    if options.accept_signs:
+        recording = replace(recording, details={**recording.details, "accepted_signs": True})
     return recording, messages
 
 
@@ -101,6 +109,26 @@ def _without_inertia(recording: Recording, mass_kg: float, messages: list[str]) 
         recording,
         force_n=recording.force_n - inertia_n,
         details={**recording.details, "mass_beyond_load_cell_kg": mass_kg},
+    )
+
+
+def _without_give(recording: Recording, frame_npm: float, messages: list[str]) -> Recording:
+    """Subtract F/k: a frame that yields adds its way to that of the object."""
+    give_m = recording.force_n / frame_npm
+    depth_m, most_m = float(np.ptp(recording.position_m)), float(np.ptp(give_m))
+    if most_m >= depth_m:
+        raise DataError(
+            f"{recording.name}: a frame of {frame_npm:g} N/m gives {most_m * 1e3:.3g} mm, but the "
+            f"whole travel is {depth_m * 1e3:.3g} mm: state the frame's stiffness in N/m"
+        )
+    messages.append(
+        f"{recording.name}: {most_m * 1e3:.3g} mm of the travel of {depth_m * 1e3:.3g} mm were the "
+        f"frame's give at {frame_npm:g} N/m: removed"
+    )
+    return replace(
+        recording,
+        position_m=recording.position_m - give_m,
+        details={**recording.details, "frame_npm": frame_npm},
     )
 
 

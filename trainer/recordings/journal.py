@@ -128,17 +128,24 @@ class JournalWriter:
         if monotonic() - self._synced_s > _SYNC_S:
             self._sync()
 
-    def finish(self, details: Mapping[str, Any] | None = None) -> None:
+    def finish(
+        self,
+        details: Mapping[str, Any] | None = None,
+        session: str = "",
+        start_s: float | None = None,
+    ) -> None:
         """Write the HDF5 file aside, sync it, rename it, and only then remove the journal.
 
-        details: what became known since the start, added to the recording's.
+        details: what became known since the start, added to the recording's; session, start_s: as
+        in `Recording`.
         Raises DeviceError where there is no room for it; the journal then stays and is readable.
         """
         self._flush()
         try:
             recording = read_journal(self.journal).recording
             metadata = {**recording.details, **(details or {})}
-            write_recording(self.file, replace(recording, details=metadata), overwrite=False)
+            whole = replace(recording, details=metadata, session=session, start_s=start_s)
+            write_recording(self.file, whole, overwrite=False)
         except FileExistsError:
             raise UsageError(
                 f"{self.file}: another program wrote it meanwhile; this recording is kept in "

@@ -35,6 +35,8 @@ class RecordingMetadata:
     force_delay_s: float = 0.0
     block_s: _Seconds | None = None
     channels: tuple[str, ...] = ()
+    session: str = ""
+    start_s: float | None = None
 
     def recording(
         self, where: str, position_m: Samples, force_n: Samples, channels: Mapping[str, Samples]
@@ -52,6 +54,8 @@ class RecordingMetadata:
                 source=self.source,
                 details=self.details,
                 channels=channels,
+                session=self.session,
+                start_s=self.start_s,
             )
         except DataError as error:
             raise DataError(f"{where}: {error}") from None

@@ -33,6 +33,8 @@ class Recording:
     details: further metadata of the source, for people and reports; JSON values.
     channels: more samples beside the two, each (n,); of a session what each tick was given and
     returned. A fit does not see them.
+    session: the same word in recordings of one object, one after another; "" if that is not known.
+    start_s: time of the first sample on the clock that they share; None if it is not known.
 
     Raises DataError where the channels cannot be a recording, or the name no file's.
     """
@@ -47,6 +49,15 @@ class Recording:
     source: str = ""
     details: Mapping[str, Any] = field(default_factory=dict)
     channels: Mapping[str, Samples] = field(default_factory=dict)
+    session: str = ""
+    start_s: float | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"Recording({self.name!r}, {len(self.force_n)} samples at {1.0 / self.dt_s:.6g} Hz, "
+            f"{1e3 * self.position_m.min():.4g} to {1e3 * self.position_m.max():.4g} mm, "
+            f"{self.force_n.min():.4g} to {self.force_n.max():.4g} N)"
+        )
 
     def __post_init__(self) -> None:
         require_recording_name(self.name)
@@ -74,6 +85,11 @@ class Recording:
                 )
 
     @property
+    def signs_accepted(self) -> bool:
+        """Whether a person said on import that the signs are right, whatever the data say."""
+        return self.details.get("accepted_signs") is True
+
+    @property
     def rate_hz(self) -> float:
         return 1.0 / self.dt_s
 
@@ -92,6 +108,8 @@ class Recording:
             "force_delay_s": self.force_delay_s,
             "source": self.source,
             "details": dict(self.details),
+            "session": self.session,
+            "start_s": self.start_s,
         }
 
     @property

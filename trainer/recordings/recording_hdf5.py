@@ -38,6 +38,9 @@ def as_hdf5(recording: Recording) -> bytes:
         file.attrs["zero"] = recording.zero
         file.attrs["position_delay_s"] = recording.position_delay_s
         file.attrs["force_delay_s"] = recording.force_delay_s
+        if recording.session and recording.start_s is not None:
+            file.attrs["session"] = recording.session
+            file.attrs["start_s"] = recording.start_s
         # HDF5 holds UTF-8: of a path that is none, the bytes as \xff, for people.
         file.attrs["source"] = recording.source.encode("utf-8", "backslashreplace").decode()
         file.attrs["details"] = json.dumps(dict(recording.details), sort_keys=True)
@@ -70,6 +73,11 @@ def read_hdf5(path: Path) -> Recording:
     # The library raises whatever it meets.
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError,
             MemoryError) as error:  # fmt: skip
+        if not h5py.is_hdf5(path):
+            raise DataError(
+                f"{path}: not a springpot recording (this is no HDF5 file): make one with "
+                "`springpot import`"
+            ) from None
         reason = " ".join(str(error).split())
         raise DataError(
             f"{path}: not a springpot recording ({reason}): make one with `springpot import`"

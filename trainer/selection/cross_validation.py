@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.features import Features
 from springpot.trainer.kinds import fit_kind
+from springpot.trainer.models.contact import contact_of
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families, geometric_mean, repeats_apart
 from springpot.trainer.models.forests import depth_scale, fitted_forest
 from springpot.trainer.models.passive.passive_fit import passive_choice, term_columns
 from springpot.trainer.models.predict import predict_each_n
-from springpot.trainer.models.training_set import TrainingSet, contact_of, training_set
+from springpot.trainer.models.training_set import TrainingSet, training_set
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.spikes import hold_spikes
 
@@ -117,6 +118,7 @@ def part_of(recording: Recording, begin: float, end: float) -> Recording:
         position_m=recording.position_m[rows],
         force_n=recording.force_n[rows],
         channels={},
+        session="",  # what is left of a session has gaps
     )
 
 
@@ -196,8 +198,10 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
             kept, held = of_fitted.number != number, of_tested.number == number
             if kept.any() and held.any():
                 weights = passive.weights_without(family, number)
-                left_n, test_left_n = measured_n - values @ weights, test_n - test_values @ weights
-                folds.append(RowFold(family, kept, held, left_n, test_left_n))
+                if weights is not None:
+                    left_n = measured_n - passive.rows.given_n(values @ weights)
+                    test_left_n = test_n - passive.rows.given_n(test_values @ weights)
+                    folds.append(RowFold(family, kept, held, left_n, test_left_n))
     return FoldedRows(data, options.seed, fitted, tested, tuple(folds))
 
 

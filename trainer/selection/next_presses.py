@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.trainer.features.values import highpass
-from springpot.trainer.models.training_set import contact_of, depth_m
+from springpot.trainer.models.contact import contact_of, depth_m
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.spikes import LONGEST, hold_spikes
 

@@ -16,6 +16,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.quantisation import quantisation_over, rounded
 from springpot.trainer.features.values import feature_values
+from springpot.trainer.models.contact import depth_m
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.folds import recording_folds
 from springpot.trainer.models.forests import random_forest
@@ -27,7 +28,7 @@ from springpot.trainer.models.rf_fd import (
     fractional_features,
     window_samples,
 )
-from springpot.trainer.models.training_set import TrainingSet, depth_m
+from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
 _TREES = (0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0)  # of the trees asked for

@@ -30,5 +30,16 @@ int sp_selftest(void)
         to_bits(force_n) != 0) {
         return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
     }
+    /* Too long a silence: no force any more, whatever comes, until a reset. */
+    const sp_real deep_m = from_bits(golden_position[@DEEP@]);
+    int as_planned = (sp_idle(&state, @LONG@, &force_n) & SP_NOTE_LATCHED) && to_bits(force_n) == 0;
+    as_planned &= (sp_step(&state, deep_m, (sp_real)0, &force_n) & SP_NOTE_LATCHED) != 0;
+    as_planned &= to_bits(force_n) == 0;
+    sp_reset(&state);
+    const sp_real first_m = from_bits(golden_position[0]);
+    as_planned &= sp_step(&state, first_m, (sp_real)0, &force_n) == (int)golden_notes[0];
+    if (!as_planned) {
+        return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
+    }
     return 0;
 }

@@ -16,6 +16,16 @@ _OPTIONS = {
     "class": ("members:", "undoc-members:", "member-order: bysource"),
     "error": ("show-inheritance:",),
 }
+# What a package fills in or inherits from, whole (docs/how-to/extend.md); of others the first line.
+_EXTENDED = {
+    "console": ("LazyCommand",),
+    "devices": ("Driver", "Address", "DeviceRequirements", "OpenedDevice"),
+    "emission": ("FeatureStage", "RegressorStage", "Member"),
+    "modelling": (
+        "Kind", "Features", "Regressor", "TrainingSet", "FileFormat", "FileRequest", "RawChannels",
+    ),
+    "native": ("CLibrary",),
+}  # fmt: skip
 _DIRECTIVES = {"function": "autofunction", "class": "autoclass", "error": "autoexception"}
 
 
@@ -50,7 +60,12 @@ def public_module_list() -> str:
         lines += [
             f"- `{public}`{_first_line(getattr(module, public))}"
             for public in vars(module)["__all__"]
+            if public not in _EXTENDED.get(name, ())
         ]
+        lines += ["", "```{eval-rst}", f".. currentmodule:: springpot.{name}", ""]
+        for public in _EXTENDED.get(name, ()):
+            lines += [f".. autoclass:: {public}", "   :members:", "   :inherited-members:", ""]
+        lines.append("```")
     return "\n".join(lines)
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.host.metrics import Accuracy, accuracy, error_ratios, ratio_rows
+from springpot.host.stiffness import slope_errors, slope_keys, slope_words
 from springpot.host.validation.seen import seen_by, seen_line
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.recording import Recording
@@ -36,13 +37,15 @@ def training_rows(
     told = seen_line(result["seen"], tested) if found is not None else ""
     rows = {
         **({"training data": told} if told else {}),
-        "model": f"{fit.model.kind}, {', '.join(sizes)}, {out}",
+        "model": ", ".join([fit.model.kind, *sizes, str(out)]),
         "rows": f"{fit.rows} of {result['rows_total']}",
         "memory": f"{result['window_s']:.4g} s",
         "time": f"features {fit.feature_s:.2f} s, fit {fit.fit_s:.2f} s, "
         f"search {fit.search_s:.2f} s",
         "hash": result["hash"],
     }
+    if "law" in result:
+        rows["law"] = _law(result)
     if "reduced" in result:
         asked, reduced = result["asked"], result["reduced"]
         rows["reduced"] = (
@@ -76,28 +79,41 @@ def training_rows(
             f"{tested} validation recordings"
         )
         rows |= ratio_rows(result)
+        rows["slope error"] = slope_words(result)
     return rows
+
+
+def _law(result: dict[str, Any]) -> str:
+    """What the passive model does besides curves, branches and stops."""
+    surface = "; a surface that recovers while the tool is away" if result["recovers"] else ""
+    sessions = result["sessions"]
+    remembers = "; it remembers from one recording of a session to the next" if sessions else ""
+    return f"{result['law']}{surface}{remembers}"
 
 
 def errors(
     fit: "Fit", training: list[Recording], testing: list[Recording], compared_s: float
 ) -> tuple[Accuracy, dict[str, Any]]:
-    """The model's own error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
+    """The error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
+
+    Of the model itself, without a pull at a surface, as its C has none.
 
     Raises DataError for recordings of another rate or zero.
     """
-    from springpot.trainer.models.predict import predict_n
+    from springpot.trainer.models.limited import limited_each_n
     from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
     from springpot.trainer.recordings.smoothing import smoothed
 
     for recording in testing:
         require_compatible(recording, fit.model)
     known, new = ([smoothed(item, compared_s) for item in part] for part in (training, testing))
-    predicted_n = [predict_n(fit.model, recording) for recording in new]
+    # Those of one session come after the training ones, which the object remembers.
+    predicted_n = limited_each_n(fit.model, [*known, *new])[len(known) :]
     found = accuracy([recording.force_n for recording in new], predicted_n)
     shown = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n")
     return found, {
         "seen": seen_by(fit.model, testing),
         **{name: getattr(found, name) for name in shown},
         **error_ratios(found, find_noise_floor([*known, *new])),
+        **slope_keys(slope_errors(new, predicted_n)),
     }

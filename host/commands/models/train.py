@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     "--model",
     "kind",
     type=click.Choice(kind_names()),
-    required=True,
+    default="auto",
+    show_default=True,
     help="Model kind; auto: the one of lowest cross-validated error.",
 )
 @click.option(
@@ -144,8 +145,11 @@ def train(
     testing = read_recordings(map(Path, validation))
     if next_file is not None:
         require_surface(next_file, training)
-    report_quality(training)
+    said = {finding.text for finding in report_quality(training).findings}
     fit = _fitted(kind, out, training, testing, options)
+    for line in fit.warnings:
+        if line not in said:
+            say(f"warning: {line}")
     result = training_result(fit, options) | _written(fit, out)
     compared_s = smooth_s if smooth_validation else 0.0
     found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
@@ -179,10 +183,7 @@ def _fitted(
     options: "FitOptions",
 ) -> "Fit":
     with progress_bar(f"fitting {kind} on {len(training)} recordings"):
-        fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
-    for warning in fit.warnings:
-        say(f"warning: {warning}")
-    return fit
+        return fit_model(kind, out.stem.split(".")[0], training, options, testing)
 
 
 def _written(fit: "Fit", out: Path) -> dict[str, Any]:

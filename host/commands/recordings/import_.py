@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,6 +17,8 @@ from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 
 if TYPE_CHECKING:
+    from springpot.trainer.recordings.formats.specimen import Specimen
+    from springpot.trainer.recordings.quality.report import QualityReport
     from springpot.trainer.recordings.recording import Recording, Zero
 
 
@@ -37,11 +40,16 @@ class _AutoOrNumber(click.ParamType[Any]):
 
 
 AUTO_OR_N = _AutoOrNumber()
+# Files of a folder that may be recordings; others are named one by one.
+_OF_RECORDINGS = {
+    ".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".xlsx", ".tdms", ".mat", ".h5", ".hdf5",
+    ".blf", ".log", ".journal",
+}  # fmt: skip
 _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  # of a recording
 
 
 @click.command("import")
-@click.argument("files", nargs=-1, required=True, type=PATH, metavar="FILE...")
+@click.argument("files", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
 @click.option("--map", "map_text", metavar=EXAMPLE, help="COL: a header or a number from 1.")
 @click.option(
     "--zero",
@@ -62,6 +70,22 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 @click.option(
     "--mass-kg", type=NOT_NEGATIVE, default=0.0, help="Beyond the load cell: inertia is removed."
 )
+@click.option(
+    "--compliance",
+    "frame_npm",
+    type=NOT_NEGATIVE,
+    default=0.0,
+    metavar="N/M",
+    help="Stiffness of the machine's frame, N/m: its give is taken off the position.",
+)
+@click.option("--area", "area_m2", type=NOT_NEGATIVE, metavar="M2", help="Of stress: specimen's.")
+@click.option(
+    "--height",
+    "height_m",
+    type=NOT_NEGATIVE,
+    metavar="M",
+    help="Of strain: specimen's before the test.",
+)
 @click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
@@ -69,6 +93,12 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     metavar="auto|N",
     help="Put position 0 where force passes this; auto: just above the noise.",
 )
+@click.option(
+    "--rest-s",
+    type=NOT_NEGATIVE,
+    help="Time between the presses, if all are of one object in this order.",
+)
+@click.option("--accept-signs", is_flag=True, help="Take signs that the data speak against.")
 @click.option("--out", required=True, type=PATH, help="Folder to write into.")
 @json_option
 def import_(
@@ -83,50 +113,116 @@ def import_(
     force_delay_s: float,
     align: bool,
     mass_kg: float,
+    frame_npm: float,
+    area_m2: float | None,
+    height_m: float | None,
     tare: float | Literal["auto"] | None,
     contact_force: float | Literal["auto"] | None,
+    rest_s: float | None,
+    accept_signs: bool,
     out: Path,
     as_json: bool,
 ) -> None:
-    """Turn CSV, MAT, HDF5, Mach-1 text files, CAN logs and journals into recordings.
+    """Turn CSV, Excel, MAT, HDF5, TDMS, Mach-1 text files, CAN logs and journals into recordings.
 
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
     from springpot.host.console.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
-    from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+    from springpot.trainer.recordings.formats.importing import (
+        ImportOptions,
+        import_file,
+        one_session,
+    )
 
     mapping = parse_map(map_text) if map_text else None
     conditioning = Conditioning(
-        position_delay_s, force_delay_s, align, mass_kg, tare, contact_force
+        position_delay_s,
+        force_delay_s,
+        align,
+        mass_kg,
+        frame_npm,
+        tare,
+        contact_force,
+        accept_signs,
     )
-    options = ImportOptions(dbc, block, decimal, conditioning)
+    options = ImportOptions(dbc, block, decimal, conditioning, _specimen(area_m2, height_m))
+    if out.exists() and not out.is_dir():
+        raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
     with progress_bar("import"):
         results = [
             import_file(file, mapping, zero, resample_hz, options)
-            for file in counted(files, "reading")
+            for file in counted(_listed(files), "reading")
         ]
     for result in results:
         say(result.guess)
     recordings = [recording for result in results for recording in result.recordings]
+    if rest_s is not None:
+        recordings = one_session(recordings, rest_s)
     report = report_quality(recordings)
-    rows = [
-        {"file": str(file), **{key: figures[key] for key in _OF_REPORT}}
-        for file, figures in zip(_write(out, recordings), report.recordings, strict=True)
-    ]
+    rows = _rows(_write(out, recordings), report)
     if as_json:
         guess = "\n".join(result.guess for result in results)
         findings = [finding.metadata() for finding in report.findings]
         print_json({"out": out, "recordings": rows, "guess": guess, "findings": findings})
-        return
+    else:
+        _show(rows)
+
+
+def _specimen(area_m2: float | None, height_m: float | None) -> Specimen | None:
+    from springpot.trainer.recordings.formats.specimen import Specimen
+
+    if area_m2 is None and height_m is None:
+        return None
+    if area_m2 is None or height_m is None:
+        raise UsageError("--area, --height: stress needs the area, strain the height: pass both")
+    return Specimen(area_m2, height_m)
+
+
+def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
+    """Figures of each recording, with the file that it is in."""
+    from springpot.trainer.recordings.quality.plausible import glance
+
+    pairs = zip(files, report.recordings, report.checked, strict=True)
+    return [
+        {
+            "file": str(file),
+            **{key: figures[key] for key in _OF_REPORT},
+            "glance": glance(recording).words,
+        }
+        for file, figures, recording in pairs
+    ]
+
+
+def _show(rows: Sequence[dict[str, Any]]) -> None:
+    """Print two lines of each recording, or three where several were read."""
     for row in rows:
         (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]
         click.echo(
             f"{row['file']}  {row['samples']} samples at {row['rate_hz']:.6g} Hz, "
             f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N\n"
-            f"  {row['signs']['words']}"
+            f"  {row['glance']}" + (f"\n  {row['signs']['words']}" if len(rows) > 1 else "")
         )
+
+
+def _listed(paths: Sequence[Path]) -> list[Path]:
+    """The files, in order, with those of a folder in place of it. Raises UsageError for none."""
+    found: list[Path] = []
+    for path in paths:
+        if not path.is_dir():
+            found.append(path)
+            continue
+        inside = sorted(
+            file
+            for file in path.iterdir()
+            if file.is_file() and file.suffix.casefold() in _OF_RECORDINGS
+        )
+        if not inside:
+            kinds = ", ".join(sorted(_OF_RECORDINGS))
+            raise UsageError(f"{path}: no file in this folder ends in {kinds}: name the files")
+        found += inside
+    return found
 
 
 def _write(out: Path, recordings: list[Recording]) -> list[Path]:

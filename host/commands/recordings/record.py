@@ -50,6 +50,11 @@ if TYPE_CHECKING:
 @click.option(
     "--max-depth-mm", type=POSITIVE, default=30.0, show_default=True, help="Stop beyond this depth."
 )
+@click.option(
+    "--max-speed-mps",
+    type=POSITIVE,
+    help="Brake and stop beyond this speed into the object; default 0.6 (0.35 with --force).",
+)
 @json_option
 def record(
     url: str,
@@ -60,6 +65,7 @@ def record(
     object_name: str | None,
     max_force_n: float | None,
     max_depth_mm: float,
+    max_speed_mps: float | None,
     as_json: bool,
 ) -> None:
     """Drive a device under force control and write one recording for each profile.
@@ -87,7 +93,7 @@ def record(
     def on_press(quality: PressQuality) -> None:
         progress.update(task, description=quality.name, advance=quality.duration_s)
 
-    limits = Limits(max_force_n, max_depth_mm / 1e3)
+    limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     profiles = load_protocol(protocol, seed)
     total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
     measured = sensor_url is not None

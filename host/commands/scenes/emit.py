@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 
 
 @click.command(name="emit")
-@click.option("--scene", "scene_file", type=PATH, help="Scene file.")
+@click.option(
+    "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
+)
 @click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
 @click.option("--out", type=PATH, required=True, help="Folder to write.")
 @click.option(
@@ -69,8 +71,9 @@ def emit_(
     as_json: bool,
 ) -> None:
     """Emit the C source of a scene, or of a benchmark's pick (keys of --scene override it)."""
+    from springpot.codegen.model.model_file import read_model
     from springpot.host.emission.budget_fit import emit_fitting
-    from springpot.host.emission.scene_file import model_path, read_scene
+    from springpot.host.emission.scene_file import default_scene, model_path, read_scene
 
     scene = None if scene_file is None else read_scene(scene_file)
     stated = any(limit is not None for limit in (budget_us, flash, ram))
@@ -80,10 +83,12 @@ def emit_(
         limits = {"tick_us": budget_us, "flash_bytes": flash, "ram_bytes": ram}
         choose = required_part("bench-choice", "--pick and budgets")
         scene, model_file = choose(bench_folder, picked, limits, accept_unsafe, scene)
-    elif scene is None or scene_file is None:
-        raise UsageError("nothing to emit: give --scene FILE, or --pick NAME --bench DIR")
-    else:
+    elif scene is not None and scene_file is not None:
         model_file = model_file or model_path(scene, scene_file)
+    elif model_file is not None:
+        scene = default_scene(read_model(model_file))
+    else:
+        raise UsageError("nothing to emit: give --model, --scene, or --pick NAME --bench DIR")
     measured = _recordings(recordings, model_file) if recordings else []
     unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
     with progress_bar("emit"):

@@ -7,30 +7,40 @@ from typing import TYPE_CHECKING
 
 import click
 
+from springpot.codegen.errors import UsageError
 from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.stability.check import Stability
     from springpot.host.stability.closed_loop import Outcome
+    from springpot.host.stability.small_signal import Map
 
 
 @click.command(name="stability")
-@click.option("--scene", "scene_file", type=PATH, required=True)
+@click.option(
+    "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
+)
 @click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
 @click.option("--report", type=PATH, help="HTML page to write, with a picture of each.")
 @json_option
 def stability_(
-    scene_file: Path, model_file: Path | None, report: Path | None, as_json: bool
+    scene_file: Path | None, model_file: Path | None, report: Path | None, as_json: bool
 ) -> None:
     """Spectral radius, small-signal maps, and a closed loop with three hands."""
     from springpot.codegen.model.model_file import read_model
     from springpot.codegen.plan.plan import make_plan
-    from springpot.host.emission.scene_file import model_path, read_scene
-    from springpot.host.stability.check import require_stable, stability
+    from springpot.host.emission.scene_file import default_scene, model_path, read_scene
+    from springpot.host.stability.check import stability
 
-    scene = read_scene(scene_file)
-    model = read_model(model_file or model_path(scene, scene_file))
+    if scene_file is not None:
+        scene = read_scene(scene_file)
+        model = read_model(model_file or model_path(scene, scene_file))
+    elif model_file is not None:
+        model = read_model(model_file)
+        scene = default_scene(model)
+    else:
+        raise UsageError("nothing to check: give --model, --scene, or both")
     plan = make_plan(model, scene, accept_unsafe=True)
     with progress_bar("all cases, three hands, two delays"):
         found = stability(plan)
@@ -39,7 +49,7 @@ def stability_(
 
         write_stability_report(found, report)
     print_result(found.as_dict(), as_json, stability_rows(found))
-    require_stable(plan)
+    found.require_bounded()
 
 
 def stability_rows(found: Stability) -> dict[str, str]:
@@ -47,8 +57,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
     from springpot.host.stability.judgement import Grade, judged_cases
 
     checked = found.check
-    inside, outside = checked.model_map.active(False), checked.model_map.active(True)
-    judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.UNJUDGED]
+    judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.ENDS]
     doubtful = [item for item in judged if item.grade != Grade.GOOD]
     rows = {"verdict": found.recommendation}
     for item in doubtful:
@@ -63,12 +72,16 @@ def stability_rows(found: Stability) -> dict[str, str]:
         "two delays; --report FILE.html shows all, --json lists them",
         "spectral radius": f"{checked.spectral_radius:.4f}",
         "device": checked.plan.loop_device.words(checked.plan.dt_s),
-        "active cells, model": f"{inside[0]} of {inside[1]}, beyond the trained depth "
-        f"{outside[0]} of {outside[1]}",
+        "active cells, model": f"{_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",
         "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "
         f"object {1e-3 * found.stiff.coupling.felt_npm:.3g} N/mm",
     }
     return rows
+
+
+def _cells(found: Map) -> str:
+    inside, outside = found.active(False), found.active(True)
+    return f"{inside[0]} of {inside[1]}, beyond the trained depth {outside[0]} of {outside[1]}"
 
 
 def _named(outcome: Outcome) -> str:
@@ -76,14 +89,21 @@ def _named(outcome: Outcome) -> str:
 
 
 def _figures(outcome: Outcome) -> str:
-    """What an outcome measured; of lost samples, the change of force that is felt."""
+    """List what an outcome measured; of lost samples, what they did to the force."""
     if outcome.losses is not None:
+        found = outcome.losses
         return (
-            f"force changes by {outcome.losses.force_step_n:.3f} N a tick, without a loss by "
-            f"{outcome.losses.clean_force_step_n:.3f}"
+            f"{found.error_n:.2f} N off 10 ms after samples are back, {found.above_n:.2f} N above "
+            f"after 5 ms, {found.unpaid_n:.2f} N not paid for; "
+            f"{1e3 * found.returned_j:.1f} mJ returned of {1e3 * found.stored_j:.1f} stored"
         )
     return (
         f"{1e3 * outcome.max_depth_m:.2f} mm, {outcome.max_force_n:.2f} N, "
-        f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz, "
+        f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz, {_sway(outcome)}"
         f"{outcome.fidelity_percent:.1f} % fidelity error"
     )
+
+
+def _sway(outcome: Outcome) -> str:
+    slow_mps = outcome.vibration.lf_speed_mps
+    return "" if slow_mps is None else f"{1e3 * slow_mps:.2f} below, "

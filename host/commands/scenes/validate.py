@@ -50,11 +50,25 @@ def validate_(
     fail_on_mismatch(folder, validation)
 
 
+def _parts(validation: Validation) -> str:
+    """The model's own error, and what coupling, guard and limits make of it."""
+    alone_n, added_n = validation.model_rmse_n, validation.rendering_n
+    if alone_n is None or added_n is None:
+        return "not known"
+    words = f"{alone_n:.4g} N alone; coupling, guard and limits add {added_n:.4g} N (RMS)"
+    coupling = validation.manifest.get("coupling", {})
+    if added_n > alone_n and coupling.get("mode", "off") != "off":
+        felt = 1e-3 * coupling["felt_stiffness_npm"]
+        words += f": the hand feels {felt:.3g} N/mm through the coupling, see `springpot emit`"
+    return words
+
+
 def validation_rows(validation: Validation, felt: Sequence[str] = ()) -> dict[str, str]:
     """A person's view of a validation. felt: recordings that are logs of sessions."""
     from springpot.host.metrics import error_ratios, ratio_rows
     from springpot.host.session.note_words import notes_in_words
-    from springpot.host.validation.seen import seen_line
+    from springpot.host.stiffness import slope_keys, slope_words
+    from springpot.host.validation.seen import accepted_words, seen_line
 
     found, ticks = validation.accuracy, validation.ticks
     told = seen_line(validation.seen, len(validation.predicted_n))
@@ -65,6 +79,7 @@ def validation_rows(validation: Validation, felt: Sequence[str] = ()) -> dict[st
         "compared": f"{', '.join(felt)}: the calls of the session made again; the force sent is "
         "compared with that of the C, not with a measured object",
         "training data": told,
+        "signs": accepted_words(validation.manifest),
         "edited C": ", ".join(validation.edited),
         "samples": str(found.samples)
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
@@ -74,7 +89,9 @@ def validation_rows(validation: Validation, felt: Sequence[str] = ()) -> dict[st
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
+            "of which the model": _parts(validation),
             **ratio_rows(error_ratios(found, validation.floor)),
+            "slope error": slope_words(slope_keys(validation.slopes)),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",

@@ -29,8 +29,8 @@ struct sp_link {
     int ready;    /* takes forces; 0 until the device has answered a reset */
     int released; /* set by the loop: nothing holds the tool, no force acts on any axis */
 
-    /* Take all that has come: how many samples were new, the newest `room` of them at motions, in
-     * order; or negative. */
+    /* Take all that has come: how many samples were new, the newest `capacity` of them at
+     * motions, in order; or negative. */
     int (*read)(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity);
     /* Send a force (N, positive pushes the tool out): 0, 1 where there was no room, or negative. */
     int (*write)(sp_link *link, uint64_t now_ns, double force_n);

@@ -8,9 +8,9 @@
 /* springpot declarations begin */
 /* A Force Dimension device through the functions of its SDK, which one thread calls at a time.
  * position = sign * p[axis] - surface_m. The other axes are free, or drawn to a line by springs of
- * wall_npm, each of max_n at most. weight_n acts upwards, along the last axis, beside all else; it
- * rises within a second. A call that takes longer than max_call_s trips the link: meanwhile the
- * last force stayed. */
+ * wall_npm, each of max_n at most. weight_n acts upwards, along the last axis, beside all else.
+ * Both rise within a second, from zero after each reset or pause. A call that takes longer than
+ * max_call_s trips the link: meanwhile the last force stayed. */
 typedef struct {
     int (*get_position)(double *, double *, double *, char);
     int (*get_linear_velocity)(double *, double *, double *, char);
@@ -47,7 +47,9 @@ enum { LOOK_EVERY = 8 };
  * device is gone, where it gives no position either. */
 enum { MAX_UNTAKEN = 2 };
 static const uint64_t gone_ns = 100000000; /* without a position */
-static const double rise_s = 1.0;          /* of what holds the handle up */
+static const double rise_s = 1.0;          /* of what holds the tool */
+/* Of max_n: a wall's growth at a force, wherever the tool is when it is seen again. */
+static const double wall_growth = 0.25;
 /* A wall's damping in seconds of its stiffness: what the SDK's own estimate of velocity bears. */
 static const double wall_damping_s = 0.005;
 
@@ -56,8 +58,9 @@ typedef struct {
     sp_dhd dhd;
     double at_m[AXES];
     double at_mps[AXES];
-    uint64_t good_ns; /* of the last call that succeeded */
-    uint64_t held_ns; /* since when it holds the handle up; 0: not yet */
+    double wall_n[AXES]; /* given last; the first one after a pause is zero by its share */
+    uint64_t good_ns;    /* of the last call that succeeded */
+    uint64_t held_ns;    /* since when it holds the tool; 0: not yet */
     uint32_t looks;
     uint32_t untaken;
     uint32_t unread;
@@ -158,18 +161,28 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
     return self->tripped ? SP_LINK_TRIPPED : fresh;
 }
 
-/* What holds the tool on its line, and its handle up. */
-static double held_n(const device *self, uint64_t now_ns, int axis)
+/* What draws the tool to its line along an axis, a step above the last such force at most. */
+static double wall_n(const device *self, int axis, double share)
 {
     const sp_dhd *dhd = &self->dhd;
-    const double share = fmin(1e-9 * (double)(now_ns - self->held_ns) / rise_s, 1.0);
-    double force_n = axis == UP ? share * dhd->weight_n : 0.0;
-    if (axis != dhd->axis && dhd->wall_npm > 0) {
-        const double wall_n = -dhd->wall_npm * (self->at_m[axis] - dhd->line_m[axis] +
-                                                wall_damping_s * self->at_mps[axis]);
-        force_n += wall_n > dhd->max_n ? dhd->max_n : wall_n < -dhd->max_n ? -dhd->max_n : wall_n;
+    if (axis == dhd->axis || !(dhd->wall_npm > 0)) {
+        return 0.0;
     }
-    return force_n;
+    const double spring_n =
+        -share * dhd->wall_npm *
+        (self->at_m[axis] - dhd->line_m[axis] + wall_damping_s * self->at_mps[axis]);
+    const double step_n = wall_growth * dhd->max_n;
+    const double lower_n = fmax(fmin(self->wall_n[axis], 0.0) - step_n, -share * dhd->max_n);
+    const double upper_n = fmin(fmax(self->wall_n[axis], 0.0) + step_n, share * dhd->max_n);
+    return fmin(fmax(spring_n, lower_n), upper_n);
+}
+
+/* What holds the tool on its line, and its handle up. */
+static double held_n(device *self, uint64_t now_ns, int axis)
+{
+    const double share = fmin(1e-9 * (double)(now_ns - self->held_ns) / rise_s, 1.0);
+    self->wall_n[axis] = wall_n(self, axis, share);
+    return self->wall_n[axis] + (axis == UP ? share * self->dhd.weight_n : 0.0);
 }
 
 static int write_device(sp_link *link, uint64_t now_ns, double force_n)

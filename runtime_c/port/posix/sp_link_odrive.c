@@ -48,6 +48,11 @@ typedef struct {
 } can_frame;
 _Static_assert(sizeof(can_frame) == 16, "as the kernel and the bridge lay it out");
 static const uint32_t standard_id = 0x7ff;
+/* What a reset sends, in this order: the limits of the drive before it gives torque. */
+static const uint32_t arming[] = {CLEAR_ERRORS, LIMITS, CONTROLLER_MODE, AXIS_STATE};
+enum { ARMED = sizeof arming / sizeof *arming };
+/* For so long after the reset; then the loop has given the drive up. */
+static const uint64_t max_arming_ns = 1000000000;
 static const double two_pi = 6.283185307179586;
 /* Of the greatest torque: the scene's forces are float32, and set up to a millionth. */
 static const double rounding = 2e-6;
@@ -59,6 +64,9 @@ typedef struct {
     uint32_t used;
     uint8_t rest[LINE]; /* of a line that went out only in part */
     uint32_t left;
+    int begun;      /* the last frame went out, or its rest will */
+    uint32_t armed; /* of `arming`, how many were sent */
+    uint64_t reset_ns;
     int tripped;
     double measured_n;
 
@@ -233,7 +241,8 @@ static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t si
     }
     const uint32_t sent = (uint32_t)put;
     /* A line that was not begun is dropped: the next force is newer. */
-    const uint32_t end = sent > self->left ? used : self->left;
+    self->begun = sent > self->left;
+    const uint32_t end = self->begun ? used : self->left;
     self->left = 0;
     for (uint32_t i = sent; i < end && self->left < LINE; i++) {
         self->rest[self->left++] = text[i];
@@ -250,7 +259,37 @@ static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
     can_frame frame = {.id = id, .size = BYTES};
     memcpy(frame.data, data, BYTES);
     const int put = sp_link_put(self->link.fd, (const uint8_t *)&frame, sizeof frame);
+    self->begun = put == (int)sizeof frame;
     return put < 0 ? SP_LINK_GONE : put < (int)sizeof frame;
+}
+
+static int send_arming(odrive *self, uint32_t command)
+{
+    uint8_t data[BYTES] = {0};
+    if (command == LIMITS) {
+        put_real(data, self->drive.max_turns_per_s);
+        put_real(data + 4, self->drive.max_current_a);
+    } else if (command == CONTROLLER_MODE) {
+        put_u32(data, TORQUE_CONTROL);
+        put_u32(data + 4, PASSTHROUGH);
+    } else if (command == AXIS_STATE) {
+        put_u32(data, CLOSED_LOOP);
+    }
+    return send_frame(self, command, data);
+}
+
+/* What is left of the arming, in order: 0, 1 where there was no room for all, or negative. */
+static int go_on_arming(odrive *self, uint64_t now_ns)
+{
+    int put = 0;
+    if (now_ns - self->reset_ns > max_arming_ns) {
+        self->armed = ARMED;
+    }
+    while (put == 0 && self->armed < ARMED) {
+        put = send_arming(self, arming[self->armed]);
+        self->armed += put >= 0 && self->begun;
+    }
+    return put;
 }
 
 static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
@@ -260,12 +299,12 @@ static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
     uint8_t data[BYTES] = {0};
     const double most_nm = drive->max_torque_nm;
     const double torque_nm = -drive->sign * force_n * drive->m_per_turn / two_pi;
-    (void)now_ns;
     if (!(fabs(torque_nm) <= most_nm * (1 + rounding))) {
         return SP_LINK_TRIPPED; /* the session was set up wrongly: no force is better than less */
     }
     put_real(data, fmax(-most_nm, fmin(torque_nm, most_nm)));
-    const int put = send_frame(self, INPUT_TORQUE, data);
+    int put = go_on_arming(self, now_ns);
+    put = put == 0 ? send_frame(self, INPUT_TORQUE, data) : put;
     link->unsent += put == 1;
     return put;
 }
@@ -273,20 +312,11 @@ static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
 static void reset_odrive(sp_link *link, uint64_t now_ns)
 {
     odrive *self = (odrive *)link;
-    uint8_t data[BYTES] = {0};
-    (void)send_frame(self, CLEAR_ERRORS, data);
-    put_real(data, self->drive.max_turns_per_s);
-    put_real(data + 4, self->drive.max_current_a);
-    (void)send_frame(self, LIMITS, data);
-    put_u32(data, TORQUE_CONTROL);
-    put_u32(data + 4, PASSTHROUGH);
-    (void)send_frame(self, CONTROLLER_MODE, data);
-    put_u32(data, CLOSED_LOOP);
-    put_u32(data + 4, 0);
-    (void)send_frame(self, AXIS_STATE, data);
-    (void)now_ns;
     self->link.ready = 0;
     self->tripped = 0;
+    self->armed = 0;
+    self->reset_ns = now_ns;
+    (void)go_on_arming(self, now_ns);
 }
 
 uint32_t sp_link_odrive_size(void)
@@ -300,6 +330,7 @@ sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive)
     *self = (odrive){
         .link = {.fd = fd, .read = read_odrive, .write = write_odrive, .reset = reset_odrive},
         .drive = *drive,
+        .armed = ARMED,
         .measured_n = (double)NAN};
     return &self->link;
 }

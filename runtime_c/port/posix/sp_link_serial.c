@@ -16,9 +16,8 @@ typedef struct {
     sp_wire_receiver receiver;
     uint32_t sequence;
     double surface_m;
-    sp_wire_command command; /* under way until its ack */
-    uint32_t first_command;  /* sequence: it was sent as this, and again */
-    uint32_t last_command;
+    sp_wire_command command;   /* under way until its ack */
+    uint32_t command_sequence; /* of all its copies: it acts once */
     uint64_t command_ns;
     int tripped;
 } serial;
@@ -31,9 +30,9 @@ static const uint64_t command_again_ns = 50000000;
 static void send_command(serial *self, uint64_t now_ns)
 {
     uint8_t bytes[SP_WIRE_MAX_BYTES];
-    self->last_command = self->sequence;
+    uint32_t sequence = self->command_sequence;
     self->command_ns = now_ns;
-    const uint32_t count = sp_wire_send_command(&self->sequence, &self->command, bytes);
+    const uint32_t count = sp_wire_send_command(&sequence, &self->command, bytes);
     (void)sp_link_put(self->link.fd, bytes, count);
 }
 
@@ -42,8 +41,7 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
 {
     sp_wire_sample sample;
     sp_wire_ack ack;
-    if (sp_wire_get_ack(frame, &ack) && !ack.refused &&
-        ack.command - self->first_command <= self->last_command - self->first_command) {
+    if (sp_wire_get_ack(frame, &ack) && !ack.refused && ack.command == self->command_sequence) {
         self->link.ready = 1;
     }
     if (!sp_wire_get_sample(frame, &sample)) {
@@ -105,7 +103,7 @@ static void reset_serial(sp_link *link, uint64_t now_ns)
 {
     serial *self = (serial *)link;
     self->command.action = SP_WIRE_RESET;
-    self->first_command = self->sequence;
+    self->command_sequence = self->sequence++;
     self->tripped = 0;
     link->ready = 0;
     send_command(self, now_ns);

@@ -77,16 +77,6 @@ static void first_deadline(sp_loop *self)
                        : UINT64_MAX;
 }
 
-static void stop_device(sp_loop *self)
-{
-    for (int i = 0; i < 3 && self->link != NULL; i++) {
-        self->link->released = 1;
-        if (self->link->write(self->link, sp_loop_now(), 0.0) == SP_LINK_GONE) {
-            sp_loop_lose_link(self);
-        }
-    }
-}
-
 static void *run(void *argument)
 {
     sp_loop *self = (sp_loop *)argument;
@@ -113,7 +103,7 @@ static void *run(void *argument)
             self->reason = SP_STOP_TIME;
         }
     }
-    stop_device(self);
+    sp_loop_stop_device(self);
     if (self->reason == SP_STOP_ASKED || self->reason == SP_STOP_TIME) {
         sp_loop_settle(self);
     }

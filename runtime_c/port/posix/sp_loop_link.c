@@ -5,6 +5,10 @@
 #include "sp_loop_self.h"
 
 static const uint64_t max_arming_ns = 1000000000;
+/* Zero at the end: so often, since one may be lost; a full buffer is tried again for so long. */
+enum { ZEROS = 3 };
+static const uint64_t max_stopping_ns = 200000000;
+static const uint64_t stopping_step_ns = 1000000;
 
 uint64_t sp_loop_now(void)
 {
@@ -46,4 +50,27 @@ int sp_loop_at_work(sp_loop *self)
         }
     }
     return !self->paused && !self->tripped && !self->arming_ns;
+}
+
+void sp_loop_stop_device(sp_loop *self)
+{
+    const uint64_t end_ns = sp_loop_now() + max_stopping_ns;
+    int taken = 0;
+    while (self->link != NULL && taken < ZEROS) {
+        const uint64_t now_ns = sp_loop_now();
+        self->link->released = 1;
+        const int put = self->link->write(self->link, now_ns, 0.0);
+        if (put == SP_LINK_GONE) {
+            sp_loop_lose_link(self);
+        } else if (put <= 0) {
+            taken++;
+        } else if (now_ns >= end_ns) {
+            break;
+        } else {
+            const uint64_t then_ns = now_ns + stopping_step_ns;
+            const struct timespec then = {.tv_sec = (time_t)(then_ns / 1000000000u),
+                                          .tv_nsec = (long)(then_ns % 1000000000u)};
+            (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &then, NULL);
+        }
+    }
 }

@@ -75,6 +75,8 @@ void sp_loop_lose_link(sp_loop *self);
 void sp_loop_trip(sp_loop *self);
 /* Ask the device to take forces. */
 void sp_loop_make_ready(sp_loop *self);
+/* At the end: zero force until it was taken three times, or for a fifth of a second. */
+void sp_loop_stop_device(sp_loop *self);
 /* Whether the scene may be called: no force reaches a device that is not ready. */
 int sp_loop_at_work(sp_loop *self);
 

@@ -135,13 +135,14 @@ static void check_rate(sp_loop *self)
     }
 }
 
-/* Send what the scene returned last, or zero where it must be; whether it is zero by that. */
+/* Send what the scene returned last, unless the next period has begun too, or zero where it must
+ * be, which does not wait; whether it is zero by that. */
 static int send_force(sp_loop *self, int behind, int *put)
 {
     const int silent = self->reason || !sp_loop_at_work(self);
     const double force_n = silent ? 0.0 : self->row.returned_n;
     *put = 1;
-    if (self->link != NULL && !behind) {
+    if (self->link != NULL && (silent || !behind)) {
         self->link->released = silent || self->latched;
         *put = self->link->write(self->link, sp_loop_now(),
                                  self->config.reversed ? -force_n : force_n);

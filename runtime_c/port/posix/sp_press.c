@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sp_press_watch.h"
+
 static double next_command(sp_press *press)
 {
     return press->at < press->n ? press->command_n[press->at++] : 0.0;
@@ -13,8 +15,8 @@ static int push(sp_press *press, double motor_n, double *force_n)
     press->motor_n[press->tick % SP_PRESS_PAST] = limited_n;
     press->past_n[press->tick % SP_PRESS_PAST] = press->tool_n;
     press->tick++;
-    press->latched = press->latched || !isfinite(motor_n);
-    *force_n = press->latched ? 0.0 : -limited_n;
+    press->latched = press->latched || !isfinite(motor_n) || press->fault != SP_PRESS_NO_FAULT;
+    *force_n = press->latched ? brake_n(press) : -limited_n;
     return press->latched ? press->latched_note : 0;
 }
 
@@ -78,6 +80,7 @@ static int follow_command(sp_press *press, double position_m, double *force_n)
     const double command_n = next_command(press);
     double motor_n = command_n;
     press->silent_s = 0.0;
+    watch(press, position_m);
     if (press->mass_kg > 0.0) {
         predict(press);
         correct(press, position_m);
@@ -124,4 +127,5 @@ void sp_press_reset(sp_press *press)
     press->silent_s = 0.0;
     press->seen = 0;
     press->latched = 0;
+    forget_watch(press);
 }

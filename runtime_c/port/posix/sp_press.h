@@ -8,7 +8,9 @@
  * the motor gets too: the sensor's delay is in this slow comparison and nowhere else. A damper on
  * the observer's velocity, which is not late, takes the resonance of tool and object away.
  *
- * Without samples for the watchdog's time the press is over: no force, latched. */
+ * Without samples for the watchdog's time the press is over: no force, latched. So it is where
+ * sp_press_watch.h finds a fault: a tool that runs away, which is braked first, a sensor that does
+ * not measure what the motor gives, a control that rings. */
 #ifndef SP_PRESS_H
 #define SP_PRESS_H
 
@@ -16,6 +18,14 @@
 
 /* springpot declarations begin */
 #define SP_PRESS_PAST 64u /* ticks: more than any delay */
+#define SP_PRESS_SLOPE 5u /* positions that a speed is of */
+
+enum { /* what ended a press */
+       SP_PRESS_NO_FAULT = 0,
+       SP_PRESS_FAST = 1,
+       SP_PRESS_UNLIKE = 2, /* motor and sensor */
+       SP_PRESS_RINGS = 3
+};
 
 typedef struct {
     const double *command_n; /* one value a tick, positive into the object */
@@ -46,6 +56,19 @@ typedef struct {
     double silent_s;
     int32_t seen; /* a position */
     int32_t latched;
+    double max_mps; /* into the object; 0: nothing is watched */
+    int32_t fault;
+    double place_m[SP_PRESS_SLOPE]; /* and when; the newest is the `places`th */
+    uint32_t place_tick[SP_PRESS_SLOPE];
+    uint32_t places;
+    double speed_mps;
+    double braked_s;
+    double mean_motor_n; /* over a tenth of a second */
+    double mean_measured_n;
+    double unlike_s;
+    int32_t way; /* -1, 1: of the last motion that was not slow */
+    uint32_t turn_tick;
+    uint32_t turns; /* one quickly after the other */
 } sp_press;
 
 int sp_press_step(sp_press *press, double position_m, double velocity_mps, double *force_n);

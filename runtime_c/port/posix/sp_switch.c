@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sp_loop_self.h"
+#include "sp_notes.h"
 
 void sp_switch_want(sp_switch *places, int32_t place)
 {
@@ -30,7 +31,8 @@ static void reset_scene(sp_switch *places)
 static void change_place(sp_switch *places, sp_real position_m)
 {
     const int32_t wanted = __atomic_load_n(&places->wanted, __ATOMIC_ACQUIRE);
-    const int quiet = (position_m <= 0) && (fabs(places->force_n) <= places->faded_n);
+    const int quiet =
+        (places->latched == 0) && (position_m <= 0) && (fabs(places->force_n) <= places->faded_n);
     if ((wanted != places->active) && quiet && (wanted >= 0) && (wanted < SP_SWITCH_PLACES)) {
         __atomic_store_n(&places->active, wanted, __ATOMIC_RELEASE);
         reset_scene(places);
@@ -43,6 +45,7 @@ static int noted(sp_switch *places, int notes, sp_real force_n)
     int whole = notes;
     places->force_n = (double)force_n;
     if (notes >= 0) {
+        places->latched = ((unsigned)notes & (unsigned)SP_NOTE_LATCHED) != 0u;
         whole += places->active * (int)SP_SWITCH_PLACE_NOTE;
         whole += (places->reset != 0) ? (int)SP_SWITCH_RESET_NOTE : 0;
         places->reset = 0;
@@ -89,5 +92,6 @@ int sp_switch_idle(sp_switch *places, sp_real dt_s, sp_real *force_n)
 void sp_switch_reset(sp_switch *places)
 {
     places->force_n = 0;
+    places->latched = 0;
     reset_scene(places);
 }

@@ -4,6 +4,9 @@
  * that comes is reset, and touched from rest. Every step lasts `latency_ns`, whichever scene is
  * felt, so that the time to the force cannot tell one from the other; a step that takes longer is
  * counted. Place 0 gives no force; so does a place without a scene: a real object lies there.
+ *
+ * Where the watchdog of a scene has latched, that scene stays, whatever is wanted: only
+ * sp_switch_reset, which a person asks for, takes the force back.
  */
 #ifndef SP_SWITCH_H
 #define SP_SWITCH_H
@@ -33,6 +36,7 @@ typedef struct {
     int32_t wanted; /* set by another thread */
     int32_t active; /* read by another thread */
     int32_t reset;  /* the next step is the first of its scene */
+    int32_t latched;
     double force_n; /* returned last */
     uint64_t overruns;
     uint64_t max_ns; /* longest step of a scene */

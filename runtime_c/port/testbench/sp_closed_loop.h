@@ -64,12 +64,6 @@ typedef struct {
  * Returns 0, or a negative status of the simulated hand. */
 int sp_closed_loop_press(const sp_closed_loop_scene *scene, sim_tool *hand, uint64_t ticks,
                          double dt_s, double reach_m, uint64_t seed, sp_closed_loop_presses *found);
-
-/* `ticks` samples, half of them random bit patterns, half a plausible motion with faults; the
- * scene is reset where it latched. Returns how many forces were not finite or outside
- * [min_n, max_n]. */
-uint64_t sp_closed_loop_fuzz(const sp_closed_loop_scene *scene, uint64_t ticks, double depth_m,
-                             double dt_s, double min_n, double max_n, uint64_t seed);
 /* springpot declarations end */
 
 #endif

@@ -43,7 +43,7 @@
 /* Host: do it. After STOP the motor is without force. The device's watchdog counts from the first
  * FORCE on; once it has tripped, only START, PRESS and RESET take forces again. */
 #define SP_WIRE_COMMAND(FIELD) \
-    FIELD(u8, action)           /* SP_WIRE_STOP, _START: a hand will be given forces, _RESET, _PRESS: an object is pressed */ \
+    FIELD(u8, action)           /* SP_WIRE_STOP, _START: a hand will be given forces, _RESET, _PRESS: an object is pressed, _REPLAY: a board takes FEED as fast as it comes, its motor without force */ \
     FIELD(f32, watchdog_s)      /* silence of the host after which the force goes to zero */ \
     FIELD(f32, rate_hz)         /* samples a second that the host wants */
 
@@ -78,7 +78,7 @@
     FIELD(u8, notes)
 
 enum { SP_WIRE_SIMPLE = 0, SP_WIRE_RENDERS = 1 };
-enum { SP_WIRE_STOP = 0, SP_WIRE_START = 1, SP_WIRE_RESET = 2, SP_WIRE_PRESS = 3 };
+enum { SP_WIRE_STOP = 0, SP_WIRE_START = 1, SP_WIRE_RESET = 2, SP_WIRE_PRESS = 3, SP_WIRE_REPLAY = 4 };
 enum { SP_WIRE_REFUSED_ACTION = 1, SP_WIRE_REFUSED_RATE = 2, SP_WIRE_REFUSED_WATCHDOG = 3 };
 enum { SP_WIRE_TRIPPED = 1, SP_WIRE_RUNNING = 2, SP_WIRE_LOAD_CELL = 4 };
 enum { SP_WIRE_IDLE = 1, SP_WIRE_WAS_RESET = 2 };

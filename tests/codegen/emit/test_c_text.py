@@ -5,7 +5,7 @@ import re
 from support.c.golden_forces import model
 from support.c.single import plan_of
 
-from springpot.codegen.emit.c_blocks import top_level_blocks, without_unused
+from springpot.codegen.emit.c_blocks import code_of, top_level_blocks, without_unused
 from springpot.codegen.emit.files import regressor_tables, stage_tables
 from springpot.codegen.emit.glue import constants
 from springpot.codegen.literals import members_text
@@ -78,6 +78,7 @@ STRUCTS = {
     "sp_range_config",
     "sp_output_config",
     "sp_couple_config",
+    "sp_energy_config",
     "sp_hammerstein_config",
     "sp_hammerstein_tables",
     "sp_forest",
@@ -90,7 +91,7 @@ def members_of(struct: str) -> list[str]:
         text = header.read_text()
         if (end := text.find(f"}} {struct};")) >= 0:
             begin = text.rindex("typedef struct {", 0, end)
-            return re.findall(r"(\w+)(?:\[\d+\])?;", text[begin:end])
+            return re.findall(r"(\w+)(?:\[[^]]+\])?;", code_of(text[begin:end]))
     raise AssertionError(f"no header defines {struct}")
 
 

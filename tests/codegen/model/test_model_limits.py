@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from support.messages import refusing
+from support.small import damage, flow
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import (
@@ -19,15 +20,17 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.field_types import MAX_NUMBER, require_types
-from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.model import Model, TrainedRange
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
 
 ones = np.ones
 PASSIVE = Hammerstein(
-    basis="powers", origin_m=0.0, span_m=0.01, elastic_n=ones(3), tau_s=ones(2),
+    origin_m=0.0, span_m=0.01, elastic_n=ones(3), tau_s=ones(2),
     branch_n=ones((2, 3)), radius_m=ones(1), stop_n=ones((1, 3)), bias_n=0.0,
 )  # fmt: skip
+FLOW, DAMAGE = flow(1.0), damage(ones(3))
 RANGE = TrainedRange(min_m=0.0, max_m=0.01, max_mps=0.1, min_n=0.0, max_n=3.0)
 FIR = FirBank((0.25, 0.5), ones((4, 2)))
 FAST = FastFirBank((0.25, 0.5), ones(3), length=10, weights=ones((6, 2)))  # two direct taps
@@ -71,7 +74,6 @@ NUMBERS: list[tuple[Any, str, list[Any], list[Any]]] = [
     (PASSIVE, "origin_m", [-100.0, 100.0], [-100.1, 100.1]),
     (PASSIVE, "n_by_depth", [2], [-1, 3]),
     (PASSIVE, "rate_ratio", [1e-4, 1e4], [0.999e-4, 1.001e4]),
-    (PASSIVE, "stretch", [30.0], [-1e-9, 30.1]),
     (PASSIVE, "tau_s", [], [np.array([1.0, 0.0])]),
     (PASSIVE, "radius_m", [], [np.zeros(1)]),
     *[(PASSIVE, name, [np.zeros_like(getattr(PASSIVE, name))],
@@ -93,7 +95,7 @@ NUMBERS: list[tuple[Any, str, list[Any], list[Any]]] = [
 ]  # fmt: skip
 # part, arrays of another shape than its others ask for
 SHAPES: list[tuple[Any, dict[str, Any]]] = [
-    (PASSIVE, {"elastic_n": ones(4), "tau_s": ones((2, 1)), "branch_n": ones((1, 3)),
+    (PASSIVE, {"elastic_n": ones((3, 1)), "tau_s": ones((2, 1)), "branch_n": ones((1, 3)),
                "radius_m": ones((1, 1)), "stop_n": ones((2, 3))}),
     (FIR, {"taps": ones((4, 3))}),
     (FAST, {"tau_ticks": ones((3, 1)), "weights": ones((6, 3))}),
@@ -110,6 +112,7 @@ TAKEN: list[tuple[Any, dict[str, Any]]] = [
     (MODEL, {"provenance": {"material": LAW}, "hammerstein": None}),
     (PASSIVE, terms(TERMS, TERMS)),
     (PASSIVE, terms(0, 0)),
+    (PASSIVE, {"flow": FLOW, "damage": DAMAGE, "recovers": True}),
     (bank(FIR, (0.0, 1.0)), {}),
     (bank(FIR, (0.5,)), {}),
     (bank(FIR, (0.5,) * TERMS), {}),
@@ -132,7 +135,14 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     (MODEL, {"features": dataclasses.replace(FIR, taps=ones((0, 2)))}, "features.taps: "),
     (MODEL, {"regressor": dataclasses.replace(LEAF, weight=0.0)}, "regressor.weight: "),
     (MODEL, {"hammerstein": dataclasses.replace(PASSIVE, span_m=0.0)}, "hammerstein.span_m: "),
-    (PASSIVE, {"basis": "ramps"}, "elastic_n: shape (3,), not (8,)"),
+    (PASSIVE, {"elastic_n": ones(8)}, "branch_n: shape (2, 3), not (2, 8)"),
+    (PASSIVE, {"elastic_n": ones(0)}, "elastic_n: 0 nodes"),
+    (PASSIVE, {"flow": dataclasses.replace(FLOW, force_n=-FLOW.force_n)}, "flow.force_n: -"),
+    (PASSIVE, {"damage": dataclasses.replace(DAMAGE, curve_n=ones((4, 8)))}, "damage.curve_n: "),
+    (FLOW, {"power": np.array([3, 2])}, "power: not all of (3, 5)"),
+    (FLOW, {"degree": np.array([1, 3])}, "degree: not all of (1, 2, 4)"),
+    (FLOW, {"rate_ps": np.array([1.0, 0.0])}, "rate_ps: 0 is not above 0"),
+    (FLOW, {"force_n": ones(3)}, "force_n: shape (3,), not (2,)"),
     (PASSIVE, terms(TERMS + 1, 0), "tau_s, radius_m: "),
     (PASSIVE, terms(0, TERMS + 1), "tau_s, radius_m: "),
     *[(bank(part, ()), {}, "orders: ()") for part in (FIR, FAST, RECURSIVE)],

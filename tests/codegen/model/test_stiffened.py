@@ -36,7 +36,8 @@ KINDS = {
 
 
 def forces(model: Model, number: str, *motions_m: np.ndarray) -> list[np.ndarray]:
-    asked = replace(scene(number=number), guard=Guard(outside="fallback"))
+    # Steps of an encoder do not scale with the object: no account of energy.
+    asked = replace(scene(number=number), guard=Guard(outside="fallback", energy="off"))
     plan = make_plan(model, asked, accept_unsafe=True)
     with built(plan) as library:
         return [library.new_state().run(x, np.zeros_like(x))[0] for x in motions_m]

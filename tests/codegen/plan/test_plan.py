@@ -8,6 +8,7 @@ from springpot.codegen.errors import UnsafeError, UsageError
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.notes import (
     CLAMPED,
+    ENERGY,
     HELD,
     LATCHED,
     LIMITED,
@@ -84,7 +85,7 @@ def test_large_forests_are_not_for_m2cgen() -> None:
 def test_note_bits_are_the_headers() -> None:
     text = (INCLUDE / "sp_notes.h").read_text()
     bits = {"HELD": HELD, "RESYNC": RESYNC, "OUTSIDE": OUTSIDE, "CLAMPED": CLAMPED,
-            "RAMPED": RAMPED, "LATCHED": LATCHED, "LIMITED": LIMITED}  # fmt: skip
+            "RAMPED": RAMPED, "LATCHED": LATCHED, "LIMITED": LIMITED, "ENERGY": ENERGY}  # fmt: skip
     for name, bit in bits.items():
         assert f"SP_NOTE_{name} = {bit}" in text
         assert NOTE_NAMES[bit] == name.lower()

@@ -15,6 +15,7 @@ from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.reference import run as codegen_reference
 from springpot.codegen.reference.notes import (
     CLAMPED,
+    ENERGY,
     HELD,
     LATCHED,
     LIMITED,
@@ -117,18 +118,18 @@ def test_same_bits_where_the_reference_finds_the_proxy(
 
 
 def test_hostile_motion_raises_every_note() -> None:
-    plan = make_plan(small_model(), scene(mode="tool"))
+    plan = make_plan(small_model().stiffened(4.0), scene(mode="tool"))
     seen = 0
     for seed in (1, 2, 3):
         seen |= int(np.bitwise_or.reduce(run_reference(plan, wandering(seed)).notes))
-    assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED | LIMITED
+    assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED | LIMITED | ENERGY
 
 
 def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
     tmp_path: Path,
 ) -> None:
     chosen = scene(mode="proxy")
-    emit(chosen, model_file(tmp_path), tmp_path / "c")
+    emit(chosen, model_file(tmp_path, small_model()), tmp_path / "c")
     plan = make_plan(small_model(), chosen)
     library = SceneLibrary(tmp_path / "c")
     position = wandering(5, 1200).astype(plan.dtype)

@@ -1,4 +1,4 @@
-"""Samples that stay away: the C and its reference agree, the force comes back without a kick."""
+"""Samples that stay away: the C and its reference agree to the bit, and too long is latched."""
 
 from dataclasses import replace
 from functools import cache
@@ -11,6 +11,7 @@ from support.small import DT_S, scene
 from springpot.codegen.arrays import Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.reference.guarding import SILENCE_WORTH
 from springpot.codegen.reference.notes import HELD, LATCHED
 from springpot.codegen.reference.run import run_reference
 from springpot.host.native.replay import Replay
@@ -44,7 +45,7 @@ def strokes(plan: Plan, ticks: int, low: float = 0.1, speed: float = 1.0) -> Sam
 
 
 def gaps(plan: Plan, ticks: int, seed: int) -> np.ndarray:
-    """Whether each tick, (ticks,), has no sample: gaps up to the watchdog's, samples between."""
+    """Whether each tick, (ticks,), has no sample: gaps that are made up for before the next."""
     rng = np.random.default_rng(seed)
     longest = round(plan.watchdog_s / plan.dt_s)
     lost = np.zeros(ticks, dtype=bool)
@@ -52,7 +53,7 @@ def gaps(plan: Plan, ticks: int, seed: int) -> np.ndarray:
     while i < ticks - longest:
         gap = int(rng.integers(1, longest + 1))
         lost[i : i + gap] = True
-        i += gap + int(rng.integers(1, 100))
+        i += gap + int(gap / SILENCE_WORTH) + int(rng.integers(1, 60))
     return lost
 
 
@@ -101,39 +102,6 @@ def test_a_run_without_a_sample_gives_no_force() -> None:
     nothing = run_reference(plan, np.full(40, np.nan))
     assert not nothing.force_n.any()
     assert nothing.notes[0] == HELD and nothing.notes[-1] == LATCHED
-
-
-def assert_no_kick(found: Emitted, ticks: int, speed: float, share: float = 1.5) -> None:
-    plan = found[0]
-    position = strokes(plan, ticks, speed=speed)
-    lost = gaps(plan, ticks, 3)
-    clean_n, _ = pressed(found, position)
-    force_n, notes = pressed(found, np.where(lost, np.nan, position))
-    clean_n, force_n, notes = clean_n[100:], force_n[100:], notes[100:]
-    assert not np.any(notes & LATCHED)
-    allowed_n = share * np.abs(np.diff(clean_n)).max() + 0.1
-    assert np.abs(np.diff(force_n)).max() <= allowed_n
-    known = ~lost[100:] & ~lost[99:-1]  # what a silence began with is not known before it ends
-    assert np.all(force_n[known & (clean_n > 0.05 * clean_n.max())] > 0.0)
-
-
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("name", KINDS)
-def test_no_kick_and_no_zero_after_any_gap_up_to_the_watchdogs(name: str, mode: str) -> None:
-    for speed in (1.0, 0.3):
-        assert_no_kick(emitted(name, mode), 30_000, speed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("name", golden_forces.models())
-def test_no_kick_after_ten_thousand_gaps(name: str, mode: str) -> None:
-    found = emitted(name, mode)
-    ticks = 610_000
-    assert np.sum(np.diff(gaps(found[0], ticks, 3).astype(int)) == 1) >= 10_000
-    for speed in (1.0, 0.3):
-        # rbf-pv estimates a velocity anew after each silence: it misses the bound.
-        assert_no_kick(found, ticks, speed, 2.1 if name == "rbf-pv" else 1.5)
 
 
 @pytest.mark.parametrize("mode", MODES)

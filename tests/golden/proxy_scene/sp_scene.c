@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e14c5db9d0725a7070b2009d174c0392a31489c4a84f406cdd2c8ebeb6dd159f */
+/* springpot 0.1.0 bd65b972eeab3721bb9ecdcd5570baba1a6ad18784fffb3cabfbaff3a5c1a44d */
 #include <stddef.h>
 #include <string.h>
 
@@ -25,8 +25,17 @@ static const sp_output_config output = {
     10.955592f, /* max_n */
     2.738898f,  /* slew_n */
     0.02f,      /* rise */
+    0.1f,       /* back */
     1.369449f,  /* fall_n */
-    0.08f,      /* return_n */
+};
+static const sp_energy_config energy = {
+    1.5e-05f,   /* slack_m */
+    0.0f,       /* from_m */
+    0.0f,       /* most_j */
+    5.5078716f, /* push_n */
+    227.01747f, /* stiffness_npm */
+    4.0f,       /* look_ticks */
+    0.9231163f, /* keep */
 };
 static const sp_couple_config couple = {
     1500.0f,                                              /* stiffness_npm */
@@ -43,10 +52,13 @@ static void restart(sp_state *state, sp_real position)
     const sp_real penetration = position > (sp_real)0 ? position : (sp_real)0;
     const sp_real penetration_u = sp_hammerstein_share(&passive, penetration);
     sp_hammerstein_rest(&passive, &passive_tables, penetration_u,
-                        state->penetration_before, state->penetration_held, NULL);
+                        state->penetration_before, state->penetration_held, state->penetration_play);
+    state->penetration_surface.u = penetration_u;
+    state->penetration_surface.force_n = (sp_real)0;
     sp_tool_velocity_rest(&state->tool_velocity, position);
     sp_couple_release(&state->couple);
-    sp_output_restart(&state->output);
+    sp_energy_restart(&energy, &state->energy, position);
+    sp_output_restart(&output, &state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
@@ -58,14 +70,21 @@ SP_APART sp_real tick(sp_state *state, sp_real position, int *notes)
         position > (sp_real)0 ? sp_guard_within(&guard, sp_couple_place(&state->couple, position, position_mps)) : position;
     const sp_real penetration = proxy > (sp_real)0 ? proxy : (sp_real)0;
     (void)sp_range_clip(&range, penetration, notes);
-    const sp_real penetration_u = sp_hammerstein_share(&passive, penetration);
+    const sp_real penetration_tool = sp_hammerstein_share(&passive, penetration);
+    const sp_real penetration_u =
+        sp_surface_at(stiffest, passive.n_pieces, &state->penetration_surface, penetration_tool);
     const sp_curve_place penetration_place = sp_curve_at(penetration_u, passive.n_pieces);
     sp_real penetration_branch[4];
-    sp_curve(branches, passive.degree, 4, penetration_place, penetration_branch);
+    sp_curve(branches, 4, penetration_place, penetration_branch);
     sp_poles_apart(branch_loss, 4,
         penetration_branch, state->penetration_before, state->penetration_held);
-    const sp_real penetration_passive_n = sp_hammerstein_force(
-        &passive, &passive_tables, penetration_u, penetration_place, state->penetration_held, NULL);
+    const sp_real penetration_held_n =
+        sp_hammerstein_force(&passive, &passive_tables, penetration_u, penetration_place,
+                             state->penetration_held, state->penetration_play);
+    state->penetration_surface.u = penetration_u;
+    state->penetration_surface.force_n = penetration_held_n;
+    const sp_real penetration_passive_n =
+        penetration_held_n > (sp_real)0 && !(penetration_u > penetration_tool) ? penetration_held_n : (sp_real)0;
     sp_real force = (sp_real)0;
     if (position > (sp_real)0) {
         force = penetration_passive_n;
@@ -82,22 +101,26 @@ SP_APART sp_real tick(sp_state *state, sp_real position, int *notes)
 static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const sp_real ticks = dt_s * silence.per_dt;
+    const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_output_wait(&output, &state->output, ticks - latched);
+    sp_real given_n = share * state->output.given_n;
+    const sp_real passed = dt_s * silence.per_dt;
+    const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
+    const sp_real ticks = most - latched;
+    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);
+    state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;
-        (void)sp_output_fall(&output, &state->output, latched, &notes);
+        given_n = sp_output_fall(&output, &state->output, latched, &notes);
     }
-    *force_n = share * state->output.force_n;
+    *force_n = given_n;
     return notes;
 }
 
-/* The ticks without a sample since `before`, `left` of the `ticks` up to this one. */
-SP_RARE void make_up(sp_state *state, sp_real before, sp_real position, sp_real ticks,
-                     uint32_t left)
+/* The `left` ticks without a sample before this one, a step each. */
+SP_RARE void make_up(sp_state *state, sp_real position, sp_real step,
+                     sp_real ticks, uint32_t left)
 {
-    const sp_real step = (position - before) / ticks;
     const sp_real begin = state->tool_velocity.velocity_mps * silence.dt_s;
     const sp_real bend = (step - begin) / ticks;
     for (; left > 0; left--) {
@@ -128,19 +151,27 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     if (notes & SP_NOTE_HELD) {
         return hold(state, silence.dt_s, sp_guard_share(&guard, &state->guard, position_m), force_n);
     }
-    state->silence.silent_s = (sp_real)0;
+    sp_silence_heard(&state->silence, silence.dt_s);
+    sp_real way = position - before;
     if (notes & SP_NOTE_RESYNC) {
         restart(state, position);
         left = 0;
         ticks = (sp_real)1;
+        way = (sp_real)0;
     }
+    const sp_real step = left > 0 ? way / ticks : way;
     if (left > 0) {
-        make_up(state, before, position, ticks, left);
+        make_up(state, position, step, ticks, left);
     }
     const sp_real force = tick(state, position, &notes);
-    *force_n = state->silence.latched
-                   ? sp_output_fall(&output, &state->output, (sp_real)1, &notes)
-                   : sp_output_force(&output, &state->output, ticks, force, &notes);
+    sp_energy_pay(&energy, &state->energy, state->output.given_n, position, ticks, (sp_real)0);
+    if (state->silence.latched) {
+        (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
+    } else {
+        (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, force, &notes);
+        state->output.given_n = sp_energy_limit(&state->energy, step, state->output.given_n, &notes);
+    }
+    *force_n = state->output.given_n;
     return notes;
 }
 
@@ -193,5 +224,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"e14c5db9d0725a7070b2009d174c0392a31489c4a84f406cdd2c8ebeb6dd159f\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-4.705125178361414e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"bd65b972eeab3721bb9ecdcd5570baba1a6ad18784fffb3cabfbaff3a5c1a44d\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
+/* springpot 0.1.0 2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489 */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

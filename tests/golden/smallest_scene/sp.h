@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
+/* springpot 0.1.0 2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_manifest() states:
@@ -19,9 +19,10 @@
  * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed, a long
  * dt_s), the next good sample makes up for: the object's memory, the coupling's proxy and every
  * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
- * force goes from where it is to the model's a tick at a time, a little faster than the model's own
- * changes: without a kick. Such a call takes as many ticks' time as went by. Without a good sample
- * for longer than the watchdog's time, the force goes to zero and stays there until sp_reset.
+ * force is the model's again at once where that is lower, within 10 ms where it is higher. Such a
+ * call takes as many ticks' time as went by. Without a good sample the force never rises; if that
+ * lasts for longer than the watchdog's time, or comes again and again, it goes to zero and stays
+ * there until sp_reset.
  *
  * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
  * misuse: nothing has changed, and *force_n was not written.
@@ -61,13 +62,14 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
 int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n);
 
-/* dt_s (s) have passed without a sample: the force goes on as it last changed, less and less, until
- * the watchdog takes it to zero. */
+/* dt_s (s) have passed without a sample: the force stays, or falls if the tool was on its way out,
+ * until the watchdog takes it to zero. */
 int sp_idle(sp_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
- * differs, or one more than there are ticks where NaN is assumed away. Catches a compiler whose
- * defaults change floating-point results. Needs sp_state_size() bytes of stack more than a tick. */
+ * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
+ * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()
+ * bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
 

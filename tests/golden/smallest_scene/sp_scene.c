@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
+/* springpot 0.1.0 2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489 */
 #include <stddef.h>
 #include <string.h>
 
@@ -26,8 +26,17 @@ static const sp_output_config output = {
     12.0f, /* max_n */
     3.0f,  /* slew_n */
     0.02f, /* rise */
+    0.1f,  /* back */
     1.5f,  /* fall_n */
-    0.08f, /* return_n */
+};
+static const sp_energy_config energy = {
+    1.5e-05f,   /* slack_m */
+    0.0f,       /* from_m */
+    0.0f,       /* most_j */
+    12.0f,      /* push_n */
+    0.0f,       /* stiffness_npm */
+    4.0f,       /* look_ticks */
+    0.9231163f, /* keep */
 };
 static const sp_real per_onset = 10000.0f;
 
@@ -38,7 +47,8 @@ static void restart(sp_state *state, sp_real position)
     int ignored = 0;
     const sp_real clipped = sp_range_clip(&range, penetration, &ignored);
     sp_window_fill(state->history, &state->newest, N_TAPS, clipped);
-    sp_output_restart(&state->output);
+    sp_energy_restart(&energy, &state->energy, position);
+    sp_output_restart(&output, &state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
@@ -71,22 +81,26 @@ SP_APART sp_real tick(sp_state *state, sp_real position, int *notes)
 static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const sp_real ticks = dt_s * silence.per_dt;
+    const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_output_wait(&output, &state->output, ticks - latched);
+    sp_real given_n = share * state->output.given_n;
+    const sp_real passed = dt_s * silence.per_dt;
+    const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
+    const sp_real ticks = most - latched;
+    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);
+    state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;
-        (void)sp_output_fall(&output, &state->output, latched, &notes);
+        given_n = sp_output_fall(&output, &state->output, latched, &notes);
     }
-    *force_n = share * state->output.force_n;
+    *force_n = given_n;
     return notes;
 }
 
-/* The ticks without a sample since `before`, `left` of the `ticks` up to this one. */
-SP_RARE void make_up(sp_state *state, sp_real before, sp_real position, sp_real ticks,
+/* The `left` ticks without a sample before this one, a step each. */
+SP_RARE void make_up(sp_state *state, sp_real position, sp_real step,
                      uint32_t left)
 {
-    const sp_real step = (position - before) / ticks;
     for (; left > 0; left--) {
         const sp_real at = sp_guard_within(&guard, position - (sp_real)left * step);
         int ignored = 0;
@@ -113,19 +127,27 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
     if (notes & SP_NOTE_HELD) {
         return hold(state, silence.dt_s, sp_guard_share(&guard, &state->guard, position_m), force_n);
     }
-    state->silence.silent_s = (sp_real)0;
+    sp_silence_heard(&state->silence, silence.dt_s);
+    sp_real way = position - before;
     if (notes & SP_NOTE_RESYNC) {
         restart(state, position);
         left = 0;
         ticks = (sp_real)1;
+        way = (sp_real)0;
     }
+    const sp_real step = left > 0 ? way / ticks : way;
     if (left > 0) {
-        make_up(state, before, position, ticks, left);
+        make_up(state, position, step, left);
     }
     const sp_real force = tick(state, position, &notes);
-    *force_n = state->silence.latched
-                   ? sp_output_fall(&output, &state->output, (sp_real)1, &notes)
-                   : sp_output_force(&output, &state->output, ticks, force, &notes);
+    sp_energy_pay(&energy, &state->energy, state->output.given_n, position, ticks, (sp_real)0);
+    if (state->silence.latched) {
+        (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
+    } else {
+        (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, force, &notes);
+        state->output.given_n = sp_energy_limit(&state->energy, step, state->output.given_n, &notes);
+    }
+    *force_n = state->output.given_n;
     return notes;
 }
 
@@ -179,5 +201,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

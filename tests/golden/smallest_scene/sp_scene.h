@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
+/* springpot 0.1.0 2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -17,6 +17,7 @@
 #include "sp_forest_x86.h"
 #include "sp_forest_simd.h"
 #include "sp_contact.h"
+#include "sp_energy.h"
 #include "sp_output.h"
 
 /* smallest: what one tick hands to the next. */
@@ -27,10 +28,11 @@ struct sp_state {
     uint32_t newest;
     uint32_t simd;
     uint32_t bins[1];
+    sp_energy_state energy;
     sp_output_state output;
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 188 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 208 ? 1 : -1];
 
 #endif

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
+/* springpot 0.1.0 2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489 */
 #include <stddef.h>
 #include <string.h>
 
@@ -56,6 +56,17 @@ int sp_selftest(void)
     const sp_real no_number = from_bits(0x7fc00000u);
     if (no_number == no_number || sp_idle(&state, no_number, &force_n) != SP_ERROR_TIME_STEP ||
         to_bits(force_n) != 0) {
+        return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
+    }
+    /* Too long a silence: no force any more, whatever comes, until a reset. */
+    const sp_real deep_m = from_bits(golden_position[180]);
+    int as_planned = (sp_idle(&state, 0.072f, &force_n) & SP_NOTE_LATCHED) && to_bits(force_n) == 0;
+    as_planned &= (sp_step(&state, deep_m, (sp_real)0, &force_n) & SP_NOTE_LATCHED) != 0;
+    as_planned &= to_bits(force_n) == 0;
+    sp_reset(&state);
+    const sp_real first_m = from_bits(golden_position[0]);
+    as_planned &= sp_step(&state, first_m, (sp_real)0, &force_n) == (int)golden_notes[0];
+    if (!as_planned) {
         return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
     }
     return 0;

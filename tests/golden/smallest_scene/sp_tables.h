@@ -1,4 +1,4 @@
-/* springpot 0.1.0 efcc0d0b6550e8845c9e6f8237a007a7574fa758c56d8f0d3613675127c04dd5 */
+/* springpot 0.1.0 2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

@@ -1,20 +1,22 @@
 """Calls of `import springpot`: the same results as the rooms below, and refusals of one line."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from support.in_process import spring
-from support.small import DT_S, model_file, press, recording, scene, small_model, training
+from support.small import DT_S, model_file, passive_model, press, recording, scene, training
 
 import springpot
 from springpot.codegen.model.model_file import model_hash
+from springpot.trainer.models.predict import predict_n
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("emitted") / "c"
-    springpot.emit(folder, model=small_model(), scene=scene())
+    springpot.emit(folder, model=passive_model(), scene=scene())
     return folder
 
 
@@ -31,9 +33,35 @@ def test_emit_writes_what_the_command_writes(tmp_path, folder):
 
 
 def test_a_model_alone_is_a_scene_of_defaults(tmp_path):
-    emission = springpot.emit(tmp_path / "c", model=small_model())
+    emission = springpot.emit(tmp_path / "c", model=passive_model())
     assert emission.plan.scene == springpot.Scene(1, "small", "model.spm")
     assert emission.as_dict()["hash"] == emission.manifest["hash"]
+    file = model_file(tmp_path)
+    told = spring("emit", "--model", file, "--out", tmp_path / "again", "--json")
+    assert json.loads(told.stdout)["hash"] == emission.hash
+    for command in ("emit", "stability"):
+        out = ("--out", tmp_path / "no") if command == "emit" else ()
+        refused = spring(command, *out)
+        assert refused.returncode == 2
+        assert "give --model, --scene" in refused.stderr
+
+
+def test_every_result_is_one_line(tmp_path, folder):
+    recordings = list(training()[:3])
+    shown = [
+        recordings[0],
+        springpot.check_recordings(recordings),
+        springpot.train(recordings, "springpot"),
+        passive_model(),
+        springpot.emit(tmp_path / "c", model=passive_model()),
+        springpot.load(folder),
+        springpot.validate(folder, recordings, paced_s=0.01),
+    ]
+    for each in shown:
+        assert repr(each).startswith(type(each).__name__)
+        assert len(repr(each)) <= 200
+        assert "\n" not in repr(each)
+    assert "2000 samples at 1000 Hz, 0 to 3.6 mm" in repr(recordings[0])
 
 
 def test_run_is_what_validate_replays(folder):
@@ -56,13 +84,28 @@ def test_run_takes_lists_and_velocities(folder):
     assert (force_n, notes) == (by_default[0], loaded.run(position_m)[1][0])
 
 
-def test_predict_is_the_model_without_limits():
+def test_predict_is_the_model_above_zero():
     rec = training()[-1]
-    force_n = springpot.predict(small_model(), list(rec.position_m), dt_s=DT_S)
+    force_n = springpot.predict(passive_model(), list(rec.position_m), dt_s=DT_S)
     assert force_n.shape == rec.force_n.shape
     assert np.max(np.abs(force_n - rec.force_n)) < 1.0
-    moved = replace(small_model(), contact="always")
+    moved = replace(passive_model(), contact="always")
     assert springpot.predict(moved, rec.position_m).shape == rec.force_n.shape
+    memory = springpot.train(training(), "springpot").model
+    assert predict_n(replace(memory, contact="always"), rec).min() < 0.0
+    assert springpot.predict(memory, rec.position_m).min() == 0.0
+
+
+def test_predict_says_what_is_extrapolated_and_refuses_millimetres():
+    model = passive_model()
+    deepest_m = model.trained.max_m
+    with pytest.warns(UserWarning, match="2 times the trained depth"):
+        springpot.predict(model, np.linspace(0.0, 2.0 * deepest_m, 50))
+    away_m = np.linspace(-30.0 * deepest_m, 0.0, 50)  # air: no way into the object
+    assert np.all(springpot.predict(model, away_m) == springpot.predict(model, [0.0, 0.0])[0])
+    for position_m in (np.linspace(0.0, 12.0 * deepest_m, 50), 1000.0 * training()[0].position_m):
+        with pytest.raises(springpot.DataError, match="give positions in metres"):
+            springpot.predict(model, position_m)
 
 
 def test_options_are_those_of_the_fit():
@@ -73,8 +116,8 @@ def test_options_are_those_of_the_fit():
 
 
 def test_files_go_round(tmp_path):
-    springpot.write_model(str(tmp_path / "a.spm"), small_model())
-    assert model_hash(springpot.read_model(str(tmp_path / "a.spm"))) == model_hash(small_model())
+    springpot.write_model(str(tmp_path / "a.spm"), passive_model())
+    assert model_hash(springpot.read_model(str(tmp_path / "a.spm"))) == model_hash(passive_model())
     springpot.write_recording(str(tmp_path / "a.h5"), training()[0])
     (read,) = springpot.read_recordings(str(tmp_path))
     np.testing.assert_array_equal(read.force_n, training()[0].force_n)
@@ -91,7 +134,7 @@ def test_an_import_says_how_it_was_understood(tmp_path, capsys):
 
 
 def test_stability_is_that_of_the_command():
-    found = springpot.stability(model=small_model(), scene=scene(mode="proxy"))
+    found = springpot.stability(model=passive_model(), scene=scene(mode="proxy"))
     assert found.as_dict()["stable"] is True
     assert "stable" in found.as_dict()["recommendation"]
 
@@ -115,9 +158,9 @@ REFUSED = {
     "an option's value": ("UsageError", lambda: springpot.train(training(), trees=0)),
     "an option's word": ("UsageError", lambda: springpot.train(training(), engine="fast")),
     "an order": ("UsageError", lambda: springpot.train(training(), orders=(0.1, 9.0))),
-    "another rate": ("DataError", lambda: springpot.predict(small_model(), [0.0, 0.1], 0.5)),
-    "no number": ("DataError", lambda: springpot.predict(small_model(), [0.0, np.nan])),
-    "a shape": ("DataError", lambda: springpot.predict(small_model(), [[0.0, 0.1]])),
+    "another rate": ("DataError", lambda: springpot.predict(passive_model(), [0.0, 0.1], 0.5)),
+    "no number": ("DataError", lambda: springpot.predict(passive_model(), [0.0, np.nan])),
+    "a shape": ("DataError", lambda: springpot.predict(passive_model(), [[0.0, 0.1]])),
     "nothing": ("UsageError", lambda: springpot.emit("c")),
     "a key": ("UsageError", lambda: springpot.emit("c", scene=bad(name="a\nb"))),
     "a key's value": (
@@ -129,14 +172,14 @@ REFUSED = {
         "UnsafeError",
         lambda: springpot.emit(
             "c",
-            model=small_model(),
+            model=passive_model(),
             scene=bad(coupling=springpot.Coupling("tool", 1e6, 1e-3, 1e-3)),
         ),
     ),
     "a budget": (
         "BudgetError",
         lambda: springpot.emit(
-            "c", model=small_model(), scene=bad(budget=springpot.Budget(ram_bytes=1))
+            "c", model=passive_model(), scene=bad(budget=springpot.Budget(ram_bytes=1))
         ),
     ),
     "no folder": ("DataError", lambda: springpot.load("none")),

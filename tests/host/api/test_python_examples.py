@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from support.paths import ROOT
 
-import springpot
-
 
 def example(file: str) -> str:
     """Its blocks of Python, in the order of the page."""
@@ -21,14 +19,14 @@ def in_a_folder_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def test_ten_lines_of_the_readme(capsys):
+@pytest.mark.slow
+def test_six_lines_of_the_readme():
     code = example("README.md")
-    assert len([line for line in code.splitlines() if line.strip()]) <= 10
+    assert len([line for line in code.splitlines() if line.strip()]) <= 6
     names: dict = {}
     exec(compile(code, "README.md", "exec"), names)
-    assert capsys.readouterr().out == "0\n"
     assert names["force_n"].shape == names["training"][0].position_m.shape
-    assert np.max(np.abs(names["force_n"] - names["training"][0].force_n)) < 0.5
+    assert np.max(np.abs(names["force_n"] - names["training"][0].force_n)) < 0.2
 
 
 def test_from_a_recording_to_a_felt_session(capsys):
@@ -38,11 +36,3 @@ def test_from_a_recording_to_a_felt_session(capsys):
     assert names["session"].error is None
     assert names["session"].result()["ticks"] == len(names["felt"][0].force_n)
     assert names["felt"][0].force_n.max() > 0.5
-
-
-def test_docs_list_every_name():
-    listed = (ROOT / "docs" / "reference" / "python.md").read_text()
-    tables = "\n".join(line for line in listed.splitlines() if line.startswith("|"))
-    for name in springpot.__all__:
-        if not name.endswith("Error"):  # those stand with the exit statuses
-            assert f"`{name}`" in tables, name

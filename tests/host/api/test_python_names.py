@@ -36,12 +36,6 @@ def test_import_alone_loads_nothing() -> None:
     assert not loaded & {"numpy", "click", "rich", "h5py", "pydantic", "cffi", "importlib.metadata"}
 
 
-@pytest.mark.parametrize("statement", ["springpot.read_recordings", "springpot.load",
-                                       "springpot.Session", "springpot.emit"])  # fmt: skip
-def test_rendering_loads_nothing_that_fits(statement: str) -> None:
-    assert not modules_after(f"import springpot; {statement}") & {"sklearn", "scipy", "joblib"}
-
-
 def test_every_name_is_there_and_says_what_it_is() -> None:
     assert springpot.__all__ == sorted(springpot.__all__)
     assert set(dir(springpot)) == {*springpot.__all__, "__version__"}
@@ -58,16 +52,6 @@ def test_every_name_is_there_and_says_what_it_is() -> None:
                 and "springpot" in str(inspect.getmodule(member))
             ):
                 assert inspect.getdoc(member), f"{name}.{method}"
-
-
-def test_the_functions_of_the_package_are_annotated() -> None:
-    for name in springpot.__all__:
-        found = getattr(springpot, name)
-        if inspect.isfunction(found):
-            signature = inspect.signature(found)
-            assert signature.return_annotation is not inspect.Signature.empty, name
-            for parameter in signature.parameters.values():
-                assert parameter.annotation is not inspect.Parameter.empty, f"{name}: {parameter}"
 
 
 def test_no_name_hides_a_folder_or_a_module() -> None:

@@ -25,19 +25,17 @@ from support.small import model_file
 
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.boards.boards import BOARDS
-from springpot.host.boards.replay import board_force
 from springpot.host.devices.lines.wire import Sender, constant
 from springpot.host.emission.checksums import write_checksums
 from springpot.host.emission.emission import emit
-from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.recordings.recording_file import write_recording
 
 pytestmark = [pytest.mark.board, pytest.mark.slow, pytest.mark.realtime]
 
-SECONDS = 60.0 if os.environ.get("SPRINGPOT_SOAK") else 3.0
+SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))
+SECONDS = 60.0 if SOAK else 3.0
+ONE_OF_EACH = list(BOARDS) if SOAK else ["mps2-an386", "virt"]  # ARM and RISC-V
 Emitted = Callable[..., Path]
-PATIENT_MS = 400.0  # for replays: a busy machine may keep the host away
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +64,7 @@ def test_validate_compares_every_force_of_the_board(
     tmp_path: Path, emitted: Emitted, board: str
 ) -> None:
     need(board)
-    folder = emitted(board, PATIENT_MS)
+    folder = emitted(board)
     replayed = slow_recording(1.2)
     write_recording(tmp_path / "a.h5", replayed)
     with emulated(folder, board) as port:
@@ -78,26 +76,7 @@ def test_validate_compares_every_force_of_the_board(
     assert found["rmse_percent_of_peak"] < 20
 
 
-def test_another_force_of_a_board_is_counted(tmp_path: Path, emitted: Emitted) -> None:
-    folder = emitted("mps2-an386")
-    library, position = SceneLibrary(folder), slow_recording(1.0).position_m.astype(np.float32)
-    state = library.new_state()
-    made = [state.step(float(x)) for x in position]
-    calls = {
-        "call": np.zeros(len(position)),
-        "input_m": position,
-        "velocity_mps": np.zeros(len(position)),
-        "dt_s": np.full(len(position), SLOW_DT_S),
-        "returned_n": np.array([force_n for force_n, _ in made]),
-        "notes": np.array([float(notes) for _, notes in made]),
-    }
-    assert board_force(Replay(library), calls)[1] == 0
-    calls["returned_n"][100] = np.nextafter(np.float32(calls["returned_n"][100]), np.float32(9))
-    calls["notes"][200] += 8
-    assert board_force(Replay(library), calls)[1] == 2
-
-
-@pytest.mark.parametrize("board", list(BOARDS))
+@pytest.mark.parametrize("board", ONE_OF_EACH)
 def test_the_host_drives_a_board_at_500_hz(tmp_path: Path, emitted: Emitted, board: str) -> None:
     need(board)
     folder = emitted(board)
@@ -141,7 +120,7 @@ def kill_a_host_that_renders(folder: Path, url: str, relay: Relay) -> None:
     pytest.fail("the watchdog tripped before the host was killed, each time")
 
 
-@pytest.mark.parametrize("board", list(BOARDS))
+@pytest.mark.parametrize("board", ONE_OF_EACH)
 def test_a_killed_host_leaves_no_force(tmp_path: Path, emitted: Emitted, board: str) -> None:
     need(board)
     folder = emitted(board)

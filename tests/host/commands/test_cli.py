@@ -4,6 +4,7 @@ import json
 import os
 import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -90,13 +91,6 @@ def test_a_process_ends_with_the_status() -> None:
     assert "version" in run("--version", env={}).stdout
 
 
-def test_people_get_a_table(job: Path) -> None:
-    result = run("train", job / "rec", "--model", "rf-fd", "--out", job / "table.spm")
-    assert result.returncode == 0
-    assert "rows" in result.stdout
-    assert "{" not in result.stdout
-
-
 def test_refusals_are_one_line_with_the_right_status(job: Path, tmp_path: Path) -> None:
     out = tmp_path / "x.spm"
     train = ("train", "--model", "rf-fd", "--out", out)
@@ -139,21 +133,15 @@ def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) ->
 
 def test_validation_is_at_the_rate_of_the_scene(tmp_path: Path) -> None:
     """Poles are exact at any rate: a scene may have another one than the model's recordings."""
-    import dataclasses
-
-    from springpot.trainer.kinds import fit_model
-    from springpot.trainer.models.fit import FitOptions
-
     scene = tmp_path / "scene.toml"
     scene.write_text(
         'schema = 1\nname = "x"\nmodel = "model.spm"\n[runtime]\nrate_hz = 500\n'
         '[coupling]\nmode = "off"\n'
     )
-    model = fit_model("hammerstein", "x", training(), FitOptions(seed=1)).model
-    model_file(tmp_path, model)
+    model_file(tmp_path)
     assert run("emit", "--scene", scene, "--out", tmp_path / "c").returncode == 0
     whole = training()[0]
-    every_other = dataclasses.replace(
+    every_other = replace(
         whole, position_m=whole.position_m[::2], force_n=whole.force_n[::2], dt_s=2e-3
     )
     write_recording(tmp_path / "whole.h5", whole)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import ShellComplete
+from support.in_process import spring
 from support.pages.run_pages import MAIN
 
 from springpot.host.cli import springpot
@@ -72,16 +73,6 @@ def test_commands_options_and_choices() -> None:
     assert offered("completion", "") == list(SHELLS)
 
 
-def test_names_of_commands_load_none() -> None:
-    code = (
-        "import sys; from springpot.host.cli import springpot; import click.shell_completion as c;"
-        "assert len(c.ShellComplete(springpot, {}, '', '').get_completions([], '')) > 20;"
-        "print([m for m in sys.modules if m.startswith(('springpot.host.commands.', 'numpy'))])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
 def test_bash_takes_the_script(tmp_path: Path) -> None:
     program = tmp_path / "springpot"
@@ -102,8 +93,7 @@ def test_bash_takes_the_script(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("shell", SHELLS)
 def test_each_shell_has_a_script(shell: str) -> None:
-    done = subprocess.run([*MAIN, "completion", shell], capture_output=True, text=True, check=True)
-    assert "_SPRINGPOT_COMPLETE" in done.stdout
+    assert "_SPRINGPOT_COMPLETE" in spring("completion", shell).stdout
 
 
 def test_the_bar_says_which_candidate_is_fitted_and_how_much_is_left() -> None:

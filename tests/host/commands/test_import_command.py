@@ -29,6 +29,7 @@ def test_json(tmp_path: Path) -> None:
     assert printed["out"] == str(out)
     (row,) = printed["recordings"]
     assert row.pop("signs")["loops"] == 0
+    assert row.pop("glance").startswith("stroke 2 mm, peak 3 N")
     assert [row] == [
         {
             "name": "a_b",
@@ -93,6 +94,7 @@ def test_without_json_one_line_a_recording(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text(TABLE)
     result = run(tmp_path / "a.csv", "--out", tmp_path / "out")
     assert "a.h5  3 samples at 2 Hz, 1 to 3 mm, 2 to 5 N" in result.stdout
+    assert "  stroke 2 mm, peak 5 N, up to 2" in result.stdout
 
 
 def test_nothing_is_written_when_one_file_is_refused(tmp_path: Path) -> None:
@@ -135,9 +137,23 @@ def test_wrong_use(tmp_path: Path, arguments: list[str]) -> None:
     assert isinstance(result.exception, UsageError) or result.exit_code == 2
 
 
+def test_a_folder_is_the_files_in_it(tmp_path: Path) -> None:
+    folder = tmp_path / "rig"
+    (folder / "older").mkdir(parents=True)
+    empty = run(folder, "--out", tmp_path / "out")
+    assert "rig: no file in this folder ends in .asc" in str(empty.exception)
+    for name in ("b.csv", "a.CSV", "older/c.csv"):
+        (folder / name).write_text(TABLE)
+    (folder / "notes.md").write_text("no recording\n")
+    (tmp_path / "d.csv").write_text(TABLE)
+    assert run(folder, tmp_path / "d.csv", "--out", tmp_path / "out").exit_code == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["a.h5", "b.h5", "d.h5"]
+
+
 def test_a_missing_file_or_an_out_that_is_a_file(tmp_path: Path) -> None:
     missing = run(tmp_path / "none.csv", "--out", tmp_path / "out")
     assert "none.csv: No such file" in str(missing.exception)
     (tmp_path / "a.csv").write_text(TABLE)
     blocked = run(tmp_path / "a.csv", "--out", tmp_path / "a.csv")
     assert isinstance(blocked.exception, UsageError)
+    assert "a.csv: is a file: give a folder" in str(blocked.exception)

@@ -152,6 +152,7 @@ def test_of_models_and_scenes(job: Path) -> None:
 
     compare("springpot train", fit("hammerstein", "--validate", "validation"), fit("rf-fd"),
             fit("springpot"))  # fmt: skip
+    compare("springpot predict", ("hammerstein.spm", "validation", "--out", "predicted"))
     compare("springpot material", ("springpot.spm", "--tip-mm", 6, "--height-mm", 35,
                                    "--out", "law"))  # fmt: skip
     compare("springpot emit", ("--scene", "scene.toml", "--out", "c"),

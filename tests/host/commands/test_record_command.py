@@ -90,8 +90,6 @@ def test_nothing_is_overwritten(tmp_path, short):
     ("url", "protocol", "error", "says"),
     [
         ("omega://0", "paper", DeviceError, "sim://"),
-        ("ecoflex-00-30", "paper", DeviceError, "sim://"),
-        ("sim://jelly", "paper", UsageError, "dragon-skin-fx"),
         ("sim://ecoflex-00-30", "papers", UsageError, "validation"),
     ],
 )

@@ -1,5 +1,6 @@
 """The C link of a Force Dimension device, over functions of an SDK that a test gives it."""
 
+import numpy as np
 import pytest
 
 from springpot.host.native.loop_library import loop_library
@@ -57,14 +58,40 @@ def test_walls_pull_nowhere_before_the_first_place_and_hold_after_it() -> None:
     assert sdk.tick(1) == 0
     assert sdk.forces[-1] == (0.0, 0.0, 0.0)
     sdk.answer, sdk.place_m = 0, (0.031, 0.01, 0.05)
-    assert sdk.tick(2, 2.0) == 1
+    assert sdk.tick(1001, 2.0) == 1
     assert sdk.forces[-1] == pytest.approx((-1.0, 0.0, 2.0))  # axis -z: the object pushes up
     sdk.place_m = (1.0, 0.01, 0.05)
-    sdk.tick(3)
+    for now_ms in range(1002, 1010):
+        sdk.tick(now_ms)
     assert sdk.forces[-1] == pytest.approx((-8.0, 0.0, 0.0))  # no more than the scene
     sdk.link.released = 1
-    sdk.tick(4)
+    sdk.tick(1010)
     assert sdk.forces[-1] == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_walls_rise_from_zero_after_resets_and_pauses_and_never_at_once(seed: int) -> None:
+    """Whatever is reset, paused, unread or moved: within a second, by a quarter a tick at most."""
+    rng = np.random.default_rng(seed)
+    sdk = Sdk(wall_npm=10 ** rng.uniform(1, 4))
+    max_n, since_ms, before_n = 8.0, 0, np.zeros(2)
+    for now_ms in range(1, 4000):
+        what = rng.integers(0, 400)
+        if what == 0:
+            sdk.link.reset(sdk.link, now_ms * MS)
+            since_ms, before_n = now_ms, np.zeros(2)
+        elif what == 1:
+            sdk.link.released = 1 - sdk.link.released
+        sdk.answer = int(rng.choice([0, 1, -1], p=[0.7, 0.2, 0.1]))
+        if rng.integers(0, 10) == 0:
+            sdk.place_m = tuple(np.array(PLACE_M) + rng.normal(0, 0.01, 3))
+        sdk.tick(now_ms, float(rng.uniform(0, 5)))
+        wall_n = np.array(sdk.forces[-1][:2])
+        since_ms = now_ms if sdk.link.released else since_ms
+        assert np.all(np.abs(wall_n) <= max_n * min(1.0, (now_ms - since_ms) / 1000) + 1e-9)
+        grown_n = np.where(wall_n * before_n < 0, 0.0, np.abs(before_n)) + max_n / 4
+        assert np.all(np.abs(wall_n) <= grown_n + 1e-9)
+        before_n = wall_n
 
 
 def test_the_handle_is_taken_up_within_a_second() -> None:

@@ -1,36 +1,22 @@
 """Drives as processes: sessions, watchdogs, limits, refusals."""
 
 import contextlib
-import dataclasses
 import math
 import re
-import struct
-import threading
 import time
 
-import can
 import numpy as np
 import pytest
-from axis import Axis, add_options
-from can.interfaces.udp_multicast import UdpMulticastBus
-from line import arguments
 from support.peer import peer, wait_until
-from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.codegen.scene import Guard
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import (
-    CLOSED_LOOP,
-    ENCODER,
     Drive,
     DriveLimits,
-    parse_heartbeat,
 )
-from springpot.host.devices.odrive_device import OdriveDevice, _transmission
-from springpot.host.emission.emission import emit
-from springpot.host.native.loop_library import RESET, UNSENT
+from springpot.host.devices.odrive_device import OdriveDevice
 from springpot.host.recording.session import open_press_device
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
@@ -41,8 +27,7 @@ NODE = 3
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("firmware", ["0.5", "0.6"])
-@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("firmware", "sign"), [("0.5", 1), ("0.6", -1)])
 def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
     log = tmp_path / "a.h5"
     options = ("--firmware", firmware, "--sign", sign, "--node", NODE)
@@ -80,52 +65,6 @@ def test_a_drive_over_udp_multicast(tmp_path, folder):
     assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
 
 
-def test_a_bus_of_python_can_that_fails_in_a_session(tmp_path, monkeypatch):
-    """A device that is gone: zero until it was opened and checked again, then ramped in."""
-    patient = dataclasses.replace(scene(), guard=Guard(watchdog_ms=300))
-    folder = tmp_path / "c"
-    emit(patient, model_file(tmp_path), folder)
-    log, broken, send = tmp_path / "a.h5", threading.Event(), UdpMulticastBus.send
-
-    def fail_once(bus, message, timeout=None):
-        if broken.is_set():
-            broken.clear()
-            raise can.CanOperationError("cable cut")
-        send(bus, message, timeout)
-
-    monkeypatch.setattr(UdpMulticastBus, "send", fail_once)
-    with (
-        peer("udp_odrive", "--port", 43223, "--watchdog-ms", 90) as drive,
-        Session(folder, drive.url, log, report=list) as session,
-    ):
-        session.start()
-        wait_until(lambda: session.runner.state.ticks > 100, 20, "no ticks")
-        broken.set()
-        wait_until(lambda: session.runner.state.disconnects == 1, 5, "not gone")
-        wait_until(lambda: session.runner.state.connected, 20, "not back")
-        at = session.runner.state.ticks
-        wait_until(lambda: session.runner.state.ticks > at + 100, 20, "no ticks")
-    read = read_recording(log)
-    assert validate(folder, [read], paced_s=0.01).mismatches == 0
-    call = read.channels["call"].astype(int)
-    lost = np.flatnonzero(call & UNSENT)
-    assert len(lost) > 250  # opening it again waits for its watchdog
-    (reset,) = np.flatnonzero(call & RESET)
-    assert reset > lost[250]
-    assert read.force_n[reset] == 0
-
-
-@pytest.mark.parametrize(("firmware", "watchdog_ms"), [("0.5", 1350), ("0.6", 300)])
-def test_a_drive_with_a_slow_watchdog_is_refused(firmware, watchdog_ms):
-    """It would keep its torque for so long after the host has died."""
-    options = ("--firmware", firmware, "--watchdog-ms", watchdog_ms)
-    with peer("slcan_odrive", *options) as drive:
-        says = r"keeps its torque .*\((0\.[3-9]|1\.).* s, at most 0\.2 s.*watchdog_timeout = 0\.05"
-        with pytest.raises(DeviceError, match=says):
-            OdriveDevice(parse_device(drive.url), DeviceRequirements(1000, 0.02, 12.0))
-        assert not drive.named("zero"), "it was given a torque"
-
-
 def test_one_bound_in_time_proves_a_watchdog(monkeypatch):
     """A heartbeat may be lost: the least of three upper bounds counts, and refuses."""
     drive = Drive(None, 0, "odrive://x", DriveLimits(1, 1))
@@ -149,48 +88,6 @@ def test_the_limit_that_a_refusal_names_is_taken():
         named_n = float(re.search(r"max_force_n = ([\d.e+-]+),", str(caught.value))[1])
         with pytest.raises(DeviceError, match="no such port"):  # it got further
             OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, named_n))
-
-
-def test_a_drive_lets_every_force_through(monkeypatch):
-    """At any speed of a hand, with the default gain of its limit or a small motor's."""
-    address = parse_device("odrive://slcan//dev/x?m_per_turn=0.05&max_torque_nm=0.4&nm_per_a=0.04")
-    train = _transmission(address, DeviceRequirements(1000, 0.02, 12.0))
-    speed = 2.0 / 0.05
-    for gain in (1 / 6, 0.4 / 20):
-        assert gain * (train.limits.turns_per_s - speed) >= 0.4
-    assert train.limits.current_a * 0.04 == pytest.approx(1.05 * 0.4)
-
-
-def moved(options: dict, limits: bool, turns_per_s: float) -> tuple[Axis, list]:
-    """A drive in closed loop that is told 0.4 Nm at that speed, for one step."""
-    parser = arguments("a drive")
-    add_options(parser)
-    axis = Axis(parser.parse_args([f"--{key}={value}" for key, value in options.items()]))
-    axis.take(0x07, struct.pack("<II", CLOSED_LOOP, 0))
-    if limits:
-        axis.take(0x0F, struct.pack("<ff", 40.0, 5.0))
-    axis.take(0x0E, struct.pack("<f4x", 0.4))
-    axis.turns_per_s = turns_per_s
-    frames = axis.step()
-    axis.turns_per_s = turns_per_s
-    return axis, frames
-
-
-def test_the_peer_limits_torque_and_speed_as_a_drive_does():
-    """Without limits from us: 2 turns a second, off beyond 1.2 times it, 100 estimates a second."""
-    options = {"nm-per-a": 0.1, "m-per-turn": 0.05}
-    assert moved(options, True, 30.0)[0].given_nm() == pytest.approx(0.4)
-    assert moved(options, False, 0.0)[0].given_nm() == pytest.approx(2 / 6)
-    assert moved(options, False, 1.6)[0].given_nm() == pytest.approx(0.4 / 6)
-    for firmware, error in (("0.5", 0x200), ("0.6", 0x8000)):
-        axis, _ = moved({**options, "firmware": firmware}, False, 2.41)
-        assert (axis.state, axis.error, axis.given_nm()) == (1, error, 0.0)
-        beat = parse_heartbeat(axis._heartbeat()[1], firmware)
-        assert (beat.error, beat.failed) == (error, firmware == "0.5")
-    axis, frames = moved(options, True, 0.0)
-    for _ in range(999):
-        frames += axis.step()
-    assert sum(found == ENCODER for found, _ in frames) == 100
 
 
 def test_a_serial_device_is_no_adapter(folder):

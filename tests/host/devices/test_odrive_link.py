@@ -142,6 +142,9 @@ def test_arming_heartbeats_and_torques(family, link_of, slcan):
     mode = decode("Axis0_Set_Controller_Mode", frames[0x0B])
     assert (int(mode["Control_Mode"]), int(mode["Input_Mode"])) == (1, 1)
     assert 0x18 in frames
+    limits = decode("Axis0_Set_Limits", frames[0x0F])
+    assert limits == {"Velocity_Limit": 40.0, "Current_Limit": 5.0}
+    assert list(frames).index(0x0F) < list(frames).index(0x07)
     assert link.c.ready == 0
 
     heartbeat = database.get_message_by_name("Axis0_Heartbeat")
@@ -233,17 +236,6 @@ def test_the_greatest_force_is_sent_whatever_the_rounding(link_of):
         sent = [struct.unpack_from("<f", data)[0] for _, data in link.sent()]
         assert sent == [-drive.sign * np.float32(max_nm), drive.sign * np.float32(max_nm)]
         assert link.c.write(link.c, 0, 1.0001 * max_n) == -2
-
-
-@pytest.mark.parametrize("slcan", [True, False])
-def test_limits_are_set_on_every_arming(family, link_of, slcan):
-    name, database = family
-    link = link_of(slcan=slcan, family=name)
-    link.c.reset(link.c, 0)
-    frames = dict(link.sent())
-    told = database.decode_message("Axis0_Set_Limits", frames[0x0F])
-    assert told == {"Velocity_Limit": 40.0, "Current_Limit": 5.0}
-    assert list(frames).index(0x0F) < list(frames).index(0x07)
 
 
 def test_a_line_that_was_cut_is_ended_as_it_began(link_of):

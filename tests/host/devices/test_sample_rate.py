@@ -59,6 +59,7 @@ def test_a_silent_device_is_the_sessions_matter(count_of):
     require_sample_rate("x", 1000, count, "do this")
 
 
+@pytest.mark.realtime
 def test_a_rate_that_falls_in_a_session(tmp_path):
     emit(scene(), model_file(tmp_path), tmp_path / "c")
     with peer("serial_device", "--thin-after", 0.4) as device:

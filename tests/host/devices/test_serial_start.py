@@ -248,10 +248,15 @@ def test_a_device_gives_the_scenes_force_to_a_millionth(opened: Opened) -> None:
 
 @pytest.mark.parametrize(
     ("refuses", "what"),
-    [(1, "that action"), (2, "that rate"), (3, "that watchdog"), (4, "a command")],
+    [
+        (1, ["that action (START)", "self-test", "flash"]),
+        (2, ["that rate", "1000 Hz", "runtime.rate_hz"]),
+        (3, ["that watchdog", "150 ms", "guard.watchdog_ms"]),
+        (4, ["a command"]),
+    ],
 )
-def test_a_command_that_is_refused(opened: Opened, refuses: int, what: str) -> None:
-    require_refused(opened, SimulatedDevice(refuses=refuses), what, "1000 Hz", "150 ms")
+def test_a_command_that_is_refused(opened: Opened, refuses: int, what: list[str]) -> None:
+    require_refused(opened, SimulatedDevice(refuses=refuses), *what)
 
 
 def test_a_command_that_is_never_acknowledged(opened: Opened) -> None:

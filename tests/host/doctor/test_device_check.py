@@ -52,18 +52,11 @@ def test_nothing_pushes_without_consent() -> None:
     assert "--yes" in found["sign of its force"]["do"]
 
 
-@pytest.mark.parametrize(
-    ("option", "cause", "remedy"),
-    [
-        ("--absent", "no Force Dimension device on USB", "check cable and power"),
-        ("--in-use", "device already in use", "end that one"),
-        ("--uncalibrated", "not calibrated", "put its pole"),
-    ],
-)
-def test_a_device_that_is_not_reached(option: str, cause: str, remedy: str) -> None:
-    with peer("dhd_device", option) as device:
+def test_a_device_that_is_not_reached() -> None:
+    """What else may be in the way: test_dhd_start.py."""
+    with peer("dhd_device", "--in-use") as device:
         status, found = examined(device.url)
     assert status == 5
     (reached,) = found.values()
-    assert cause in reached["seen"]
-    assert remedy in reached["do"]
+    assert "device already in use" in reached["seen"]
+    assert "end that one" in reached["do"]

@@ -5,15 +5,13 @@ import shutil
 from pathlib import Path
 
 import pytest
-from support.small import model_file, press, recording, scene, small_fit, training
+from support.small import model_file, press, recording, scene, small_fit
 
 from springpot.codegen.errors import BudgetError, DataError
 from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
 from springpot.host.native import toolchain
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.selection import prune
 
 EVALUATION = recording("judge", press(1.5, 0.011))
@@ -82,13 +80,12 @@ def test_without_a_compiler_no_reduction_is_blamed(
 
 
 def test_a_budget_of_instructions_is_not_of_measured_steps(tmp_path: Path) -> None:
-    model = fit_model("hammerstein", "x", training(), FitOptions(seed=1)).model
     told = {}
     for measured in (False, True):
         runtime = Runtime(target="cortex-m4f", measured_step=measured)
         chosen = dataclasses.replace(
             scene(), runtime=runtime, budget=Budget(tick_instructions=5000)
         )
-        emission = emit(chosen, model_file(tmp_path, model), tmp_path / "c")
+        emission = emit(chosen, model_file(tmp_path), tmp_path / "c")
         told[measured] = [item for item in emission.notices if "sp_step_dt" in item]
     assert not told[False] and len(told[True]) == 1

@@ -3,19 +3,20 @@
 import json
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import pytest
-from support.small import model_file, scene, small_model
+from support.small import model_file, passive_model, scene, small_model
 
 from springpot.codegen.errors import BudgetError, MismatchError, UsageError
+from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Budget
-from springpot.host.emission.emission import emit
+from springpot.host.emission.emission import Emission, emit
 from springpot.host.native.footprint import deepest_stack
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import flags
@@ -31,24 +32,38 @@ COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 API = ["abi_version", "state_size", "manifest", "init", "reset", "step", "run", "idle", "selftest"]
 
 
+Emitted = Callable[[str], Emission]
+
+
+def model(shape: str) -> Model:
+    return small_model() if shape == "m2cgen" else passive_model()
+
+
 @pytest.fixture(scope="module")
-def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def emission_of(tmp_path_factory: pytest.TempPathFactory) -> Emitted:
     """Each shape emitted once, to be read."""
 
     @cache
-    def folder(shape: str) -> Path:
+    def emission(shape: str) -> Emission:
         above = tmp_path_factory.mktemp(shape)
-        return emit(SHAPES[shape], model_file(above), above / "c").folder
+        return emit(SHAPES[shape], model_file(above, model(shape)), above / "c")
 
-    return folder
+    return emission
+
+
+def program_of(sources: Iterable[Path], out: Path, *options: str) -> Path:
+    """Build one program of C with our flags, and further ones."""
+    command = ["gcc", *flags("SP_CFLAGS"), *options, *map(str, sources), "-o", str(out), "-lm"]
+    subprocess.run(command, check=True)
+    return out
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("shape", list(SHAPES))
 def test_generated_c_is_warning_clean(
-    tmp_path: Path, folder_of: Callable[[str], Path], shape: str, compiler: str
+    tmp_path: Path, emission_of: Emitted, shape: str, compiler: str
 ) -> None:
-    sources = sorted(folder_of(shape).glob("*.c"))
+    sources = sorted(emission_of(shape).folder.glob("*.c"))
     assert len(sources) == 3
     for source in sources:
         command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-c", str(source), "-o",
@@ -60,18 +75,19 @@ def test_generated_c_is_warning_clean(
 
 @pytest.mark.parametrize("shape", list(SHAPES))
 def test_image_holds_the_api_and_nothing_else(
-    tmp_path: Path, folder_of: Callable[[str], Path], shape: str
+    tmp_path: Path, emission_of: Emitted, shape: str
 ) -> None:
     prefix = SHAPES[shape].runtime.prefix
     symbols = ""
     for part in ("scene", "selftest"):
         built = tmp_path / f"{part}.o"
-        source = folder_of(shape) / f"{prefix}_{part}.c"
+        source = emission_of(shape).folder / f"{prefix}_{part}.c"
         subprocess.run(["gcc", *flags("SP_CFLAGS"), "-c", source, "-o", built], check=True)
         symbols += subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
     rows = [line.split()[-2:] for line in symbols.splitlines()]
     public = {name for kind, name in rows if kind == "T"}
-    assert public == {f"{prefix}_{name}" for name in API}
+    of_any_step = ["step_dt"] if shape == "plain" else []  # exact at any, uncoupled
+    assert public == {f"{prefix}_{name}" for name in [*API, *of_any_step]}
     # No variable that changes, and nothing from outside but memory copies.
     assert not [name for kind, name in rows if kind in "BbDdC"]
     outside = {name for kind, name in rows if kind == "U"} - public
@@ -80,13 +96,20 @@ def test_image_holds_the_api_and_nothing_else(
 
 
 @pytest.mark.parametrize("shape", list(SHAPES))
-def test_state_is_as_large_as_planned(folder_of: Callable[[str], Path], shape: str) -> None:
-    plan = make_plan(small_model(), SHAPES[shape])
-    assert SceneLibrary(folder_of(shape)).state_bytes == state_bytes(plan)
+def test_state_is_as_large_as_planned_and_what_is_left_out_is_told(
+    emission_of: Emitted, shape: str
+) -> None:
+    emission = emission_of(shape)
+    planned = state_bytes(make_plan(model(shape), SHAPES[shape]))
+    assert SceneLibrary(emission.folder).state_bytes == emission.ram_bytes == planned
+    told = {item["what"]: item["why"] for item in emission.manifest["left_out"]}
+    assert all(told.values())
+    assert {"coupling", "smoothing", "velocity estimate"} <= set(told) or shape != "plain"
 
 
-def test_builds_by_hand_without_python(tmp_path: Path) -> None:
-    emission = emit(SHAPES["plain"], model_file(tmp_path), tmp_path / "c")
+def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted) -> None:
+    emission = emission_of("plain")
+    shutil.copytree(emission.folder, tmp_path / "c")
     clean = {"PATH": "/usr/bin:/bin", "LC_ALL": "C"}
     subprocess.run(["make", "-C", tmp_path / "c", "test"], env=clean, check=True,
                    capture_output=True)  # fmt: skip
@@ -103,30 +126,28 @@ def test_builds_by_hand_without_python(tmp_path: Path) -> None:
     assert "line 2 is not a number" in wrong.stderr
 
 
-@pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
-@pytest.mark.parametrize("mode", ["off", "tool"])
-def test_selftest_catches_other_floating_point(tmp_path: Path, mode: str) -> None:
-    emit(scene(mode=mode), model_file(tmp_path), tmp_path / "c")
-    contracted = ["-std=c11", "-O2", "-mfma", "-ffp-contract=fast"]
-    for options, passes in ((flags("SP_CFLAGS"), True), (contracted, False)):
-        sources = [str(path) for path in sorted((tmp_path / "c").glob("*.c"))]
-        program = tmp_path / "program"
-        subprocess.run(["gcc", *options, *sources, "-o", program], check=True)
+CONTRACTED = ("-mfma", "-ffp-contract=fast")
+HIDDEN = ("-ffinite-math-only", "-U__FINITE_MATH_ONLY__")  # a compiler that does not say so
+
+
+@pytest.mark.parametrize(
+    ("shape", "options"),
+    [("plain", CONTRACTED), ("prefixed", CONTRACTED), ("plain", HIDDEN)],
+)
+def test_the_selftest_sees_other_floating_point_and_nan_assumed_away(
+    tmp_path: Path,
+    emission_of: Emitted,
+    shape: str,
+    options: tuple[str, ...],
+) -> None:
+    if "-mfma" in options and "fma" not in CPU_FLAGS:
+        pytest.skip("this processor has no fused multiply-add")
+    sources = sorted(emission_of(shape).folder.glob("*.c"))
+    for more, passes in (((), True), (options, False)):
+        program = program_of(sources, tmp_path / "program", *more)
         result = subprocess.run([program], input="", capture_output=True, text=True, check=False)
         assert (result.returncode == 0) is passes
         assert ("self-test passed" if passes else "-ffp-contract=off") in result.stderr
-
-
-def test_the_selftest_sees_a_compiler_that_assumes_away_nan(tmp_path: Path) -> None:
-    """Where a compiler does not say so: its watchdog would never latch."""
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
-    hidden = ["-ffinite-math-only", "-U__FINITE_MATH_ONLY__"]
-    sources = [str(path) for path in sorted((tmp_path / "c").glob("*.c"))]
-    for options, passes in (([], True), (hidden, False)):
-        program = tmp_path / "program"
-        subprocess.run(["gcc", *flags("SP_CFLAGS"), *options, *sources, "-o", program], check=True)
-        result = subprocess.run([program], input="", capture_output=True, text=True, check=False)
-        assert (result.returncode == 0) is passes
 
 
 def test_a_library_that_differs_is_not_emitted(
@@ -138,38 +159,39 @@ def test_a_library_that_differs_is_not_emitted(
     assert [path.name for path in tmp_path.iterdir()] == ["model.spm"]
 
 
-def test_two_prefixes_link_into_one_c_and_one_cpp_program(tmp_path: Path) -> None:
-    model = model_file(tmp_path)
-    emit(scene(prefix="soft"), model, tmp_path / "soft")
-    emit(scene(prefix="hard", mode="tool", number="float64"), model, tmp_path / "hard")
-    (tmp_path / "main.c").write_text(
-        '#include "soft/soft.h"\n#include "hard/hard.h"\n'
-        "int main(void) { return soft_selftest() + hard_selftest() + "
-        "(soft_state_size() == hard_state_size()); }\n"
-    )
-    objects = []
-    for name in ("soft", "hard"):
-        for part in ("scene", "selftest"):
-            objects.append(str(tmp_path / f"{name}_{part}.o"))
-            source = tmp_path / name / f"{name}_{part}.c"
-            command = ["gcc", *flags("SP_CFLAGS"), "-c", str(source), "-o", objects[-1]]
-            subprocess.run(command, check=True)
-    compilers = [("gcc", "c")] + ([("g++", "c++")] if shutil.which("g++") else [])
-    for compiler, language in compilers:
-        program = tmp_path / f"main-{language[-1]}"
-        command = [compiler, "-x", language, str(tmp_path / "main.c"), "-x", "none", *objects,
-                   "-o", str(program)]  # fmt: skip
-        subprocess.run(command, check=True)
-        assert subprocess.run([program], check=False).returncode == 0
-
-
-@pytest.mark.parametrize(("stack_bytes", "told"), [(1000, True), (20_000, False), (None, False)])
-def test_the_stack_of_the_selftest_is_told(
-    tmp_path: Path, stack_bytes: int | None, told: bool
+def test_two_prefixes_link_into_one_c_and_one_cpp_program(
+    tmp_path: Path, emission_of: Emitted
 ) -> None:
+    """Their headers may meet in one file, what is behind them may not: number types differ."""
+    folders = [emission_of(shape).folder for shape in ("paper", "prefixed")]
+    include = [f"-I{folder}" for folder in folders]
+    text = (
+        '#include "sp.h"\n#include "eco.h"\n'
+        "int main(void) { return sp_selftest() + eco_selftest() + "
+        "(sp_state_size() == eco_state_size()); }\n"
+    )
+    sources = [path for folder in folders for path in folder.glob("*_s*.c")]
+    objects = [program_of([path], tmp_path / f"{path.stem}.o", "-c") for path in sources]
+    for compiler, suffix in (("gcc", "c"), ("g++", "cpp")):
+        if shutil.which(compiler):
+            main = tmp_path / f"main.{suffix}"
+            main.write_text(text)
+            command = [compiler, *include, main, *objects, "-lm", "-o", tmp_path / "main"]
+            subprocess.run(command, check=True)
+            assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
+    both = tmp_path / "both.c"
+    both.write_text('#include "sp_scene.h"\n#include "eco_scene.h"\n')
+    result = subprocess.run(["gcc", *include, "-c", both, "-o", tmp_path / "both.o"],
+                            capture_output=True, text=True, check=False)  # fmt: skip
+    assert result.returncode != 0
+    assert "eco_state_is_as_planned" in result.stderr
+
+
+@pytest.mark.parametrize(("stack_bytes", "told"), [(1000, True), (20_000, False)])
+def test_the_stack_of_the_selftest_is_told(tmp_path: Path, stack_bytes: int, told: bool) -> None:
     """A tick fits in the budget, a second state does not."""
     shape = replace(SHAPES["plain"], budget=Budget(stack_bytes=stack_bytes))
-    emission = emit(shape, model_file(tmp_path), tmp_path / "c")
+    emission = emit(shape, model_file(tmp_path, small_model()), tmp_path / "c")
     notices = [line for line in emission.notices if "the self-test takes" in line]
     assert bool(notices) is told
 
@@ -182,15 +204,6 @@ def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: boo
     chosen = replace(chosen, runtime=replace(chosen.runtime, target=target))
     notices = emit(chosen, model_file(tmp_path), tmp_path / "c").notices
     assert any("doubles run in software" in notice for notice in notices) == software
-
-
-def test_left_out_is_told(tmp_path: Path) -> None:
-    emission = emit(SHAPES["plain"], model_file(tmp_path), tmp_path / "c")
-    told = {item["what"]: item for item in emission.manifest["left_out"]}
-    assert {"coupling", "smoothing", "velocity estimate"} <= set(told)
-    assert all(item["why"] for item in told.values())
-    with_all = state_bytes(make_plan(small_model(), SHAPES["paper"]))
-    assert with_all > emission.ram_bytes
 
 
 def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
@@ -218,18 +231,6 @@ def test_emission_never_overwrites_what_a_user_changed(tmp_path: Path, name: str
     assert (tmp_path / "c.old").exists()
 
 
-def test_headers_of_two_number_types_do_not_meet_in_one_file(tmp_path: Path) -> None:
-    model = model_file(tmp_path)
-    emit(scene(prefix="soft"), model, tmp_path / "soft")
-    emit(scene(prefix="hard", number="float64"), model, tmp_path / "hard")
-    source = tmp_path / "both.c"
-    source.write_text('#include "soft/soft_scene.h"\n#include "hard/hard_scene.h"\n')
-    result = subprocess.run(["gcc", "-c", source, "-o", tmp_path / "both.o"], capture_output=True,
-                            text=True, check=False)  # fmt: skip
-    assert result.returncode != 0
-    assert "hard_state_is_as_planned" in result.stderr
-
-
 def test_budget_is_kept(tmp_path: Path) -> None:
     tight = replace(SHAPES["plain"], budget=Budget(flash_bytes=1000))
     with pytest.raises(BudgetError, match="the scene's budget is 1000"):
@@ -237,14 +238,13 @@ def test_budget_is_kept(tmp_path: Path) -> None:
     assert not (tmp_path / "c").exists()
 
 
-def test_manifest_says_what_the_image_says(tmp_path: Path) -> None:
-    emission = emit(SHAPES["prefixed"], model_file(tmp_path), tmp_path / "c")
-    image = SceneLibrary(tmp_path / "c").manifest
-    written = json.loads((tmp_path / "c" / "manifest.json").read_text())
+def test_manifest_says_what_the_image_says(emission_of: Emitted) -> None:
+    emission = emission_of("prefixed")
+    image = SceneLibrary(emission.folder).manifest
+    written = json.loads((emission.folder / "manifest.json").read_text())
     assert image.items() <= written.items()
     assert image["hash"] == emission.hash
-    first_line = (tmp_path / "c" / "eco_scene.c").read_text().splitlines()[0]
-    assert emission.hash in first_line
+    assert emission.hash in (emission.folder / "eco_scene.c").read_text().splitlines()[0]
 
 
 def test_deepest_stack_follows_the_calls() -> None:

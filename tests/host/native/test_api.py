@@ -6,20 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import model_file, press, scene, small_model
+from support.small import model_file, passive_model, press, recording, scene
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.reference.notes import HELD, LATCHED, RAMPED, RESYNC
 from springpot.codegen.scene import Device
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 DT_S = 1e-3
 NULL, TIME_STEP = -1, -2
 
 
 def library(folder: Path, contact: str = "surface", **options: str) -> SceneLibrary:
-    model = dataclasses.replace(small_model(), contact=contact)
+    model = dataclasses.replace(passive_model(), contact=contact)
     emit(scene(**options), model_file(folder, model), folder / "c")
     return SceneLibrary(folder / "c")
 
@@ -97,16 +99,8 @@ def test_a_dead_velocity_channel_trips_the_watchdog(tmp_path: Path) -> None:
 
 
 def test_a_lasting_jump_is_taken_as_true_before_the_watchdog_latches(tmp_path: Path) -> None:
-    from support.small import training
-
-    import springpot.trainer.recordings.recording as recording_module
-    from springpot.trainer.kinds import fit_model
-    from springpot.trainer.models.fit import FitOptions
-
-    slow = [
-        recording_module.Recording(item.name, item.position_m[::10], item.force_n[::10], 0.01)
-        for item in training()
-    ]
+    item = recording("slow", press(0.5)[::10])
+    slow = [dataclasses.replace(item, force_n=300.0 * item.position_m, dt_s=0.01)]
     model = fit_model("rf-fd", "slow", slow, FitOptions(trees=3, leaf=5)).model
     # No hand could hold it at 100 Hz: for replay.
     emit(scene(), model_file(tmp_path, model), tmp_path / "c", accept_unsafe=True)

@@ -10,6 +10,8 @@ from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
+pytestmark = pytest.mark.realtime
+
 
 def felt(folder, tmp_path, device: Peer, seconds: float = 1.6, settings: str = ""):
     """A session in a hand: its result, what it said, its log; every force of it repeats."""
@@ -27,6 +29,14 @@ def felt(folder, tmp_path, device: Peer, seconds: float = 1.6, settings: str = "
 def require_zero_from(read, first: int) -> None:
     assert read.force_n[:first].max() > 0.1, "the hand was not pressing"
     assert np.all(read.force_n[first:] == 0.0)
+
+
+def require_fall_from(read, first: int) -> None:
+    """Never more again, and zero after the watchdog's 20 ms and the fall's 10 ms at the latest."""
+    assert read.force_n[:first].max() > 0.1, "the hand was not pressing"
+    after_n = read.force_n[first:]
+    assert np.all(np.diff(after_n) <= 0.0)
+    assert np.all(after_n[31:] == 0.0)
 
 
 def first_not_at_work(read) -> int:
@@ -73,17 +83,17 @@ def test_calls_that_fail_for_a_moment(folder, tmp_path):
     assert np.max(np.abs(np.diff(again))) < 1.0
 
 
-@pytest.mark.parametrize("hang_s", [0.05, 0.3])
-def test_a_call_that_hangs(folder, tmp_path, hang_s):
+def test_a_call_that_hangs(folder, tmp_path):
     """The device's own watchdog ends the force meanwhile; then the host says which call it was."""
-    with peer("dhd_device", "--burst-after", 0.6, "--burst-for", hang_s) as device:
+    with peer("dhd_device", "--burst-after", 0.6, "--burst-for", 0.3) as device:
         result, said, read = felt(folder, tmp_path, device)
         tripped = device.wait_for("tripped")
     assert tripped["was_n"] > 0.05
     assert tripped["silent_ms"] < 30
     assert "a call of its SDK took more than 20 ms" in said
     assert result["latched"]
-    require_zero_from(read, first_not_at_work(read))
+    # Ticks that come before the call hangs for good are held, as the law has it.
+    require_fall_from(read, first_not_at_work(read))
 
 
 def test_its_button_stops(folder, tmp_path):

@@ -159,9 +159,8 @@ def test_device_silent_and_back(tmp_path, folder, round_, kind):
     assert np.all(read.force_n[latched[0] + 20 :] == 0)
 
 
-@pytest.mark.parametrize("kind", HELD)
-def test_device_silent_for_good(tmp_path, folder, kind):
-    with peer(kind, "--silent-after", 0.5) as device:
+def test_device_silent_for_good(tmp_path, folder):
+    with peer("serial_device", "--silent-after", 0.5) as device:
         host = Host(folder, device, tmp_path / "a.h5", "--seconds", 20, "--reconnect-s", 0.5)
         _, err = host.end()
     assert host.process.returncode == 5
@@ -169,8 +168,7 @@ def test_device_silent_for_good(tmp_path, folder, kind):
     faithful(folder, host.log)
 
 
-@pytest.mark.parametrize("kind", HELD)
-@pytest.mark.parametrize("kilobytes", [60, 150])
+@pytest.mark.parametrize(("kilobytes", "kind"), [(60, HELD[0]), (150, HELD[1])])
 def test_disk_full_while_logging(tmp_path, folder, kilobytes, kind):
     """The session ends with zero force and one line; what was written reads."""
     limit = kilobytes << 10
@@ -191,8 +189,7 @@ def test_disk_full_while_logging(tmp_path, folder, kilobytes, kind):
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("kind", HELD)
-@pytest.mark.parametrize("held_s", [0.008, 0.030, 0.120])
+@pytest.mark.parametrize(("held_s", "kind"), [(0.008, HELD[0]), (0.12, HELD[0]), (0.03, HELD[1])])
 def test_a_burst_of_late_samples(tmp_path, folder, held_s, kind):
     """Shorter than the watchdog's time: held, and on. Longer: zero, until the user resets."""
     log = tmp_path / "a.h5"
@@ -209,9 +206,9 @@ def test_a_burst_of_late_samples(tmp_path, folder, held_s, kind):
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("kind", HELD)
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(("number", "kind"), [(signal.SIGINT, HELD[0]), (signal.SIGTERM, HELD[1])])
 def test_asked_to_end_in_a_press(tmp_path, folder, number, kind):
+    """By other signals: test_ending_signals.py."""
     with peer(kind) as device:
         host = Host(folder, device, tmp_path / "a.h5")
         wait_for_force(device, host.log)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from support.peer import wait_until
-from support.small import DEPTH_M, model_file, press, recording, scene, small_model
+from support.small import DEPTH_M, model_file, passive_model, press, recording, scene
 
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.notes import (
@@ -22,7 +22,7 @@ from springpot.host.session.note_words import NOTE_WORDS
 from springpot.host.session.session import Session
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
-PLAN = make_plan(small_model(), scene())
+PLAN = make_plan(passive_model(), scene())
 TRAINED_MPS = PLAN.model.trained.max_mps
 
 

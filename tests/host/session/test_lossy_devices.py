@@ -21,12 +21,11 @@ LOSSES = ("--drop", 0.01, "--late", 0.02, "--presses-hz", 2)
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("mode", ["off", "proxy"])
 @pytest.mark.parametrize(
-    "device",
-    [("serial_device",), ("slcan_odrive",), ("udp_odrive", "--port", 43225)],
-    ids=lambda device: device[0],
-)
+    ("device", "mode"),
+    [(("serial_device",), "proxy"), (("slcan_odrive",), "off"),
+     (("udp_odrive", "--port", 43225), "proxy")],
+)  # fmt: skip
 def test_losses_are_not_felt(tmp_path, device, mode):
     folder, log = tmp_path / "c", tmp_path / "a.h5"
     waits = replace(scene(mode=mode), guard=Guard(watchdog_ms=WATCHDOG_MS))

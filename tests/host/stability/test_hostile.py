@@ -1,4 +1,4 @@
-"""Fuzz, recovery, numbers and scales: the force is right or safe whatever comes in."""
+"""Recovery, numbers and scales: the force is right or safe whatever comes in."""
 
 import dataclasses
 import os
@@ -8,7 +8,8 @@ import pytest
 from support.c.rounding import ForceRounding, MotionRange
 from support.small import DEPTH_M, DT_S, press, scene, training
 
-from springpot.codegen.model.model import Hammerstein, Model, TrainedRange
+from springpot.codegen.model.model import Model, TrainedRange
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Coupling
@@ -18,9 +19,8 @@ from springpot.host.simulation.objects import HAND_NAMES
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
-# `make soak` asks for 1e8 ticks, 24 simulated hours and 1e7 samples.
+# `make soak` asks for 24 simulated hours and 1e7 samples.
 SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))
-FUZZ_TICKS = 100_000_000 if SOAK else 1_000_000
 PRESS_S = 24 * 3600.0 if SOAK else 600.0
 DRIFT_TICKS = 10_000_000 if SOAK else 200_000
 KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "hammerstein", "hybrid")
@@ -36,14 +36,6 @@ def model_of(kind: str, contact: str = "surface") -> Model:
     return dataclasses.replace(found, contact=contact)
 
 
-def wrong_forces(loop: HandLoop, limits_n: tuple[float, float]) -> int:
-    """Half random bit patterns, half motion with faults: forces not finite or not allowed."""
-    scene, kept = loop._scene()
-    wrong = loop._port.c.sp_closed_loop_fuzz(scene, FUZZ_TICKS, DEPTH_M, DT_S, *limits_n, 1)
-    del kept
-    return int(wrong)
-
-
 def pressed(
     loop: HandLoop, operator: Operator, ticks: int, dt_s: float, reach_m: float
 ) -> dict[str, float]:
@@ -57,31 +49,6 @@ def pressed(
     assert status >= 0
     del kept
     return {name: getattr(found, name) for name, _ in ffi.typeof("sp_closed_loop_presses").fields}
-
-
-@pytest.mark.parametrize(
-    ("kind", "mode", "contact", "number"),
-    [
-        ("rf-fd", "off", "surface", "float32"),
-        ("rf-fd", "proxy", "surface", "float32"),
-        ("rbf-fd", "tool", "surface", "float32"),
-        ("rbf-pv", "proxy", "always", "float32"),
-        ("hammerstein", "proxy", "surface", "float64"),
-        ("hybrid", "tool", "always", "float32"),
-    ],
-)
-def test_no_bits_make_a_force_that_is_not_allowed(
-    kind: str, mode: str, contact: str, number: str
-) -> None:
-    chosen = scene(number=number, mode=mode, smoothing_s=8e-4)
-    if mode != "off":
-        chosen = dataclasses.replace(
-            chosen, device=dataclasses.replace(chosen.device, velocity="device")
-        )
-    plan = make_plan(model_of(kind, contact), chosen)
-    limits = float(plan.output.min_n), float(plan.output.max_n)
-    with built(plan) as library:
-        assert wrong_forces(HandLoop(library), limits) == 0
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -110,6 +77,11 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     Where a tie decides, at few ticks, the forces may be those of neighbouring leaves or windows.
     """
     model = model_of(kind)
+    assert model.hammerstein is not None
+    # The motion stays inside, where a surface that recovers changes nothing.
+    model = dataclasses.replace(
+        model, hammerstein=dataclasses.replace(model.hammerstein, recovers=False)
+    )
     peak_n = model.trained.max_n
     hz, amplitude_m = np.array([0.31, 0.83, 2.7, 6.1]), 0.13 * DEPTH_M
     phases = np.random.default_rng(2).uniform(0, 6, 4)
@@ -117,13 +89,14 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
         max_m=0.45 * DEPTH_M + 4 * amplitude_m,
         max_step_m=2 * np.pi * hz.sum() * amplitude_m * DT_S,
     )
-    in_double = make_plan(model, scene(number="float64"), accept_unsafe=True)
+    # The bound is of the model: where an account cuts an active one, a tie decides for longer.
+    in_double = make_plan(model, scene(number="float64", energy="off"), accept_unsafe=True)
     rounding = ForceRounding(in_double, deepest)
     assert rounding.bound_n <= share * peak_n
     chunk = min(100_000, DRIFT_TICKS // 4)
     errors, tied = [], 0
     with (
-        built(make_plan(model, scene(), accept_unsafe=True)) as single,
+        built(make_plan(model, scene(energy="off"), accept_unsafe=True)) as single,
         built(in_double) as double,
     ):
         one, other = single.new_state(), double.new_state()
@@ -151,9 +124,9 @@ def test_scales_of_a_micrometre_to_a_metre(
     """A spring of any size: forces from 10 uN on are exact to float32, up to a scene's 10 kN."""
     peak_n = stiffness_npm * depth_m
     spring = Hammerstein(
-        basis="powers", origin_m=0.0, span_m=depth_m, elastic_n=np.array([peak_n, 0.0, 0.0]),
-        tau_s=np.array([20 * dt_s]), branch_n=np.array([[0.5 * peak_n, 0.0, 0.0]]),
-        radius_m=np.zeros(0), stop_n=np.zeros((0, 3)), bias_n=0.0,
+        origin_m=0.0, span_m=depth_m, elastic_n=np.array([peak_n]),
+        tau_s=np.array([20 * dt_s]), branch_n=np.array([[0.5 * peak_n]]),
+        radius_m=np.zeros(0), stop_n=np.zeros((0, 1)), bias_n=0.0,
     )  # fmt: skip
     trained = TrainedRange(0.0, depth_m, 0.02 * depth_m / dt_s, 0.0, 1.5 * peak_n)
     model = Model("hammerstein", "x", dt_s, "surface", trained, None, None, spring, True)

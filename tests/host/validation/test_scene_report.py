@@ -37,7 +37,7 @@ from springpot.host.validation.validation import validate
 @pytest.fixture(scope="module")
 def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("emitted")
-    emit(scene(), model_file(folder), folder / "c")
+    emit(scene(), model_file(folder, small_model()), folder / "c")
     return folder / "c"
 
 

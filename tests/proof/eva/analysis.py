@@ -3,22 +3,31 @@
 What it cannot bound becomes an alarm; a state that may be infinite or no number is one too.
 """
 
+import hashlib
 import os
 import re
 import shutil
 import subprocess
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """What Eva said: alarms in its own words, each once; seconds: of wall time."""
+    """What Eva said: alarms in its own words, each once; seconds: of wall time.
+
+    question: hash of the C, the options and the analyser; the same question has the same answer.
+    """
 
     alarms: tuple[str, ...]
     seconds: float
+    question: str
+
+
+Known = Mapping[str, Analysis]  # by question
 
 
 class EvaFailedError(Exception):
@@ -57,19 +66,46 @@ def frama_c() -> str | None:
     return shutil.which("frama-c")
 
 
-def run_eva(
-    folder: Path, source: Path, flags: Iterable[str], options: Iterable[str], timeout_s: float
-) -> tuple[str, float]:
-    """Analyse `source` from its function `prove`; flags: of the compiler.
+@dataclass(frozen=True)
+class Question:
+    """What Eva is asked: of `source` in `folder`, from its function `prove`.
 
-    Returns Eva's log, which stays in the folder, and seconds of wall time. Raises EvaFailedError.
+    files: the C that it includes. flags: of the compiler. told: what of Eva's log is an alarm.
     """
+
+    folder: Path
+    source: Path
+    files: Sequence[Path]
+    flags: Sequence[str]
+    options: Sequence[str]
+    told: Callable[[str], tuple[str, ...]]
+
+    def hash(self) -> str:
+        """Of all that decides about the answer: of a flag's folder, the files."""
+        parts = [_version(), *self.options]
+        parts += [flag for flag in self.flags if not flag.startswith("-I")]
+        parts += [f"{path.name}\n{path.read_text()}" for path in sorted(self.files)]
+        return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+def answer(question: Question, known: Known, timeout_s: float) -> Analysis:
+    """What is known of the question, or else Eva's answer. Raises EvaFailedError."""
+    name = question.hash()
+    if name in known:
+        return known[name]
+    said, seconds = _run_eva(question, timeout_s)
+    return Analysis(question.told(said), seconds, name)
+
+
+def _run_eva(question: Question, timeout_s: float) -> tuple[str, float]:
+    """Eva's log, which stays in the folder, and seconds of wall time."""
+    folder, source = question.folder, question.source
     share = _said_by("frama-c", "-print-share-path")
     command = [
         "frama-c", "-c11", "-machdep", "gcc_x86_64",
-        f"-cpp-extra-args={' '.join(flags)} -I{share}/libc", str(source),
+        f"-cpp-extra-args={' '.join(question.flags)} -I{share}/libc", str(source),
         "-eva", "-main", "prove", "-warn-special-float", "none", "-eva-msg-key=-initial-state",
-        *options,
+        *question.options,
     ]  # fmt: skip
     began = time.monotonic()
     log = folder / "eva.log"
@@ -90,6 +126,11 @@ def run_eva(
     if ended.returncode:
         raise EvaFailedError(f"{source}: {_why(said)}, see {log}")
     return said, time.monotonic() - began
+
+
+@cache
+def _version() -> str:
+    return _said_by("frama-c", "-version")
 
 
 def _said_by(*command: str) -> str:

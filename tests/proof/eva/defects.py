@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
-from proof.eva.analysis import Analysis
+from proof.eva.analysis import Analysis, Known
 from proof.eva.scene_analysis import analyse_scene
 from proof.eva.scenes import ProvedScene, emit_scene
 
@@ -17,6 +18,7 @@ class Defect:
     file: str
     right: str
     wrong: str
+    of_laws: bool = False  # seen where growth and the latched fall are looked at
 
 
 _PASSIVE = ProvedScene("hammerstein", "off", "float32")
@@ -29,8 +31,8 @@ DEFECTS = (
         "an index one too far",
         _PASSIVE,
         "sp_curve.h",
-        "terms + place.piece * (degree + 1)",
-        "terms + (place.piece + 1) * (degree + 1)",
+        "nodes + place.piece * 2 * n_curves",
+        "nodes + (place.piece + 1) * 2 * n_curves",
     ),
     Defect(
         "a forest's step one too far",
@@ -50,8 +52,24 @@ DEFECTS = (
         "the force's clamp removed",
         _PASSIVE,
         "sp_output.h",
-        "state->force_n = sp_output_clamp(config, force_n, notes);",
-        "state->force_n = force_n;",
+        "force_n = sp_output_clamp(config, force_n, notes);",
+        "",
+    ),
+    Defect(
+        "a force that grows twice as fast",
+        _PASSIVE,
+        "sp_output.h",
+        "const sp_real upper_n = before_n + slew_n;",
+        "const sp_real upper_n = before_n + (sp_real)2 * slew_n;",
+        of_laws=True,
+    ),
+    Defect(
+        "a latched force that falls a thousand times too slowly",
+        _PASSIVE,
+        "sp_output.h",
+        "const sp_real step = config->fall_n * ticks;",
+        "const sp_real step = config->fall_n * ticks * (sp_real)0.001;",
+        of_laws=True,
     ),
     Defect(
         "the maximum not clamped",
@@ -76,7 +94,11 @@ DEFECTS = (
         "return x > (sp_real)0;",
     ),
     Defect(
-        "a curve left without a value", _PASSIVE, "sp_curve.h", "        values[i] = value;\n", ""
+        "a curve left without a value",
+        _PASSIVE,
+        "sp_curve.h",
+        "        values[i] = value[i]",
+        "        values[0] = value[i]",
     ),
     Defect(
         "a sum that begins anywhere",
@@ -96,8 +118,8 @@ DEFECTS = (
         "a piece of a curve beyond the last",
         _PASSIVE,
         "sp_curve.h",
-        "(sp_real)(n_pieces - 1)",
-        "(sp_real)(n_pieces + 1)",
+        "(sp_real)(n_pieces - 1u)",
+        "(sp_real)(n_pieces + 1u)",
     ),
     Defect(
         "a device's velocity that is no number let through",
@@ -109,7 +131,7 @@ DEFECTS = (
 )
 
 
-def analyse_defect(defect: Defect, folder: Path) -> Analysis:
+def analyse_defect(defect: Defect, folder: Path, known: Known = MappingProxyType({})) -> Analysis:
     """Plant it in a scene of its own under `folder`, and analyse that.
 
     Raises ValueError where the C no longer has what it changes.
@@ -120,4 +142,4 @@ def analyse_defect(defect: Defect, folder: Path) -> Analysis:
     if defect.right not in text:
         raise ValueError(f"{defect.what}: {defect.file} has no {defect.right!r} any more")
     changed.write_text(text.replace(defect.right, defect.wrong, 1))
-    return analyse_scene(out)
+    return analyse_scene(out, laws=defect.of_laws, known=known)

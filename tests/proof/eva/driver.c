@@ -26,27 +26,83 @@ static sp_real anything(void)
     return x;
 }
 
+static int call(sp_real x, sp_real *force_n)
+{
+    switch (Frama_C_interval(0, @CALLS@)) {
+    case 0:
+        return sp_step(&state, x, anything(), force_n);
+    case 1:
+        return sp_idle(&state, x, force_n);
+#if @CALLS@ == 2
+    default:
+        return sp_step_dt(&state, anything(), x, anything(), force_n);
+#endif
+    }
+    return 0;
+}
+
+#if @LAWS@
+/* Growth: the force given before, cut into pieces that the analyser keeps apart: within one, growth
+ * is known to the piece's width. Latched, it falls by its step at least, and stays latched. */
+#define PIECES 8
+static const sp_real piece_n = (output.max_n - output.min_n) / PIECES;
+
+static void any_call(void)
+{
+    sp_real force_n = (sp_real)0;
+    const sp_real zero = (sp_real)0;
+    const int piece = Frama_C_interval(0, PIECES - 1);
+    //@ split piece;
+    const sp_real low_n = output.min_n + (sp_real)piece * piece_n;
+    const sp_real high_n = low_n + piece_n;
+    const sp_real most_n = (high_n > zero ? high_n : zero) + output.slew_n;
+    const sp_real lower_n = (low_n < zero ? low_n : zero) - output.slew_n;
+    if (state.output.given_n >= low_n && state.output.given_n <= high_n) {
+        (void)call(anything(), &force_n);
+        //@ assert growth: force_n <= most_n;
+        //@ assert pull: force_n >= lower_n;
+        //@ assert finite: \is_finite(force_n);
+        //@ assert limit: output.min_n <= force_n <= output.max_n;
+    }
+}
+
+static void latched_call(void)
+{
+    sp_real force_n = (sp_real)0;
+    const int piece = Frama_C_interval(0, PIECES - 1);
+    //@ split piece;
+    const sp_real low_n = output.min_n + (sp_real)piece * piece_n;
+    const sp_real high_n = low_n + piece_n;
+    const sp_real down_n = high_n - output.fall_n;
+    if (state.silence.latched == 1u && state.output.given_n >= low_n &&
+        state.output.given_n <= high_n && down_n > (sp_real)0) {
+        (void)sp_step(&state, anything(), anything(), &force_n);
+        //@ assert fall: force_n <= down_n;
+        //@ assert latch: state.silence.latched == 1;
+    }
+}
+
+#else
+static void any_call(void)
+{
+    sp_real force_n = (sp_real)0;
+    (void)call(anything(), &force_n);
+    //@ assert finite: \is_finite(force_n);
+    //@ assert limit: output.min_n <= force_n <= output.max_n;
+}
+#endif
+
 void prove(void)
 {
     //@ widen_hints "all", @FLOATS@;
     //@ widen_hints "all", @WHOLE@;
     sp_init(&state);
     while (Frama_C_interval(0, 1)) {
-        sp_real force_n = (sp_real)0;
-        switch (Frama_C_interval(0, @CALLS@)) {
-        case 0:
-            (void)sp_step(&state, anything(), anything(), &force_n);
-            break;
-        case 1:
-            (void)sp_idle(&state, anything(), &force_n);
-            break;
-#if @CALLS@ == 2
-        case 2:
-            (void)sp_step_dt(&state, anything(), anything(), anything(), &force_n);
-            break;
-#endif
+        any_call();
+#if @LAWS@
+        if (Frama_C_interval(0, 1)) {
+            latched_call();
         }
-        //@ assert finite: \is_finite(force_n);
-        //@ assert limit: output.min_n <= force_n <= output.max_n;
+#endif
     }
 }

@@ -2,18 +2,15 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
-from proof.eva.analysis import Analysis, Precision, alarms_in, run_eva
+from proof.eva.analysis import Analysis, Known, Precision, Question, alarms_in, answer
 
 from springpot.runtime_c.paths import INCLUDE
 
 PORTS = Path(__file__).with_name("ports")
 _RUNTIME = INCLUDE.parent
-_FLAGS = (
-    f"-I{PORTS}",
-    *(f"-I{_RUNTIME / 'port' / part}" for part in ("wire", "posix", "mcu")),
-    f"-I{INCLUDE}",
-)
+_FOLDERS = (PORTS, *(_RUNTIME / "port" / part for part in ("wire", "posix", "mcu")), INCLUDE)
 # A count of frames in one call does not wrap: at most 64 KiB are read, which joined states hide.
 _OPTIONS = ("-eva-auto-loop-unroll", "64", "-no-warn-signed-overflow")
 
@@ -54,11 +51,19 @@ PORT_DRIVERS = (
 )
 
 
-def analyse_port(port: Port, folder: Path, timeout_s: float = 600.0) -> Analysis:
+def analyse_port(
+    port: Port, folder: Path, timeout_s: float = 600.0, known: Known = MappingProxyType({})
+) -> Analysis:
     """Analyse one of PORT_DRIVERS; Eva's log goes to a folder of its own in `folder`."""
     out = folder / f"port-{port.name}"
     out.mkdir(parents=True, exist_ok=True)
     named = " ".join(f"{name}(" for name in port.precision.apart)
-    options = (*_OPTIONS, *port.options, *port.precision.options(named))
-    said, seconds = run_eva(out, PORTS / f"{port.name}.c", _FLAGS, options, timeout_s)
-    return Analysis(alarms_in(said), seconds)
+    question = Question(
+        out,
+        PORTS / f"{port.name}.c",
+        [path for part in _FOLDERS for path in part.glob("*.[ch]")],
+        [f"-I{part}" for part in _FOLDERS],
+        (*_OPTIONS, *port.options, *port.precision.options(named)),
+        told=alarms_in,
+    )
+    return answer(question, known, timeout_s)

@@ -3,8 +3,9 @@
 import json
 import re
 from pathlib import Path
+from types import MappingProxyType
 
-from proof.eva.analysis import Analysis, Precision, alarms_in, run_eva, unbounded_in
+from proof.eva.analysis import Analysis, Known, Precision, Question, alarms_in, answer, unbounded_in
 
 DRIVER = Path(__file__).with_name("driver.c")
 _PRECISION = Precision(
@@ -31,22 +32,35 @@ _FLAGS = ("-I.", "-U__x86_64__", "-DSP_FOREST_X86_H")
 _BOUNDS = tuple(8.0**power for power in range(-3, 19))
 
 
-def analyse_scene(folder: Path, timeout_s: float = 600.0) -> Analysis:
-    """Analyse the C in a folder, of the prefix sp; writes the driver and Eva's log beside it."""
+def analyse_scene(
+    folder: Path, timeout_s: float = 600.0, laws: bool = False, known: Known = MappingProxyType({})
+) -> Analysis:
+    """Analyse the C in a folder, of the prefix sp; writes the driver and Eva's log beside it.
+
+    laws: of growth and of the latched fall too, which takes several times as long.
+    """
     limits = json.loads((folder / "manifest.json").read_text())["limits"]
-    text = "".join(path.read_text() for path in sorted(folder.glob("sp_*.[ch]")))
+    files = sorted(folder.glob("sp_*.[ch]"))
+    text = "".join(path.read_text() for path in files)
     floats = [limits["min_n"], limits["max_n"], *_BOUNDS, *(-bound for bound in _BOUNDS)]
     driver = DRIVER.read_text()
     for mark, value in (
         ("@FLOATS@", ", ".join(repr(float(bound)) for bound in floats)),
         ("@WHOLE@", ", ".join(map(str, sorted(_last_places(text))))),
+        ("@LAWS@", str(int(laws))),
         ("@CALLS@", "2" if "sp_step_dt(" in text else "1"),
     ):
         driver = driver.replace(mark, value)
     (folder / "prove.c").write_text(driver)
-    options = (*_OPTIONS, *_PRECISION.options(text))
-    said, seconds = run_eva(folder, Path("prove.c"), _FLAGS, options, timeout_s)
-    return Analysis((*alarms_in(said), *unbounded_in(said)), seconds)
+    question = Question(
+        folder,
+        Path("prove.c"),
+        [*files, folder / "prove.c"],
+        _FLAGS,
+        (*_OPTIONS, *_PRECISION.options(text)),
+        told=lambda said: (*alarms_in(said), *unbounded_in(said)),
+    )
+    return answer(question, known, timeout_s)
 
 
 def _last_places(text: str) -> set[int]:

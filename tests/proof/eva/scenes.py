@@ -8,7 +8,7 @@ from typing import Any, Literal, cast
 from unittest import mock
 
 import numpy as np
-from support.small import scene, training
+from support.small import damage, flow, scene, training
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
@@ -20,12 +20,13 @@ from springpot.trainer.models.fit import FitOptions
 # Small: what an analysis costs is nodes, taps and ticks that are made up; code is the same.
 _OPTIONS = FitOptions(trees=4, leaf=60, n_centers=20, window_s=0.05, orders=(0.1, 0.3, 0.5))
 _WATCHDOG_MS = 4.0
-# Relaxation by depth, a stretched depth, a pole that needs double, and a stop.
+# Relaxation by depth, a pole that needs double, a stop, flow, damage, a surface that recovers.
 _LAWS: dict[str, Any] = {
     "tau_s": np.array([0.01, 0.2, 4e3, 4e3]),
     "n_by_depth": 2,
     "rate_ratio": 16.0,
-    "stretch": 6.0,
+    "flow": flow(1.0),
+    "recovers": True,
     "radius_m": np.array([1e-3]),
 }
 
@@ -43,12 +44,24 @@ class ProvedScene:
     velocity: Literal["estimate", "device"] = "estimate"
 
     @property
+    def laws(self) -> bool:
+        """Whether growth and the latched fall are proven besides."""
+        return self in _LAWFUL
+
+    @property
     def name(self) -> str:
         """Of its folder and its row."""
         also = [self.contact] * (self.contact == "always") + ["device"] * (
             self.velocity == "device"
         )
         return "-".join([self.kind, self.coupling, self.number, *also])
+
+
+_LAWFUL = (
+    ProvedScene("hammerstein", "off", "float32"),
+    ProvedScene("hammerstein", "proxy", "float32"),
+    ProvedScene("rf-fd", "tool", "float64"),
+)
 
 
 def proved_scenes() -> Iterator[ProvedScene]:
@@ -89,5 +102,7 @@ def _model(kind: str) -> Model:
     assert passive is not None
     curve = np.ones_like(passive.elastic_n)
     branch_n = np.linspace(0.1, 0.4, len(_LAWS["tau_s"]))[:, None] * curve
-    special = replace(passive, branch_n=branch_n, stop_n=0.1 * curve[None, :], **_LAWS)
+    special = replace(
+        passive, branch_n=branch_n, stop_n=0.1 * curve[None, :], damage=damage(curve), **_LAWS
+    )
     return replace(model, hammerstein=special)

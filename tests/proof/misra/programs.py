@@ -8,6 +8,7 @@ from unittest import mock
 import numpy as np
 from support.c import golden_forces
 from support.paths import ROOT
+from support.small import damage, flow
 
 from springpot.codegen import stages
 from springpot.codegen.emit.files import emit_files
@@ -53,8 +54,9 @@ def _scenes(folder: Path) -> list[Program]:
     tau_s = np.array([0.01, 4e3, 0.2, 2.0])  # the second moves in double only
     weight = np.ones((4, 1)) * passive.elastic_n
     laws = replace(
-        passive, tau_s=tau_s, branch_n=weight, n_by_depth=2, rate_ratio=16.0, stretch=12.0
-    )
+        passive, tau_s=tau_s, branch_n=weight, n_by_depth=2, rate_ratio=16.0, flow=flow(2.0),
+        damage=damage(passive.elastic_n), recovers=True,
+    )  # fmt: skip
     made.append(_scene(folder, "laws", replace(hammerstein, hammerstein=laws), _FLOAT, _OFF))
     velocity = Device(velocity="device")
     made.append(_scene(folder, "velocity", hammerstein, _FLOAT, _TOOL, velocity))

@@ -66,7 +66,6 @@ _OPTIONS = [
 # Of files that are given whole: seconds each, and none that others do not catch sooner.
 _SLOW = (
     "tests/trainer/recordings/test_journal.py::test_killed_while_recording",
-    "tests/trainer/recordings/test_journal.py::test_a_full_file_system",
     "tests/trainer/recordings/test_journal.py::test_two_writers",
     "tests/trainer/recordings/test_recording_file.py::test_round_trip",
 )

@@ -1,6 +1,7 @@
 #include "pressed_tool.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "sim_noise.h"
 
@@ -17,12 +18,23 @@ static double read_position(sim_noise *noise, double position_m, double step_m)
 static double object_n(const pressed_tool *is, sim_object *object, double depth_m, double speed_mps)
 {
     double force_n = 0.0;
-    if (is->spring_npm == 0.0) {
+    if (object == NULL) {
+        force_n = fmax(0.0, is->table_npm * (depth_m - is->table_m));
+    } else if (is->spring_npm == 0.0) {
         (void)sim_object_move(object, 1, &depth_m, &force_n);
     } else if (depth_m > 0.0) {
         force_n = fmax(0.0, is->spring_npm * depth_m + is->damper_nspm * speed_mps);
     }
     return force_n;
+}
+
+/* What the sensor shows for a force: perhaps not all of it. */
+static double shown_n(const pressed_tool *is, const sp_press *press, uint32_t tick, double felt_n)
+{
+    if (is->wrong_tick == 0u || tick < is->wrong_tick) {
+        return felt_n;
+    }
+    return is->sensor_holds ? press->measured_n : is->sensor_gain * felt_n;
 }
 
 /* From rest only what exceeds friction moves it; friction brakes to rest and no further. */
@@ -53,11 +65,12 @@ int pressed_tool_run(const pressed_tool *is, sp_press *press, uint32_t n, double
     sim_noise_init(&noise, 1);
     for (uint32_t at = 0; at < n * SUBSTEPS; at++) {
         const uint32_t tick = at / SUBSTEPS;
-        const double now_n = object_n(is, object, at_m - is->gap_m, speed_mps);
+        const int lost = is->lost_tick != 0u && tick >= is->lost_tick;
+        const double now_n = object_n(is, lost ? NULL : object, at_m - is->gap_m, speed_mps);
         felt_n[at % PAST] = now_n;
         if (at % SUBSTEPS == 0) {
             const double seen_m = read_position(&noise, at_m, is->encoder_m);
-            press->measured_n = felt_n[(at - is->sensor_late) % PAST];
+            press->measured_n = shown_n(is, press, tick, felt_n[(at - is->sensor_late) % PAST]);
             press->measured_n += is->noise_n * sim_noise_normal(&noise);
             (void)sp_press_step(press, seen_m, 0.0, &returned_n);
             position_m[tick] = at_m;

@@ -23,6 +23,12 @@ typedef struct {
     double damper_nspm;
     uint32_t object; /* of sim.h, and how much stiffer */
     double stiffer;
+    uint32_t wrong_tick; /* from then on the sensor shows so much of the force; 0: never */
+    double sensor_gain;
+    int32_t sensor_holds; /* or what it showed last */
+    uint32_t lost_tick;   /* from then on there is no object, and below it a table; 0: never */
+    double table_m;
+    double table_npm;
 } pressed_tool;
 
 /* n ticks of press; of each the position and the object's force, both without sensors, and the

@@ -28,6 +28,7 @@ class Pressed:
     position_m: Samples
     force_n: Samples
     motor_n: Samples
+    fault: int = 0  # of the press, which it ended
 
     @property
     def seen_m(self) -> Samples:
@@ -68,6 +69,8 @@ class PressedTool:
     name: str = "ecoflex-00-30"
     stiffer: float = 1.0
     gains: dict[str, float] = field(default_factory=dict)  # of another control
+    max_mps: float = 0.0  # 0: nothing is watched
+    goes_wrong: dict[str, float] = field(default_factory=dict)  # wrong_tick, ..., lost_tick, ...
 
     def press(self, command_n: Samples, known: Compliance | None = None) -> Pressed:
         """Follow a command, N, one value each ms; known: of presses before, and learns this one."""
@@ -94,7 +97,7 @@ class PressedTool:
         max_n = _HEADROOM * float(np.abs(command_n).max())
         settings: dict[str, Any] = {
             "command_n": library.array(driven_n), "n": len(driven_n), "dt_s": 1e-3,
-            "max_force_n": max_n, "watchdog_s": 0.02, **gains,
+            "max_force_n": max_n, "watchdog_s": 0.02, "max_mps": self.max_mps, **gains,
         }  # fmt: skip
         press = library.ffi.new("sp_press *", settings)
         tool = library.ffi.new("pressed_tool *", {
@@ -104,12 +107,12 @@ class PressedTool:
             "sensor_late": round(_SUBSTEPS_HZ * self.sensor_s),
             "motor_late": round(_SUBSTEPS_HZ * self.motor_s), "gap_m": self.gap_m,
             "spring_npm": self.spring_npm, "damper_nspm": self.damper_nspm,
-            "object": ALL_OBJECTS.index(self.name), "stiffer": self.stiffer,
+            "object": ALL_OBJECTS.index(self.name), "stiffer": self.stiffer, **self.goes_wrong,
         })  # fmt: skip
         made = np.zeros((3, len(driven_n)))
         status = library.c.pressed_tool_run(tool, press, len(driven_n), *map(library.array, made))
         assert status == 0
-        return Pressed(command_n, *made)
+        return Pressed(command_n, *made, fault=int(press.fault))
 
 
 @cache

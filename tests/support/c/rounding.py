@@ -18,8 +18,8 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.fir import SUMS, FirStage
 from springpot.codegen.stages.forest import CompactForestStage
-from springpot.codegen.stages.hammerstein import HammersteinStage
 from springpot.codegen.stages.lags import LagsStage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 from springpot.codegen.stages.position_velocity import PositionVelocityStage
 from springpot.codegen.stages.rbf import RBF_VECTOR_WIDTH, RbfStage
 
@@ -110,10 +110,9 @@ def _feature_errors(plan: Plan, motion: MotionRange) -> Samples:
 def _passive_error(stage: HammersteinStage, motion: MotionRange) -> float:
     """N. Its curves carry the rounding of the depth; its branches add to it at each tick."""
     config = stage.config
-    assert stage.stretch is None and not any(step.by_depth for step in stage.steps)
-    share = (
-        5 * U * (1.0 + abs(config.origin_m) * config.per_span)
-    )  # of u, and of the way in a piece
+    assert stage.flow is None and stage.damage is None and stage.surface is None
+    assert not any(step.by_depth for step in stage.steps)
+    share = 5 * U * (1.0 + abs(config.origin_m) * config.per_span)  # of u
     step = config.per_span * motion.max_step_m
     errors, sizes = [], []
     spring, slope, size = _curves(stage.spring[:, :, None], config.n_pieces)
@@ -136,16 +135,14 @@ def _passive_error(stage: HammersteinStage, motion: MotionRange) -> float:
     return float(np.sum(errors) + sums * U * np.sum(sizes))
 
 
-def _curves(terms: Any, n_pieces: int) -> tuple[Callable[[float], Samples], Samples, Samples]:
-    """Of curves (pieces, degree + 1, curves): error by that of the way; largest slope; size."""
-    absolute = np.abs(np.asarray(terms, dtype=np.float64))
-    degree = absolute.shape[1] - 1
-    way = 1.0 / n_pieces
-    powers = way ** np.arange(degree, -1, -1.0)[:, None]
-    size = (absolute * powers).sum(axis=1).max(axis=0)
-    falls = np.arange(degree, 0, -1.0)[:, None] * way ** np.arange(degree - 1, -1, -1.0)[:, None]
-    slope = (absolute[:, :-1] * falls).sum(axis=1).max(axis=0)
-    return lambda of_way: slope * of_way + (2 * degree + 2) * U * size, slope, size
+def _curves(nodes: Any, n_pieces: int) -> tuple[Callable[[float], Samples], Samples, Samples]:
+    """Of curves (J + 1, 2, curves): error by that of u; largest slope, for u from 0 to 1; size."""
+    values, slopes = np.moveaxis(np.abs(np.asarray(nodes, dtype=np.float64)), 1, 0)
+    pieces, steepest = max(n_pieces - 1, 1), slopes.max(axis=0)
+    size = values.max(axis=0) + steepest
+    slope = pieces * steepest
+    # The way in a piece carries the error of u, and its own; then eight operations.
+    return lambda of_u: slope * (of_u + 3 * U) + 8 * U * size, slope, size
 
 
 def _rbf_error(stage: RbfStage, features: Samples) -> float:

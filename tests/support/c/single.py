@@ -15,7 +15,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
 from support.c import golden_forces
-from support.small import small_model
+from support.small import damage, flow, small_model
 
 # Made of units that others have too.
 _ALIKE = {"boosted-recursive", "rf-fd-fast", "rf-fd-quantised"}
@@ -64,7 +64,9 @@ def every_plan(target: str) -> Iterator[Plan]:
         branch_n=np.ones((4, 1)) * passive.elastic_n,
         n_by_depth=2,
         rate_ratio=16.0,
-        stretch=12.0,
+        flow=flow(2.0),
+        damage=damage(passive.elastic_n),
+        recovers=True,
     )
     law = replace(hammerstein, hammerstein=laws)
     yield plan_of("laws", law, "float32", "off", target, measured_step=True)

@@ -29,7 +29,7 @@ class HostileModel:
 
 def signed(body: bytes) -> bytes:
     """A model file of this body: anyone can compute the checksum."""
-    return b"springpot-model 3 %s\n" % hashlib.sha256(body).hexdigest().encode() + body
+    return b"springpot-model 5 %s\n" % hashlib.sha256(body).hexdigest().encode() + body
 
 
 def opened(name: str) -> tuple[Header, Arrays]:

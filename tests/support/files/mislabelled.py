@@ -118,7 +118,7 @@ def _units() -> Iterator[Mislabelled]:
     )
     strain, stress_mpa = x / 33e-3, f / 18.0
     text = _csv(strain, stress_mpa, position_header="Strain", force_header="Stress (MPa)")
-    yield Mislabelled("strain", text, (), "refused", "--map")
+    yield Mislabelled("strain", text, (), "refused", "--height")
     named = ("--map", "position=Strain:mm,force=Stress (MPa):MPa")
     yield Mislabelled("stress-as-force", text, named, "refused", "not a unit of force")
     named = ("--map", "position=Strain:33mm,force=Stress (MPa):18N")

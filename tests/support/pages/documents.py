@@ -19,7 +19,8 @@ from support.paths import ROOT
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 _BLOCK = re.compile(
-    r"^(?:<!-- test: (?P<note>[^\n]*) -->\n)?```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```",
+    r"^(?:<!-- test: (?P<note>[^\n]*) -->\n)?"
+    r"```(?P<language>[\w{}-]*)(?: [^\n]*)?\n(?P<text>.*?)^```",
     re.M | re.S,
 )
 _INLINE = re.compile(r"`((?:springpot|make) [^`]+)`")

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from springpot.trainer.recordings.recording_file import write_recording
-from support.small import model_file, press, recording, training
+from support.small import model_file, press, recording, small_model, training
 
 SCENE = 'schema = 1\nname = "x"\nmodel = "model.spm"\n'
 
@@ -15,5 +15,5 @@ def small_job(folder: Path) -> None:
         for item in items:
             write_recording(folder / name / f"{item.name}.h5", item)
     write_recording(folder / "press.h5", recording("press", press(2.0, cycles=2)))
-    model_file(folder)
+    model_file(folder, small_model())
     (folder / "scene.toml").write_text(SCENE)

@@ -36,10 +36,17 @@ def test_repeats_of_one_press_go_to_different_folds() -> None:
 
 def test_each_depth_and_each_speed_is_held_out_whole() -> None:
     data = with_repeats()
-    depth, speed = held_out_whole(data)
+    rows = data.bounds[:-1] + 1
+    depth, speed = held_out_whole(data, rows)
     assert depth.number.tolist() == [group for group in (0, 1, 2) for _ in range(8)]
-    assert depth.tested == (0, 1)  # without the deepest, only extrapolation is measured
     assert np.all(speed.number[::2] == speed.number[1::2])
+    assert speed.tested == (0, 1, 2, 3, 4)
+
+
+def test_what_is_as_deep_as_nothing_else_is_not_held_out() -> None:
+    data = with_repeats()
+    _, depth, speed = fold_families(data, np.arange(data.rows_total), seed=0)
+    assert depth.tested == (0, 1)  # without the deepest, only extrapolation is measured
     assert speed.tested == (0, 1, 2, 3, 4)
 
 
@@ -53,7 +60,8 @@ def test_noise_on_repeats_makes_no_further_conditions() -> None:
         )
         for k in range(6)
     ]
-    assert held_out_whole(training_set(same, smooth_s=0.0)) == []
+    data = training_set(same, smooth_s=0.0)
+    assert held_out_whole(data, np.arange(data.rows_total)) == []
 
 
 def test_one_or_two_recordings_are_folded_in_five_blocks() -> None:

@@ -13,15 +13,11 @@ from springpot.codegen.forest.leaves import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.features.fractional import fir_derivatives
 from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.contact import contact_of, pulls
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.forests import depth_scale
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import (
-    choose_rows,
-    contact_of,
-    trained_range,
-    training_set,
-)
+from springpot.trainer.models.training_set import choose_rows, trained_range, training_set
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed, smoothing_samples
 
@@ -102,6 +98,60 @@ def test_contact_follows_the_importers_zero() -> None:
     item = training()[0]
     assert contact_of([item]) == "surface"
     assert contact_of([dataclasses.replace(item, zero="min")]) == "always"
+
+
+def test_what_holds_the_tool_is_not_let_go() -> None:
+    glued = [lossy(item, pull=True) for item in training()]
+    data = training_set(glued, smooth_s=0.0)
+    assert data.contact == "always"
+    assert "it holds the tool, and the model pulls" in data.warnings[-1]
+    fit = fit_model("hammerstein", "x", glued, FitOptions(smooth_s=0.0))
+    least_n = min(float(predict_n(fit.model, item).min()) for item in glued)
+    assert least_n == pytest.approx(min(float(item.force_n.min()) for item in glued), rel=0.1)
+
+
+@pytest.mark.parametrize("noise_share", [0.01, 0.03])
+def test_what_holds_the_tool_is_seen_through_noise(noise_share: float) -> None:
+    glued = [disturbed(lossy(item, pull=True), noise_share, 0.0, 0.0) for item in training()]
+    assert pulls(glued)
+
+
+@pytest.mark.parametrize("noise_share", [0.0, 0.03, 0.1])
+@pytest.mark.parametrize("hum_share", [0.0, 0.08])
+@pytest.mark.parametrize("tare_share", [-0.3, 0.0, 0.3])
+@pytest.mark.parametrize("step", [1, 10])
+def test_what_lets_go_has_a_surface_whatever_disturbs_its_force(
+    noise_share: float, hum_share: float, tare_share: float, step: int
+) -> None:
+    """Noise, hum of the mains, a tare in some of the recordings, at 1 kHz and at 100 Hz."""
+    items = [lossy(item, pull=False) for item in training()]
+    disturbed_items = [
+        disturbed(item, noise_share, hum_share, tare_share * (number > 0), seed=number)
+        for number, item in enumerate(items)
+    ]
+    assert not pulls([
+        dataclasses.replace(
+            item, position_m=item.position_m[::step], force_n=item.force_n[::step],
+            dt_s=step * item.dt_s,
+        )
+        for item in disturbed_items
+    ])  # fmt: skip
+
+
+def disturbed(
+    item: Recording, noise_share: float, hum_share: float, tare_share: float, seed: int = 0
+) -> Recording:
+    """With white noise, a hum of 50 Hz and a tare, in shares of the peak."""
+    time_s = np.arange(len(item.force_n)) * item.dt_s
+    added = noise_share * np.random.default_rng(seed).normal(size=len(time_s)) + tare_share
+    added += hum_share * np.sin(2.0 * np.pi * 50.0 * time_s + seed)
+    return dataclasses.replace(item, force_n=item.force_n + item.force_n.max() * added)
+
+
+def lossy(item: Recording, pull: bool) -> Recording:
+    """A spring and a damper, which pulls as the tool leaves where the object is glued to it."""
+    force_n = 200.0 * item.position_m + 10.0 * np.gradient(item.position_m, item.dt_s)
+    return dataclasses.replace(item, force_n=force_n if pull else np.maximum(force_n, 0.0))
 
 
 @pytest.mark.parametrize("window_s", [0.05, 0.5])

@@ -52,6 +52,21 @@ def test_the_inertia_of_a_mass_is_removed() -> None:
     assert found.details["mass_beyond_load_cell_kg"] == 0.4
 
 
+def test_the_give_of_a_frame_is_removed() -> None:
+    force_n = 1000 * POSITION_M
+    measured = recording(force_n, POSITION_M + force_n / 8e3)
+    found, told = condition(measured, Conditioning(frame_npm=8e3))
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-12)
+    assert "1.25 mm of the travel of 11.2 mm were the frame's give at 8000 N/m: removed" in told[0]
+    assert found.details["frame_npm"] == 8e3
+    tared, _ = condition(
+        recording(force_n + 3.0, measured.position_m), Conditioning(frame_npm=8e3, tare=3.0)
+    )
+    np.testing.assert_allclose(tared.position_m, POSITION_M, atol=1e-12)
+    with pytest.raises(DataError, match="state the frame's stiffness in N/m"):
+        condition(measured, Conditioning(frame_npm=8.0))
+
+
 def touched(surface_m: float, tare_n: float) -> Recording:
     depth_m = np.maximum(POSITION_M - surface_m, 0.0)
     return recording(900 * depth_m + tare_n + np.random.default_rng(5).normal(0, 0.01, len(TIME_S)))

@@ -110,13 +110,6 @@ def test_attributes_of_a_recording(tmp_path: Path, wrong: dict[str, Any]) -> Non
     assert "not a springpot recording" in refusal(hdf5(tmp_path, **wrong))
 
 
-def test_a_channel_of_another_length(tmp_path: Path) -> None:
-    file = hdf5(tmp_path)
-    with h5py.File(file, "a") as stored:
-        stored["channels/notes"] = np.zeros(7)
-    assert "notes has (7,) samples" in refusal(file)
-
-
 def test_hdf5_without_our_checksum_is_read_in_a_process_of_its_own(tmp_path: Path) -> None:
     """The library hangs on some flipped bytes: only what springpot wrote is shown to it here."""
     samples = np.arange(20.0)

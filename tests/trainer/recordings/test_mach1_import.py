@@ -130,7 +130,9 @@ def test_blocks_are_left_out_by_kind_or_for_want_of_samples(tmp_path: Path) -> N
         ("1.5\t200.0", "nan\t200.0", "row 16: position is not a finite number"),
         ("1.5\t200.0", "1.5", "row 16: 2 cells, the header has 3"),
         ("0.02\t", "0.00\t", "row 17: time goes back"),
-        ("<END DATA>\n", "", "ends without <END DATA>"),
+        ("\n<END DATA>\n", "", "ends without <END DATA>, within a row"),
+        ("300.0\n<END DATA>\n", "3", "ends without <END DATA>, within a row"),
+        ("2.0\t300.0\n<END DATA>\n", "2\n", "ends without <END DATA>, within a row"),
         ("Fz, gf", "Fz, stone", "'stone' is not a unit of force"),
         ("Fz, gf", "Fx, gf", "needs one column 'Fz' of force"),
         ("Frequency, Hz:\t0.50000\n", "", "no 'Frequency, Hz'"),
@@ -140,6 +142,15 @@ def test_blocks_are_left_out_by_kind_or_for_want_of_samples(tmp_path: Path) -> N
 def test_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
     with refusing(DataError, "run.txt", message):
         load(tmp_path, INFO + SINUSOID.replace(old, new))
+
+
+def test_a_move_that_was_stopped_by_hand_has_whole_rows(tmp_path: Path) -> None:
+    whole = load(tmp_path, INFO + SINUSOID)
+    stopped = load(tmp_path, INFO + SINUSOID.replace("<END DATA>\n", ""))
+    assert "stopped: no <END DATA>, its rows are whole" in stopped.guess
+    (left,), (right,) = whole.recordings, stopped.recordings
+    assert left.content_hash == right.content_hash
+    assert "no <END DATA>" not in whole.guess
 
 
 def test_a_map_names_the_files_own_labels(tmp_path: Path) -> None:

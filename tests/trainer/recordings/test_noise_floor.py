@@ -112,3 +112,12 @@ def test_an_object_that_settles_within_its_cycles_is_no_noise() -> None:
     assert found.source == "cycles"
     assert found.rms_n is not None
     assert 0.009 < found.rms_n < 0.03
+
+
+def test_repeats_of_one_session_are_no_noise() -> None:
+    noisy = repeats(4, 0.05)
+    timed = [replace(each, session="s", start_s=10.0 * k) for k, each in enumerate(noisy)]
+    assert find_noise_floor(noisy).source == "repeats"
+    assert find_noise_floor(timed).source != "repeats"
+    apart = [replace(each, session=f"{k}") for k, each in enumerate(timed)]
+    assert find_noise_floor(apart).source == "repeats"

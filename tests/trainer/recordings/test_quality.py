@@ -16,6 +16,7 @@ from springpot.host.cli import exit_status
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.host.commands.recordings.plot import plot
+from springpot.trainer.models.contact import rest_force_n
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.alignment import estimate_skew, low_pass_delay_s
 from springpot.trainer.recordings.quality.cycles import find_cycles
@@ -296,3 +297,45 @@ def test_the_press_before_cycles_and_creep_under_them_are_no_loss(frequency_hz: 
     law = stiffness_npm + coefficient * (2j * np.pi * frequency_hz) ** order
     assert found.lead_rad == pytest.approx(np.angle(law), rel=0.02)
     assert found.stiffness_npm == pytest.approx(abs(law), rel=0.01)
+
+
+def one_line_each(position_m: np.ndarray, force_n: np.ndarray) -> list[str]:
+    item = Recording("a", position_m, force_n, 1e-3)
+    return [found.kind for found in check_recordings([item]).findings if found.kind != "speeds"]
+
+
+def test_one_cause_is_one_line() -> None:
+    position_m = 2.5e-3 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
+    force_n = 38.6 * (position_m / 5e-3) ** 1.6
+    assert one_line_each(position_m, force_n) == []
+    assert one_line_each(position_m, np.minimum(force_n, 12.0)) == ["clipping"]
+    assert one_line_each(-position_m, -force_n) == ["sign"]
+
+
+def test_a_motion_that_seldom_comes_back_to_the_surface_leaves_it() -> None:
+    """A sum of sines that begins at the surface, as `record` makes it."""
+    turns = np.outer([0.9, 1.7, 3.1], 2.0 * np.pi * TIME_S)
+    position_m = 1e-3 * np.sum(1.0 - np.cos(turns), axis=0)
+    assert np.mean(position_m < 0.02 * position_m.max()) < 0.05
+    assert one_line_each(position_m, 2e3 * position_m) == []
+
+
+def test_an_object_that_is_pulled_too_keeps_its_zero() -> None:
+    position_m = 4e-3 * np.sin(2.0 * np.pi * TIME_S)
+    item = Recording("a", position_m, 5e3 * position_m + 2.0 * np.cos(2 * np.pi * TIME_S), 1e-3)
+    found = findings(item)["contact"]
+    assert "is pulled too" in found.what
+    assert "--zero first" not in found.line
+
+
+def test_a_unit_that_was_stated_is_not_asked_for_again() -> None:
+    slow = replace(sine(), dt_s=1.3)
+    assert "state it on import" in findings(slow)["unit"].line
+    stated = replace(slow, details={"units": {"time": {"from": "map", "unit": "s"}}})
+    assert "state it" not in findings(stated)["unit"].line
+
+
+def test_the_rest_is_the_force_at_the_lowest_positions() -> None:
+    """Wherever position 0 is: a wrong map leaves all of it below."""
+    item = Recording("a", sine().position_m - 0.02, sine().force_n - 0.08, 1e-3)
+    assert rest_force_n([item]) == pytest.approx(-0.08, abs=0.2)

@@ -257,13 +257,6 @@ def test_another_unit_or_a_newer_schema_is_refused(tmp_path: Path) -> None:
     assert read_recording(path).name == "press"
 
 
-def test_a_stored_name_is_checked_and_told_with_its_file(tmp_path: Path) -> None:
-    path = stored(tmp_path)
-    with edited(path) as file:
-        file.attrs["name"] = "../x"
-    refused(path, rf"^{path}: a recording named '\.\./x'")
-
-
 @pytest.mark.parametrize("gone", ["schema", "name", "dt_s", "zero", "position_delay_s",
                                   "force_delay_s", "source", "details"])  # fmt: skip
 def test_a_file_without_a_field_is_refused(tmp_path: Path, gone: str) -> None:

@@ -14,11 +14,14 @@ from support.files.mislabelled import Mislabelled, mislabelled, motion, true_for
 
 from springpot.codegen.errors import DataError, SpringpotError
 from springpot.host.commands.recordings.import_ import import_
+from springpot.host.validation.findings import code_findings
+from springpot.host.validation.seen import accepted_words
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.quality.signs import find_signs
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
@@ -186,3 +189,52 @@ def test_a_ramp_that_relaxes_is_no_evidence_of_a_direction(sign: int) -> None:
     if not found.by_force:
         assert found.evidence == 0
         assert "these data do not say which way is in" in found.words
+
+
+def noisy(seed: int, peak_n: float, noise_n: float, loss: float) -> Recording:
+    """One press of 5 mm in 1 s whose loop is `loss` of travel times peak, at 200 Hz."""
+    rng = np.random.default_rng(seed)
+    phase = np.linspace(0.0, 2.0 * np.pi, 200)
+    depth = 0.5 * (1.0 - np.cos(phase))
+    force_n = peak_n * (depth**1.5 + loss * 4.0 / np.pi * np.sin(phase) / 2.0)
+    force_n += noise_n * rng.standard_normal(200)
+    return Recording(f"{seed}", 5e-3 * depth, force_n, 5e-3, source="test")
+
+
+def test_a_loop_that_noise_turns_is_not_refused() -> None:
+    """A press of three times the noise; both errors of the gate are counted."""
+    refused = [find_signs(noisy(seed, 0.3, 0.1, 0.05)).gives_energy for seed in range(400)]
+    assert sum(refused) == 0
+    told = [find_signs(noisy(seed, 12.0, 0.1, -0.05)).gives_energy for seed in range(400)]
+    assert sum(told) == 400
+
+
+@pytest.mark.parametrize("name", ["presses-1+1", "one-press-1-1", "exchanged-one-press"])
+def test_signs_that_are_accepted_are_taken_kept_and_said(name: str, tmp_path: Path) -> None:
+    case = next(case for case in CASES if case.name == name)
+    with pytest.raises(DataError, match="--accept-signs takes it so"):
+        imported(case, tmp_path)
+    found = imported(case, tmp_path, "--accept-signs")
+    told = [finding for finding in found["findings"] if "--accept-signs" in finding["line"]]
+    assert [finding["severity"] for finding in told] == ["warning"]
+    (recording,) = read_recordings([tmp_path / "r"])
+    assert recording.signs_accepted
+    assert [f.kind for f in check_recordings([recording]).findings if "--accept" in f.line]
+    turned = replace(recording, force_n=recording.force_n - recording.force_n.min())
+    fit = fit_model("rf-fd", "x", [turned], FitOptions(trees=2, fraction=0.1))
+    assert fit.model.provenance["accepted_signs"] == ["press"]
+    manifest = {"provenance": fit.model.provenance, "left_out": []}
+    assert "press" in accepted_words(manifest)
+    headings = [f.name for f in code_findings({"mismatches": 0, "samples": 9}, manifest)]
+    assert "Signs" in headings
+
+
+def test_what_needs_no_acceptance_is_not_said() -> None:
+    assert accepted_words({}) == ""
+    headings = [
+        finding.name
+        for finding in code_findings(
+            {"mismatches": 0, "samples": 9}, {"provenance": {}, "left_out": []}
+        )
+    ]
+    assert "Signs" not in headings

@@ -14,6 +14,7 @@ from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
+from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.spikes import hold_spikes, spike_rows
 
@@ -37,8 +38,8 @@ def spoiled(item: Recording, rows: list[int], to_m: float) -> Recording:
 @pytest.mark.parametrize("to_m", [0.0, 0.03, -5.0])
 def test_a_spike_is_held_and_counted(rows: list[int], to_m: float) -> None:
     item = preloaded(1.0)
-    held, line = hold_spikes(spoiled(item, rows, to_m))
-    assert f"{len(rows)} of 3000 samples of position" in line
+    held, (finding,) = hold_spikes(spoiled(item, rows, to_m))
+    assert f"{len(rows)} of 3000 samples of position" in finding.what
     np.testing.assert_allclose(held.position_m, item.position_m, atol=6e-5)
     assert held.force_n is item.force_n
 
@@ -48,6 +49,53 @@ def test_a_small_spike_beside_a_large_one_is_found_too() -> None:
     assert spike_rows(item.position_m, item.force_n).tolist() == [300, 900]
 
 
+@pytest.mark.parametrize("rows", [[300], [300, 301], [40, 300, 1900]])
+@pytest.mark.parametrize("to_n", [900.0, -40.0])
+def test_a_spike_of_force_is_held_and_sets_no_limit(rows: list[int], to_n: float) -> None:
+    clean = recording("a", press(1.0, 0.01, 3))
+    force_n = clean.force_n.copy()
+    force_n[rows] = to_n
+    item = dataclasses.replace(clean, force_n=force_n)
+    held, (finding,) = hold_spikes(item)
+    assert f"{len(rows)} of 3000 samples of force jump away, the first at" in finding.what
+    np.testing.assert_allclose(held.force_n, clean.force_n, atol=0.2)
+    assert training_set([item], 0.0).trained.max_n == pytest.approx(clean.force_n.max())
+    report = check_recordings([item])
+    assert [found.kind for found in report.findings] == [
+        "outlier", *(found.kind for found in check_recordings([clean]).findings)
+    ]  # fmt: skip
+    assert report.recordings[0]["force_n"] == pytest.approx(
+        [clean.force_n.min(), clean.force_n.max()]
+    )
+
+
+def test_a_row_of_zeros_before_a_preload_turns_no_sign_round() -> None:
+    """The logger had not begun: position falls and force rises, which no object does."""
+    whole = preloaded(1.0)
+    for at_m in (0.02, 0.2, 0.07):
+        position_m = whole.position_m - at_m
+        zeros = dataclasses.replace(
+            whole,
+            position_m=np.append(0.0, position_m),
+            force_n=np.append(0.0, whole.force_n + 10.0),
+        )
+        report = check_recordings([zeros])
+        assert not report.refused
+        assert report.findings[0].kind == "outlier"
+        assert report.signs[0].right
+
+
+def test_an_impact_stays() -> None:
+    time_s = np.arange(3000) * DT_S
+    position_m = np.maximum(0.0, 0.5 * np.minimum(time_s - 1.0, 0.02)) * (time_s > 1.0)
+    force_n = soft_force(position_m) + 60.0 * np.exp(-(((time_s - 1.003) / 0.001) ** 2))
+    item = Recording("impact", position_m, force_n, DT_S)
+    assert hold_spikes(item) == (item, [])
+    relaxing = 5.0 + 30.0 * np.exp(-time_s / 0.0005)
+    item = Recording("relaxing", np.full(3000, 0.005), relaxing, DT_S)
+    assert hold_spikes(item) == (item, [])
+
+
 def test_what_a_tool_did_is_no_spike() -> None:
     rest = np.zeros(3000)
     sudden = rest + 0.005 * (np.arange(3000) > 2)  # three samples before a sudden press
@@ -55,7 +103,7 @@ def test_what_a_tool_did_is_no_spike() -> None:
     stairs = rest + 0.002 * (np.arange(3000) > 700) + 0.002 * (np.arange(3000) > 702)
     for position_m in (CYCLES, sudden, tap, stairs, press(200.0, 0.01, 200), rest[:2]):
         item = Recording("x", position_m, soft_force(position_m), DT_S)
-        assert hold_spikes(item) == (item, "")
+        assert hold_spikes(item) == (item, [])
 
 
 def test_a_first_sample_far_off_spoils_no_fit() -> None:

@@ -1,5 +1,6 @@
 """Units and column maps of files from outside."""
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -8,6 +9,8 @@ from support.messages import refusing
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
+from springpot.trainer.recordings.quality.plausible import glance
+from springpot.trainer.recordings.recording import Recording
 
 
 @pytest.mark.parametrize(
@@ -89,3 +92,35 @@ def test_map() -> None:
 def test_refused_maps(text: str, message: str) -> None:
     with refusing(UsageError, "--map", message):
         parse_map(text)
+
+
+PRESS_M = 2.5e-3 * (1.0 - np.cos(np.arange(0.0, 8.0, 5e-3) * np.pi))
+PRESS_N = 38.6 * (PRESS_M / 5e-3) ** 1.6
+
+
+@pytest.mark.parametrize(
+    ("force", "position", "time", "says"),
+    [
+        (1.0, 1.0, 1.0, ""),
+        (1.0 / 4.448, 1.0, 1.0, ""),  # lbf: another object's
+        (101.97, 1.0, 1.0, "if force is in gf, it is 7.7"),
+        (1e-3, 1.0, 1.0, "if force is in kN, it is 7.7"),
+        (1.0, 1.0 / 25.4, 1.0, "stiffer than rubber"),
+        (1.0, 1.0, 1.0 / 60.0, "faster than a hand"),
+    ],
+)
+def test_a_unit_that_makes_an_unusual_object_is_said_at_a_glance(
+    force: float, position: float, time: float, says: str
+) -> None:
+    seen = glance(Recording("a", PRESS_M * position, PRESS_N * force, 5e-3 * time))
+    assert says in seen.doubt
+    assert bool(says) == bool(seen.doubt)
+    assert seen.words.startswith("stroke ")
+    assert seen.words.endswith(seen.doubt)
+    assert seen.stroke_m == pytest.approx(5e-3 * position)
+    assert seen.peak_n == pytest.approx(38.6 * force)
+
+
+def test_a_recording_that_stands_still_has_a_glance() -> None:
+    seen = glance(Recording("a", np.zeros(9), np.zeros(9), 1e-3))
+    assert seen.words == "stroke 0 m, peak 0 N, up to 0 m/s, 0 N/m in the mean"

@@ -1,6 +1,8 @@
 """A session in a browser: every frame, under a token, without the loop waiting for anyone."""
 
 import base64
+import socket
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -12,6 +14,7 @@ import pytest
 
 from springpot.host.devices.lines.wire import Receiver, Sender
 from springpot.host.native.loop_library import COLUMN, COLUMNS, IDLE, NONE, LoopRows
+from springpot.host.pages import server
 from springpot.host.wings.page.live import LivePage, frames
 
 
@@ -95,6 +98,90 @@ def test_nobody_without_the_token_or_from_another_site_is_answered(page: LivePag
     assert called == []
     assert status_of(page.address + "stop", "POST") == 200
     assert called == ["stop"]
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "", "https://{host}", "http://{host}.evil.example",
+               "http://localhost:{port}", "http://127.0.0.1"],
+)  # fmt: skip
+def test_no_other_page_presses_a_button(page: LivePage, origin: str) -> None:
+    """Though it knew the token: a browser says where a POST is from."""
+    called: list[str] = []
+    page.actions = {"stop": lambda: called.append("stop")}
+    host = page.address.split("/")[2]
+    origin = origin.format(host=host, port=host.split(":")[1])
+    assert status_of(page.address + "stop", "POST", Origin=origin) == 403
+    assert called == []
+    assert status_of(page.address + "stop", "POST", Origin=f"http://{host}") == 200
+    assert called == ["stop"]
+
+
+def connection_to(page: LivePage, content: bytes = b"") -> socket.socket:
+    host, port = page.address.split("/")[2].split(":")
+    found = socket.create_connection((host, int(port)), timeout=10)
+    found.sendall(content)
+    return found
+
+
+def is_closed(connection: socket.socket) -> bool:
+    """Whether the other end closed it without a word."""
+    try:
+        return connection.recv(1) == b""
+    except ConnectionResetError:
+        return True
+
+
+def test_at_most_sixteen_connections_are_heard_at_once(page: LivePage) -> None:
+    """However many come, and whatever they say: the others are closed, and cost no thread."""
+    before = threading.active_count()
+    held = []
+    try:
+        for k in range(60):
+            held.append(connection_to(page, b"GET /guess" + b"x" * k))
+            time.sleep(0.005)  # the queue of those that are not accepted yet is short
+        for connection in held[16:]:
+            connection.settimeout(2.0)  # less than the deadline of a request
+            assert is_closed(connection)
+        assert threading.active_count() <= before + 16
+    finally:
+        for connection in held:
+            connection.close()
+    end_s = time.monotonic() + 10
+    while threading.active_count() > before:
+        assert time.monotonic() < end_s
+        time.sleep(0.01)
+    assert fetched(page.address) == b"<p>a page</p>"
+
+
+@pytest.mark.parametrize("part", [b"G", b"GET /x HTTP/1.0\r\n", b"POST /t/a HTTP/1.0\r\nX: y\r\n"])
+def test_a_request_has_one_deadline_however_it_trickles_in(
+    page: LivePage, monkeypatch: pytest.MonkeyPatch, part: bytes
+) -> None:
+    monkeypatch.setattr(server, "_REQUEST_S", 0.4)
+    with connection_to(page, part) as slow:
+        begin_s = time.monotonic()
+        slow.settimeout(0.05)
+        closed = False
+        while not closed:
+            assert time.monotonic() - begin_s < 5, "heard for ever"
+            try:
+                slow.sendall(b"x")
+                closed = is_closed(slow)
+            except TimeoutError:
+                pass
+            except OSError:
+                closed = True
+        assert time.monotonic() - begin_s >= 0.3
+
+
+def test_a_body_that_never_comes_is_not_waited_for(
+    page: LivePage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "_REQUEST_S", 0.2)
+    path, host = page.address.removeprefix("http://").split("/", 1)[1], page.address.split("/")[2]
+    head = f"POST /{path}stop HTTP/1.0\r\nHost: {host}\r\nContent-Length: 8000\r\n\r\n"
+    with connection_to(page, head.encode()) as slow:
+        assert is_closed(slow)
 
 
 def test_it_listens_on_this_machine_alone(page: LivePage) -> None:

@@ -1,11 +1,20 @@
 """A session goes on where it was, whatever ended it: no trial lost, doubled or out of order."""
 
+import io
 import itertools
 from pathlib import Path
 
 import pytest
+from support.in_process import spring
 from support.scripted_presenter import ScriptedPresenter, journals, killed_at, run_whole
-from support.small_study import planned, real_stimulus, real_study, study_text
+from support.small_study import (
+    SOFT,
+    planned,
+    real_stimulus,
+    real_study,
+    scene_stimulus,
+    study_text,
+)
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.wings.study.folder import StudyFolder, read_folder
@@ -43,13 +52,6 @@ def test_killed_at_every_step_of_a_short_study(tmp_path: Path) -> None:
     for before in (False, True):
         steps = next(k for k in itertools.count(1) if not require_survives(folder, k, before)) - 1
         assert steps == 2 * (2 + 2 * 4) + 1  # a beginning and an end, four lines a trial, a reply
-
-
-@pytest.mark.slow
-def test_killed_at_every_step_of_72_trials(tmp_path: Path) -> None:
-    folder = planned(tmp_path, real_study(24, sessions=3))
-    steps = next(k for k in itertools.count(1) if not require_survives(folder, k, before=False)) - 1
-    assert steps == 3 * (2 + 24 * 4)
 
 
 def test_cut_at_every_byte_of_its_last_line(tmp_path: Path) -> None:
@@ -141,3 +143,22 @@ def run_left(folder: StudyFolder) -> None:
 
     while (session := next_session(folder, "01")) is not None:
         conduct(folder, "01", session, ScriptedPresenter(answer="left"))
+
+
+@pytest.mark.parametrize(
+    ("real", "device", "said"),
+    [
+        (True, (), "run it in a terminal"),
+        (True, ("--device", "sim://x"), "leave --device out"),
+        (False, (), "give the device, --device URL"),
+    ],
+)
+def test_wrong_use_is_refused(
+    tmp_path: Path, real: bool, device: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    simulated = study_text("similarity", [scene_stimulus("a")], [{"left": "a", "right": "a"}])
+    folder = planned(tmp_path, real_study(2) if real else simulated, 1, SOFT)
+    done = spring("study", "run", folder.path, "--participant", "01", *device)
+    assert done.returncode == 2
+    assert said in done.stderr

@@ -28,7 +28,7 @@ ABX = ScreenState(
 )
 WORDS = ScreenState("Question 1 of 5", "Please answer.", ask=Ask("text", "What did you feel for?"))
 READY = ScreenState("Welcome", "Press the space bar.")
-SIZES = pytest.mark.parametrize(("width", "height"), [(1600, 900), (400, 800)])
+NARROW = (400, 800)
 CALM_S = 0.5  # more than the page wants after a new question
 GONE = "The session has ended or was interrupted. Please wait for the experimenter."
 
@@ -97,9 +97,9 @@ def broken() -> Iterator[PageEvent]:
     raise OSError
 
 
-@SIZES
-def test_a_number(seat: Seat, width: int, height: int) -> None:
-    seat.sit(width, height)
+@pytest.mark.parametrize("size", [(1600, 900), NARROW])
+def test_a_number(seat: Seat, size: tuple[int, int]) -> None:
+    seat.sit(*size)
     seat.see(READY)
     seat.press("x", "Enter")
     assert seat.act() == Act("next", 0)
@@ -130,9 +130,8 @@ def test_a_number(seat: Seat, width: int, height: int) -> None:
     seat.sees("said", "Thank you.")
 
 
-@SIZES
-def test_a_choice(seat: Seat, width: int, height: int) -> None:
-    seat.sit(width, height)
+def test_a_choice(seat: Seat) -> None:
+    seat.sit(*NARROW)
     seat.see(ABX)
     seat.press("3")
     assert seat.act() == Act("slot", 2)
@@ -146,9 +145,8 @@ def test_a_choice(seat: Seat, width: int, height: int) -> None:
     assert seat.act() == Act("answer", "B")
 
 
-@SIZES
-def test_words(seat: Seat, width: int, height: int) -> None:
-    seat.sit(width, height)
+def test_words(seat: Seat) -> None:
+    seat.sit(*NARROW)
     seat.see(WORDS)
     seat.press("Enter")
     assert seat.says("said").startswith("Please type something")

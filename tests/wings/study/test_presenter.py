@@ -1,6 +1,8 @@
 """What the experimenter is told and can do; what the participant sees meanwhile."""
 
+import contextlib
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -9,7 +11,7 @@ from support.study_participant import ScriptedParticipant
 
 from springpot.host.wings.study.folder import StudyFolder
 from springpot.host.wings.study.session.conduct import JOURNAL, SessionStoppedError, conduct
-from springpot.host.wings.study.session.experimenter import Experimenter
+from springpot.host.wings.study.session.experimenter import Experimenter, TrialVoidedError
 from springpot.host.wings.study.session.journal import read_lines
 from springpot.host.wings.study.session.presenter import DevicePresenter
 from springpot.host.wings.study.session.screen import ParticipantScreen
@@ -98,3 +100,22 @@ def test_q_stops_and_the_same_command_goes_on(tmp_path: Path, screen: Participan
         run_session(folder, another, keys)
     assert "Trial 2 of 2, attempt 2" in keys.told
     assert [trial for step, trial in steps(folder) if step == "done"] == [1, 2]
+
+
+class OneKey:
+    """A key that is pressed at every look."""
+
+    def __init__(self, key: str) -> None:
+        self.key = key
+
+    def pressed(self) -> str:
+        return self.key
+
+
+def test_r_resets_and_no_other_key_does() -> None:
+    resets: list[str] = []
+    for key in map(chr, range(128)):
+        experimenter = Experimenter(OneKey(key), reset=partial(resets.append, key))
+        with contextlib.suppress(TrialVoidedError, SessionStoppedError):
+            experimenter.look()
+    assert resets == ["r"]

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
-from springpot.host.pages import server
 from springpot.host.wings.study.session.screen import ParticipantScreen
 from springpot.host.wings.study.session.screen_state import LONGEST_TEXT, Act, Ask, ScreenState
 
@@ -82,19 +81,6 @@ def test_the_page_is_whole_and_names_no_other_place(screen: ParticipantScreen) -
     assert "http" not in text
     assert text.count("<script") == 1
     assert len(text) < 25_000
-
-
-def test_nobody_without_the_token_or_from_another_site_acts(screen: ParticipantScreen) -> None:
-    screen.show(READY)
-    root = screen.address.rsplit("/", 2)[0]
-    body = json.dumps({"state": 1, "kind": "next", "value": 0}).encode()
-    assert status_of(root + "/act", body) == status_of(root + "/guess/act", body) == 404
-    assert status_of(root + "/events") == 404
-    assert status_of(screen.address + "act", body, Host="evil.example") == 404
-    assert status_of(screen.address + "act") == status_of(screen.address + "other", body) == 404
-    assert screen.next_act(0.0) is None
-    assert acted(screen, 1, "next", 0)
-    assert screen.next_act(0.0) == Act("next", 0)
 
 
 def test_a_page_gets_the_state_now_and_every_further_one(screen: ParticipantScreen) -> None:
@@ -248,29 +234,6 @@ def test_a_slow_page_gets_the_newest_of_all(screen: ParticipantScreen) -> None:
     assert (state, json.loads(content)["number"]) == ("state", 2)
     assert position == ("position", "0.001")
     assert list(page.news()) == []
-
-
-def test_a_page_that_reads_nothing_delays_nobody(screen: ParticipantScreen) -> None:
-    with looking(screen):
-        wait_for_viewers(screen, 1)
-        screen.warn("x" * 20_000_000)  # more than any socket takes
-        for k in range(1000):
-            screen.append(rows_at(k * 1e-6))
-        screen.show(READY)
-        with looking(screen) as stream:
-            assert next_event(stream, "state")["number"] == 1
-            assert next_event(stream, "position") == 0.000999
-        assert acted(screen, 1, "next", 0)
-
-
-def test_viewers_are_counted_also_when_nothing_happens(
-    screen: ParticipantScreen, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(server, "_ALIVE_S", 0.0)
-    assert screen.viewers == 0
-    with looking(screen), looking(screen):
-        wait_for_viewers(screen, 2)
-    wait_for_viewers(screen, 0)
 
 
 def test_who_looks_is_told_that_it_is_over() -> None:

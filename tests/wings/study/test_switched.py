@@ -60,6 +60,9 @@ class Ticks:
             notes = self._c.sp_switch_idle(self._state, DT_S, self._force)
             self.rows.append((self.rows[-1][0], self._force[0], notes, 1))
 
+    def reset(self) -> None:
+        self._c.sp_switch_reset(self._state)
+
     def channels(self) -> dict[str, np.ndarray]:
         table = np.array(self.rows)
         return {INPUT: table[:, 0], "velocity_mps": 0 * table[:, 0], "notes": table[:, 2],
@@ -128,6 +131,19 @@ def test_silence_reaches_the_watchdog_of_the_scene_that_is_felt(ticks: Ticks) ->
     ticks.idle(300)
     assert ticks.rows[-1][1] == 0.0
     assert ticks.rows[-1][2] & 32  # latched
+
+
+def test_a_latch_stays_whichever_slot_is_chosen_until_a_reset(ticks: Ticks) -> None:
+    ticks.switch.want(1)
+    ticks.run(np.concatenate((AIR_M, PRESS_M[:99])))
+    ticks.idle(300)
+    for place in (2, 1, 0, 2):
+        ticks.switch.want(place)
+        assert not ticks.run(np.concatenate((AIR_M, PRESS_M, AIR_M))).any()
+        assert ticks.rows[-1][2] & 32
+    ticks.reset()
+    assert ticks.run(np.concatenate((AIR_M, PRESS_M))).max() > 0.1
+    assert ticks.switch.active == 2
 
 
 def test_a_log_gives_the_same_forces_again(ticks: Ticks, scenes: list[SceneLibrary]) -> None:

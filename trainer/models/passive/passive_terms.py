@@ -1,201 +1,219 @@
-"""The passive model: non-negative least squares on springs, Maxwell branches and stop operators."""
+"""Terms that a passive model is fitted from, and the model that their weights make."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.model.formulas import (
-    basis,
-    curve_values,
-    depth_place,
-    loss_by_depth,
-    stretched,
-)
-from springpot.codegen.model.model import BASIS_SIZE, Basis, Hammerstein
-from springpot.trainer.features.values import highpass, highpass_by_depth
+from springpot.codegen.model.passive import FLOW_SHARE, Damage, Flow, Hammerstein
+from springpot.codegen.stages.passive.flow import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
 
 PASSIVE_POLES = 12
-FEWEST_BY_DEPTH = 4  # poles, of which half can have a rate that depends on the depth
-_FIRST = 0.02  # of the second differences' weight: enough to keep a curve straight in a gap
+DEPTH_POLES = 6  # whose rate depends on the depth
 RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
-_CHUNK = 1 << 16  # samples that stand as Python's numbers at once
-
-
-@dataclass(frozen=True)
-class Shape:
-    """Curves of the depth, and how half of the branches' rate depends on it: see `Hammerstein`."""
-
-    basis: Basis
-    stretch: float = 0.0
-    rate_ratio: float = 1.0
+EXPONENTS = (4.0, 8.0, 16.0, 32.0)  # of curves that stiffen steeply: exp(c u)
+FLOW_TIMES, FLOW_POWERS = 5, (3, 5)
+_SHORTEST_FLOW_S = 0.01
+HEAL_S, DAMAGE_POWERS = (0.0, 60.0), (1, 3)  # 0: never
+_STEEP = 1e-3  # of it: for exponentials
+_FIRST = 0.02  # of the second differences' weight: enough to keep a curve straight in a gap
 
 
 @dataclass(frozen=True)
 class Terms:
-    """The terms that a fit chooses from.
+    """The terms that a fit chooses from, in columns.
 
-    Columns: the spring's basis; each pole's branches, those whose rate depends on the depth last;
-    each radius's stops; then, where the bias is fitted, +1 and -1.
+    First the plain ones: the spring's curve, those of the branches (tau_s) and of the stops
+    (radius_m), and where the bias is fitted +1 and -1. Then what a richer law adds: curves of
+    branches with a rate by depth (depth_tau_s, rate_ratio: see `Hammerstein`), curves of damage
+    (time of healing, power), a column each for flowing branches (time constant, power, degree).
     """
 
-    shape: Shape
     origin_m: float
     span_m: float
+    nodes: int
     tau_s: tuple[float, ...]
-    n_by_depth: int
     radius_m: tuple[float, ...]
     bias: bool
+    depth_tau_s: tuple[float, ...] = ()
+    rate_ratio: float = 1.0
+    damage: tuple[tuple[float, int], ...] = ()
+    flow: tuple[tuple[float, int, int], ...] = ()
 
     @property
-    def n_basis(self) -> int:
-        return BASIS_SIZE[self.shape.basis]
+    def width(self) -> int:
+        """Columns of a curve: a hat of slope at each node, and the exponentials."""
+        return self.nodes + len(EXPONENTS)
 
     @property
-    def curves(self) -> int:
-        """The spring, the poles' branches and the stops: a curve of `n_basis` terms each."""
-        return 1 + len(self.tau_s) + len(self.radius_m)
+    def curves(self) -> tuple[int, int]:
+        """Plain curves, and those of a richer law."""
+        plain = 1 + len(self.tau_s) + len(self.radius_m)
+        return plain, len(self.depth_tau_s) + len(self.damage)
+
+    @property
+    def plain_count(self) -> int:
+        """Plain columns."""
+        return self.width * self.curves[0] + 2 * self.bias
 
     @property
     def count(self) -> int:
-        return self.n_basis * self.curves + 2 * self.bias
+        """All columns."""
+        return self.plain_count + self.width * self.curves[1] + len(self.flow)
 
     @property
     def blocks(self) -> Indices:
-        """Number of each term's curve, (terms,); the bias is one more."""
-        return np.minimum(np.arange(self.count) // self.n_basis, self.curves)
+        """Number of each column's block, (terms,): a curve, the bias, or a flowing branch."""
+        plain, richer = self.curves
+        sizes = [self.width] * plain + [2] * self.bias + [self.width] * richer
+        sizes += [1] * len(self.flow)
+        return np.repeat(np.arange(len(sizes)), sizes)
 
     def roughness(self) -> Samples:
-        """Quadratic form of the weights, (terms, terms): how each curve of ramps bends.
+        """Quadratic form of the weights, (terms, terms): how the slope of each curve changes.
 
-        Squared second differences of its slopes, and a fiftieth of the first ones: a rise between
-        two trained depths goes on as it does beside them, and what no row has seen too. Without a
-        penalty on them it goes into whichever ramp the solver likes.
+        Squared second differences of the hats, and a fiftieth of the first ones: a rise between
+        two trained depths goes on as it does beside them, and what no row has seen. Exponentials
+        are smooth, but one that no row has seen has no weight.
         """
+        hats = np.eye(self.nodes)
+        first, second = (np.diff(hats, n, axis=0) for n in (1, 2))
+        block = np.zeros((self.width, self.width))
+        block[: self.nodes, : self.nodes] = second.T @ second + _FIRST * first.T @ first
+        block[self.nodes :, self.nodes :] = _STEEP * np.eye(len(EXPONENTS))
         form = np.zeros((self.count, self.count))
-        if self.shape.basis == "ramps":
-            slopes = np.eye(self.n_basis)
-            first, second = (np.diff(slopes, n, axis=0) for n in (1, 2))
-            end = self.n_basis * self.curves
-            block = second.T @ second + _FIRST * first.T @ first
-            form[:end, :end] = np.kron(np.eye(self.curves), block)
+        begins = (0, self.plain_count)
+        for begin, curves in zip(begins, self.curves, strict=True):
+            its = slice(begin, begin + curves * self.width)
+            form[its, its] = np.kron(np.eye(curves), block)
         return form
 
+    def slopes_n(self, weights: Samples) -> tuple[Samples, Samples]:
+        """Slopes at the nodes of the plain curves, (curves, nodes), N, and of the others."""
+        begins = (0, self.plain_count)
+        plain, richer = (
+            weights[begin : begin + curves * self.width].reshape(-1, self.width)
+            @ column_slopes(self.nodes)
+            for begin, curves in zip(begins, self.curves, strict=True)
+        )
+        return plain, richer
 
-def standard_terms(
-    data: TrainingSet, shape: Shape, bias: bool, poles: int = PASSIVE_POLES
-) -> Terms:
-    """Four radii, and `poles` time constants from two samples to the longest recording.
 
-    Where the rate depends on the depth, half of them of each sort.
+def column_slopes(nodes: int) -> Samples:
+    """Slopes at the nodes of each column of a curve, (width, nodes): hats, exponentials.
+
+    Each is about 1 at u = 1, and straight beyond it. exp(c u) rises between nodes as straight
+    slopes between its own slopes at the nodes say.
+    """
+    u = np.linspace(0.0, 1.0, nodes)
+    steep = np.stack([np.exp(c * (u - 1.0)) for c in EXPONENTS])
+    trapezoid = np.full(nodes, 1.0 / (nodes - 1))
+    trapezoid[[0, -1]] *= 0.5
+    return np.concatenate([(nodes - 1.0) * np.eye(nodes), steep / (steep @ trapezoid)[:, None]])
+
+
+def plain_terms(data: TrainingSet, nodes: int, poles: int = PASSIVE_POLES) -> Terms:
+    """A spring, four stops, `poles` branches from two samples to the longest recording.
+
+    A bias only where the tool never leaves the object: at a surface the force is 0 by itself.
     """
     trained = data.trained
     span_m = trained.max_m - trained.min_m
-    n_by_depth = 0 if shape.rate_ratio == 1.0 else poles // 2
-    longest_s = max(data.longest_s, 4.0 * data.dt_s)
-    tau_s = [
-        np.geomspace(2.0 * data.dt_s, longest_s, count)
-        for count in (poles - n_by_depth, n_by_depth)
-    ]
     return Terms(
-        shape=shape,
         origin_m=trained.min_m,
         span_m=span_m,
-        tau_s=tuple(np.concatenate(tau_s).tolist()),
-        n_by_depth=n_by_depth,
+        nodes=nodes,
+        tau_s=_times_s(data, 2.0 * data.dt_s, poles),
         radius_m=tuple(share * span_m for share in RADIUS_SHARES),
-        bias=bias,
+        bias=data.contact == "always",
     )
 
 
-def columns(terms: Terms, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    """Values of all terms along one recording, at rows: shape (rows, terms).
-
-    One function of the basis at a time: a day's recording has 1e8 samples.
-    """
-    u = (depth_m - terms.origin_m) / terms.span_m
-    v = stretched(u, terms.shape.stretch) if terms.shape.stretch > 0.0 else u
-    n, poles = terms.n_basis, len(terms.tau_s)
-    constant = poles - terms.n_by_depth
-    loss = loss_by_depth(np.array(terms.tau_s[constant:]), terms.shape.rate_ratio, dt_s)
-    values = np.ones((len(rows), terms.count))
-    for j, along in enumerate(basis(terms.shape.basis, v)):
-        values[:, j] = along[rows]
-        for k, tau_s in enumerate(terms.tau_s[:constant], 1):
-            values[:, n * k + j] = highpass(along, tau_s, dt_s)[rows]
-    for k in range(terms.n_by_depth):
-        lost = curve_values(loss[:, :, k, None], depth_place(u))[:, 0]
-        for j, along in enumerate(basis(terms.shape.basis, v), n * (1 + constant + k)):
-            values[:, j] = highpass_by_depth(along, lost)[rows]
-    for k, radius_m in enumerate(terms.radius_m, 1 + poles):
-        played = basis(terms.shape.basis, play(v, radius_m / terms.span_m)[rows])
-        for j, behind in enumerate(played):
-            values[:, n * k + j] = values[:, j] - behind
-    if terms.bias:
-        values[:, -1] = -1.0
-    return values
+def with_rates(terms: Terms, data: TrainingSet, rate_ratio: float) -> Terms:
+    """The terms, and branches with a rate that depends on the depth."""
+    times_s = _times_s(data, 2.0 * data.dt_s, DEPTH_POLES)
+    return replace(terms, depth_tau_s=times_s, rate_ratio=rate_ratio)
 
 
-def play(u: Samples, radius: float) -> Samples:
-    """Play operator of one radius, (n,), from rest at the first sample."""
-    out = np.empty_like(u)
-    p = float(u[0])
-    for begin in range(0, len(u), _CHUNK):
-        for i, x in enumerate(u[begin : begin + _CHUNK].tolist(), begin):
-            p = min(max(p, x - radius), x + radius)
-            out[i] = p
-    return out
+def with_damage(terms: Terms) -> Terms:
+    """The terms, and curves that are softer below the largest depth so far."""
+    damage = [(heal_s, power) for heal_s in HEAL_S for power in DAMAGE_POWERS]
+    return replace(terms, damage=tuple(damage))
 
 
-def hammerstein_force(model: Hammerstein, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    """Force of a fitted model at rows of one recording, (rows,), N, in float64."""
-    terms, weights = _terms_and_weights(model)
-    force_n: Samples = columns(terms, depth_m, dt_s, rows) @ weights
-    return force_n
+def with_flow(terms: Terms, data: TrainingSet) -> Terms:
+    """The terms, and branches that flow."""
+    times_s = _times_s(data, max(_SHORTEST_FLOW_S, 2.0 * data.dt_s), FLOW_TIMES)
+    flow = [(t, power, degree) for t in times_s for power in FLOW_POWERS for degree in FUNCTIONS]
+    return replace(terms, flow=tuple(flow))
+
+
+def reduced(terms: Terms, weights: Samples) -> Terms:
+    """Those of the terms that have weights above 0; the spring and a bias stay."""
+    blocks = np.bincount(terms.blocks, weights) > 0.0
+    plain, richer = terms.curves
+    branch, stop = np.split(blocks[1:plain], [len(terms.tau_s)])
+    more = blocks[plain + terms.bias :]
+    depth, damage, flow = np.split(more, [len(terms.depth_tau_s), richer])
+    return replace(
+        terms,
+        tau_s=tuple(compress(terms.tau_s, branch)),
+        radius_m=tuple(compress(terms.radius_m, stop)),
+        depth_tau_s=tuple(compress(terms.depth_tau_s, depth)),
+        damage=tuple(compress(terms.damage, damage)),
+        flow=tuple(compress(terms.flow, flow)),
+    )
+
+
+def _times_s(data: TrainingSet, shortest_s: float, count: int) -> tuple[float, ...]:
+    longest_s = max(data.longest_s, 2.0 * shortest_s)
+    return tuple(np.geomspace(shortest_s, longest_s, count).tolist())
 
 
 def to_model(terms: Terms, weights: Samples) -> Hammerstein:
-    """Terms and their non-negative weights -> IR, without the poles and radii of weight 0."""
-    n, poles, radii = terms.n_basis, len(terms.tau_s), len(terms.radius_m)
-    branch = weights[n : n * (1 + poles)].reshape(poles, n)
-    stop = weights[n * (1 + poles) : n * (1 + poles + radii)].reshape(radii, n)
-    kept, stops = branch.any(axis=1), stop.any(axis=1)
-    n_by_depth = int(np.count_nonzero(branch[poles - terms.n_by_depth :].any(axis=1)))
+    """Terms and their non-negative weights -> IR, without what has weight 0."""
+    plain, richer = terms.slopes_n(weights)
+    elastic_n, branch_n, stop_n = np.split(plain, [1, 1 + len(terms.tau_s)])
+    depth_n, damage_n = np.split(richer, [len(terms.depth_tau_s)])
+    constant, by_depth, stopped = (each.any(axis=1) for each in (branch_n, depth_n, stop_n))
+    at = terms.plain_count
     return Hammerstein(
-        basis=terms.shape.basis,
         origin_m=terms.origin_m,
         span_m=terms.span_m,
-        elastic_n=weights[:n],
-        tau_s=np.array(terms.tau_s)[kept],
-        branch_n=branch[kept],
-        radius_m=np.array(terms.radius_m)[stops],
-        stop_n=stop[stops],
-        bias_n=float(weights[-2] - weights[-1]) if terms.bias else 0.0,
-        n_by_depth=n_by_depth,
-        rate_ratio=terms.shape.rate_ratio if n_by_depth else 1.0,
-        stretch=terms.shape.stretch,
+        elastic_n=elastic_n[0],
+        tau_s=np.append(np.array(terms.tau_s)[constant], np.array(terms.depth_tau_s)[by_depth]),
+        branch_n=np.concatenate([branch_n[constant], depth_n[by_depth]]),
+        radius_m=np.array(terms.radius_m)[stopped],
+        stop_n=stop_n[stopped],
+        bias_n=float(weights[at - 2] - weights[at - 1]) if terms.bias else 0.0,
+        n_by_depth=int(np.count_nonzero(by_depth)),
+        rate_ratio=terms.rate_ratio if by_depth.any() else 1.0,
+        flow=_flow(terms, weights[terms.count - len(terms.flow) :]),
+        damage=_damage(terms, damage_n),
     )
+
+
+def _flow(terms: Terms, force_n: Samples) -> Flow | None:
+    kept = [(*each, n) for each, n in zip(terms.flow, force_n.tolist(), strict=True) if n > 0.0]
+    if not kept:
+        return None
+    tau_s, power, degree, its_n = (np.array(each) for each in zip(*kept, strict=True))
+    return Flow(1.0 / (tau_s * FLOW_SHARE ** (power - 1.0)), power, degree, its_n)
+
+
+def _damage(terms: Terms, curve_n: Samples) -> Damage | None:
+    kept = curve_n.any(axis=1)
+    if not kept.any():
+        return None
+    heal_s, power = (np.array(each)[kept] for each in zip(*terms.damage, strict=True))
+    return Damage(heal_s, power, curve_n[kept])
 
 
 def parameter_count(model: Hammerstein) -> int:
-    """Numbers that the fit chose: weights above 0, and the bias."""
-    weights = (model.elastic_n, model.branch_n, model.stop_n)
-    return sum(int(np.count_nonzero(w)) for w in weights) + (model.bias_n != 0.0)
-
-
-def _terms_and_weights(model: Hammerstein) -> tuple[Terms, NDArray[np.float64]]:
-    terms = Terms(
-        shape=Shape(model.basis, model.stretch, model.rate_ratio),
-        origin_m=model.origin_m,
-        span_m=model.span_m,
-        tau_s=tuple(model.tau_s.tolist()),
-        radius_m=tuple(model.radius_m.tolist()),
-        n_by_depth=model.n_by_depth,
-        bias=model.bias_n != 0.0,
-    )
-    bias: Iterable[float] = (model.bias_n, 0.0) if terms.bias else ()
-    blocks = [model.elastic_n, model.branch_n.ravel(), model.stop_n.ravel(), np.array([*bias])]
-    return terms, np.concatenate(blocks)
+    """Numbers that the C keeps: slopes above 0, forces of flowing branches, and the bias."""
+    slopes = [model.elastic_n, model.branch_n, model.stop_n]
+    slopes += [] if model.flow is None else [model.flow.force_n]
+    slopes += [] if model.damage is None else [model.damage.curve_n]
+    return sum(int(np.count_nonzero(each)) for each in slopes) + (model.bias_n != 0.0)

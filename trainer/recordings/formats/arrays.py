@@ -1,4 +1,4 @@
-"""MAT files (v5, v7.3) and HDF5 files of any layout: one array a channel, found by name or map."""
+"""MAT (v5, v7.3), HDF5 and TDMS files of any layout: one array a channel, by name or map."""
 
 import io
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from springpot.trainer.recordings.formats.column_map import (
     split_unit,
     stated_rate_hz,
 )
-from springpot.trainer.recordings.formats.csv.csv_layout import wanted_columns
+from springpot.trainer.recordings.formats.csv.csv_missing import wanted_columns
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.sampling import RawChannels
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 from springpot.trainer.recordings.reader_limits import read_apart
 
@@ -48,6 +48,11 @@ def read_hdf5_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels
     return _read_arrays(path, "hdf5", request.columns)
 
 
+def read_tdms_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
+    """Read one recording from a TDMS file of LabVIEW, as `read_hdf5_arrays`."""
+    return _read_arrays(path, "tdms", request.columns)
+
+
 def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawChannels], str]:
     arrays = _load(path, kind)
     options = wanted_columns(columns)
@@ -68,7 +73,7 @@ def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawCha
         scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
         metadata["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
         found = f"time = samples counted at the stated {rate_hz:g} Hz, {found}"
-    guess = f"{'MAT' if kind == 'mat' else 'HDF5'} file: {found}"
+    guess = f"{kind.upper()} file: {found}"
     raw = RawChannels(
         name=path.stem,
         time_s=scaled["time"],
@@ -83,8 +88,9 @@ def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawCha
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
-    if kind == "mat" and find_spec("scipy") is None:
-        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
+    library = {"mat": "scipy", "tdms": "nptdms"}.get(kind)
+    if library and find_spec(library) is None:
+        raise ModuleNotFoundError(f"{kind.upper()} files are read by {library}", name=library)
     module = "springpot.trainer.recordings.formats.array_process"
     with np.load(io.BytesIO(read_apart(path, module, kind)), allow_pickle=False) as stored:
         names, units = stored["names"], stored["units"]

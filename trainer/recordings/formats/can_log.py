@@ -19,7 +19,8 @@ from springpot.trainer.recordings.formats.column_map import (
     stated_rate_hz,
 )
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.sampling import GAP, RawChannels
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
+from springpot.trainer.recordings.formats.sampling import GAP
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 
 _CANDUMP = re.compile(

@@ -17,6 +17,7 @@ from springpot.trainer.recordings.formats.units import (
     Unit,
     choose_unit,
     is_unit,
+    is_weight,
 )
 
 EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
@@ -30,6 +31,16 @@ _LABELS: dict[Quantity, set[str]] = {
         *("compression", "extension", "stroke", "x", "z"),
     },
     "force": {"force", "load", "f", "fz"},
+}
+# Of texture analysers, LabVIEW and testing machines in German and French: taken where no word above
+# is found.
+_OTHER_LABELS: dict[Quantity, set[str]] = {
+    "time": {"zeit", "prüfzeit", "temps", "x_value"},
+    "position": {
+        *("distance", "travel", "crosshead", "weg", "standardweg", "traversenweg", "eindringtiefe"),
+        *("verlängerung", "verformung", "kompressionsweg", "déplacement"),
+    },
+    "force": {"kraft", "standardkraft", "prüfkraft", "last"},
 }
 # "Compression stress" and "Extension rate" are neither positions nor forces.
 _NOT_A_LABEL = {"stress", "strain", "rate", "speed", "velocity", "setpoint", "command"}
@@ -124,7 +135,7 @@ def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
         if match := pattern.fullmatch(header):
             return match[1], match[2]
     match = _APPENDED_UNIT.fullmatch(header)
-    if match and is_unit(match[2], quantity):
+    if match and (is_unit(match[2], quantity) or is_weight(match[2], quantity)):
         return match[1], match[2]
     return header, None
 
@@ -132,11 +143,15 @@ def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
 def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
     """Prefer a label that is one of the known words to one that only contains such a word."""
     labels = [_CAMEL.sub("_", split_unit(cell, quantity)[0]).casefold().strip() for cell in row]
-    exact = [i for i, label in enumerate(labels) if label in _LABELS[quantity]]
-    if exact:
-        return exact
-    words = [set(re.split(r"[^a-z]+", label)) for label in labels]
-    return [i for i, w in enumerate(words) if w & _LABELS[quantity] and not w & _NOT_A_LABEL]
+    for known in (_LABELS[quantity], _OTHER_LABELS[quantity]):
+        exact = [i for i, label in enumerate(labels) if label in known]
+        if exact:
+            return exact
+        words = [set(re.split(r"[\W\d_]+", label)) for label in labels]
+        found = [i for i, w in enumerate(words) if w & known and not w & _NOT_A_LABEL]
+        if found:
+            return found
+    return []
 
 
 def column_units(

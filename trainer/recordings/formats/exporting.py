@@ -1,11 +1,14 @@
 """Recordings -> CSV and MAT files, which come back bit for bit by `springpot import`."""
 
 import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import UsageError
 from springpot.trainer.recordings.recording import SIGN_RULE, Recording
@@ -22,33 +25,54 @@ def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> 
     Raises UsageError where the file exists or cannot be written.
     """
     path = folder / f"{recording.name}.{form}"
+    with _new_file(path) as aside:
+        if form == "csv":
+            _write_csv(aside, recording)
+            metadata = json.dumps(recording.metadata() | _RULE, indent=2, sort_keys=True) + "\n"
+            write_file(path.with_suffix(".json"), metadata.encode())
+        else:
+            _write_mat(aside, recording)
+    return path
+
+
+def write_prediction(folder: Path, recording: Recording, predicted_n: Samples) -> Path:
+    """Write time, position, measured and predicted force, (n,), N, of a recording as a CSV file.
+
+    Raises UsageError where the file exists or cannot be written.
+    """
+    path = folder / f"{recording.name}.csv"
+    with _new_file(path) as aside:
+        _write_csv(aside, recording, {"predicted_N": predicted_n})
+    return path
+
+
+@contextmanager
+def _new_file(path: Path) -> Iterator[Path]:
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         if path.exists():
             raise UsageError(f"{path}: exists already: remove it or choose another --out")
         with written_aside(path) as aside:
-            if form == "csv":
-                _write_csv(aside, recording)
-            else:
-                _write_mat(aside, recording)
-        if form == "csv":
-            metadata = json.dumps(recording.metadata() | _RULE, indent=2, sort_keys=True) + "\n"
-            write_file(path.with_suffix(".json"), metadata.encode())
+            yield aside
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}: choose another --out") from None
-    return path
 
 
 def _time_s(recording: Recording) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     return np.arange(len(recording.position_m), dtype=np.float64) * recording.dt_s
 
 
-def _write_csv(path: Path, recording: Recording) -> None:
-    columns = (_time_s(recording), recording.position_m, recording.force_n)
+def _write_csv(path: Path, recording: Recording, more: Mapping[str, Samples] | None = None) -> None:
+    columns = {
+        "time_s": _time_s(recording),
+        "position_m": recording.position_m,
+        "force_N": recording.force_n,
+        **(more or {}),
+    }
     with path.open("w", encoding="utf-8", newline="") as file:
-        file.write("time_s,position_m,force_N\n")
-        rows = zip(*(column.tolist() for column in columns), strict=True)
-        file.writelines(f"{t!r},{x!r},{f!r}\n" for t, x, f in rows)
+        file.write(",".join(columns) + "\n")
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
 
 
 def _write_mat(path: Path, recording: Recording) -> None:

@@ -6,11 +6,12 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from springpot.codegen.entry_points import registered
+from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
-from springpot.trainer.recordings.formats.sampling import RawChannels
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
+from springpot.trainer.recordings.formats.specimen import Specimen
 
 START_BYTES = 520  # of a file, which `begins` sees; a user block of HDF5 is 512 of them
 
@@ -22,6 +23,8 @@ class FileRequest:
     columns: which column, signal or array is which channel, and its unit; what it leaves out is
     guessed. dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file. decimal:
     mark of decimals in text, None: guessed. resampled: samples are interpolated afterwards.
+    specimen: of columns of stress and strain. A reader of a format without columns to choose
+    refuses them; other settings it may pass over.
     """
 
     columns: ColumnMap = field(default_factory=dict)
@@ -29,6 +32,7 @@ class FileRequest:
     block: str | None = None
     decimal: DecimalMark | None = None
     resampled: bool = False
+    specimen: Specimen | None = None
 
 
 Reader = Callable[[Path, FileRequest], tuple[list[RawChannels], str]]
@@ -51,21 +55,24 @@ class FileFormat:
 
     def fits(self, path: Path, start: bytes) -> bool:
         """Return whether a file begins as this format does. Raises DataError if asking fails."""
-        try:
+        with blaming(f"{path}: asking for the format {self.title!r}", self.begins, DataError):
             return self.begins(start)
-        except Exception as error:  # of another package's format
-            raise DataError(
-                f"{path}: asking for the format {self.title!r} failed ({error}): correct or "
-                "uninstall the package that brings it"
-            ) from None
 
     def read(self, path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-        """Read a file of this format, as `reads` says."""
+        """Read a file of this format, as `reads` says. Raises DataError if reading fails."""
+        with blaming(f"{path}: reading the format {self.title!r}", self.reads, DataError):
+            found = self._reader()(path, request)
+            match found:
+                case ([RawChannels(), *_], str()):
+                    return found
+            raise TypeError("its reader returns no (list of RawChannels, line of text)")
+
+    def _reader(self) -> Reader:
         if not isinstance(self.reads, str):
-            return self.reads(path, request)
+            return self.reads
         module, _, name = self.reads.partition(":")
         reader: Reader = getattr(import_module(module), name)
-        return reader(path, request)
+        return reader
 
 
 @cache

@@ -1,5 +1,6 @@
 """Files from outside -> recordings: chooses the reader by what is in the file."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from springpot.trainer.recordings.formats.file_format import (
 )
 from springpot.trainer.recordings.formats.own_formats import HDF5_MAGIC
 from springpot.trainer.recordings.formats.sampling import to_recording
+from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.journal_blocks import is_journal
 from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
@@ -31,6 +33,7 @@ class ImportOptions:
 
     dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file.
     decimal: what marks decimals in a CSV file, None: guessed.
+    specimen: sizes, if a CSV file has stress and strain in place of force and position.
     conditioning: delays, mass, tare and contact point.
     """
 
@@ -38,6 +41,7 @@ class ImportOptions:
     block: str | None = None
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
+    specimen: Specimen | None = None
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,8 @@ def import_file(
     if resample_hz is not None and not 0.0 < resample_hz < np.inf:
         raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
     options = options or ImportOptions()
+    if path.is_dir():
+        raise DataError(f"{path}: a folder: name its files, such as {path}/*.csv")
     try:
         require_regular(path)
         with path.open("rb") as file:
@@ -74,12 +80,15 @@ def import_file(
         if start.startswith(HDF5_MAGIC) and has_checksum(path):
             return _import_again(path, mapping, zero, resample_hz, options)
         request = FileRequest(
-            mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None
-        )
+            mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None,
+            options.specimen,
+        )  # fmt: skip
         chosen = next(one for one in file_formats().values() if one.fits(path, start))
         raws, guess = chosen.read(path, request)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
+    if options.specimen and not options.specimen.made_of(raws[0].details):
+        raise UsageError(f"{path}: --area, --height: no columns of stress and strain were read")
     names = _unique([raw.name for raw in raws])
     recordings = []
     for raw, name in zip(raws, names, strict=True):
@@ -90,7 +99,8 @@ def import_file(
             other = "; or leave such blocks out, --block KIND" if len(raws) > 1 else ""
             raise DataError(f"{error}{other}") from None
         recordings.append(recording)
-        guess += "".join(f"; {note}" for note in (tail_note(recording), *messages) if note)
+        first = str(recording.details.get("first_row_cut", ""))
+        guess += "".join(f"; {note}" for note in (first, tail_note(recording), *messages) if note)
     return ImportResult(recordings, f"{path}: {guess}")
 
 
@@ -124,6 +134,21 @@ def _import_again(
     return ImportResult(
         [recording], f"{path}: a springpot recording" + "".join(f"; {t}" for t in messages)
     )
+
+
+def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recording]:
+    """The recordings as presses of one object, in this order, so long apart, s.
+
+    Raises UsageError for a time below 0, DataError where there is nothing to be apart.
+    """
+    if not 0.0 <= rest_s < np.inf:
+        raise UsageError(f"--rest-s: {rest_s} is no time between presses: give seconds from 0 on")
+    found, start_s = [], 0.0
+    for recording in recordings:
+        name = f"{recordings[0].name} and {len(recordings) - 1} more"
+        found.append(replace(recording, session=name, start_s=start_s))
+        start_s += recording.duration_s + rest_s
+    return found
 
 
 def _unique(names: list[str]) -> list[str]:

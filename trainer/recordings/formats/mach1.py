@@ -19,7 +19,8 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
 from springpot.trainer.recordings.formats.csv.decimals import is_number
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 
 _SINUSOID = "Sinusoid"
@@ -41,6 +42,7 @@ class _Block:
     parameters: dict[str, str] = field(default_factory=dict)
     table: list[str] = field(default_factory=list)
     table_line: int = 0
+    stopped: bool = False  # by hand: there is no <END DATA>
 
 
 def read_mach1(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
@@ -66,7 +68,11 @@ def read_mach1(path: Path, request: FileRequest) -> tuple[list[RawChannels], str
         options = f"<{kind}> block" if kind else "block"
         raise DataError(f"{path}: no {options} with samples{others}: export one with its data")
     recordings = [step for block in read for step in _steps(path, block, columns)]
-    names = ", ".join(f"<{block.kind}> in row {block.line}" for block in read)
+    names = ", ".join(
+        f"<{block.kind}> in row {block.line}"
+        + (" (stopped: no <END DATA>, its rows are whole)" if block.stopped else "")
+        for block in read
+    )
     return recordings, f"Mach-1 text, {len(read)} blocks: {names}{others}"
 
 
@@ -103,10 +109,21 @@ def _blocks(path: Path) -> Iterator[_Block]:
             key, _, value = line.partition(":")
             target = info if in_info or block is None else block.parameters
             target[key.strip()] = value.strip()
-    if in_data:
-        raise DataError(f"{path}: ends without <END DATA>: the file is cut short, export it again")
+    if block and in_data:
+        _require_whole(path, block)
+        block.stopped = True
     if block:
         yield block
+
+
+def _require_whole(path: Path, block: _Block) -> None:
+    """Refuse a table without an end mark if its last row may be cut through."""
+    rows = [line for line in block.table if line.strip()]
+    ended = bool(rows) and not block.table[-1].strip()  # by the end of a line
+    if not ended or len(rows[-1].split("\t")) < len(rows[0].split("\t")):
+        raise DataError(
+            f"{path}: ends without <END DATA>, within a row: the file is cut short, export it again"
+        )
 
 
 def _steps(path: Path, block: _Block, columns: ColumnMap) -> list[RawChannels]:

@@ -34,4 +34,11 @@ HDF5 = FileFormat(
 MAT = FileFormat(
     "MAT", lambda start: start.startswith(_MAT5), f"{_HERE}.arrays:read_mat_arrays", 3
 )  # fmt: skip
+TDMS = FileFormat(
+    "TDMS", lambda start: start.startswith(b"TDSm"), f"{_HERE}.arrays:read_tdms_arrays", 4
+)
+WORKBOOK = FileFormat(
+    "Excel workbook",
+    lambda start: start.startswith(b"PK\x03\x04"), f"{_HERE}.csv.workbook:read_workbook", 5,
+)  # fmt: skip
 CSV = FileFormat("CSV", lambda start: True, f"{_HERE}.csv.csv_text:read_csv", 1000)

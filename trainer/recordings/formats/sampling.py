@@ -1,13 +1,13 @@
 """From time-stamped samples to a recording: what is refused, and resampling on request."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.raw_channels import RawChannels, without_odd_first
 from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
 from springpot.trainer.recordings.recording import Recording, Zero
 
@@ -20,35 +20,18 @@ _DRIFT_STEPS = 100
 _MANY_STEPS = 30
 
 
-@dataclass(frozen=True, eq=False)
-class RawChannels:
-    """Time-stamped samples as a file has them, in SI units, unchecked.
-
-    time_s, position_m, force_n: shape (n,), float64.
-    time_digit_s: one unit in the last printed digit of the time stamps.
-    source: file and block, for messages and for the recording.
-    line_of: the 1-based line of the file on which sample k stands.
-    """
-
-    name: str
-    time_s: Samples
-    position_m: Samples
-    force_n: Samples
-    time_digit_s: float
-    source: str
-    line_of: Callable[[int], int]
-    details: Mapping[str, Any] = field(default_factory=dict)
-
-
 def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | None) -> Recording:
     """Check the samples, resample them if `resample_hz` is given, subtract the zero.
 
     Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
-    without `resample_hz`, uneven steps before the file's end; too few rows. What was done is kept
-    in `details`.
+    without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
+    three arrays of one shape (n,). What was done is kept in `details`.
     """
+    _check_shapes(raw)
     _check_finite(raw)
     _check_order(raw)
+    if resample_hz is None:
+        raw = without_odd_first(raw, _slack_s(raw, 1))
     _check_gaps(raw)
     details = {**raw.details, "sampling": _sampling(raw)}
     last_even = None if resample_hz else _last_even(raw)
@@ -108,6 +91,15 @@ def _last_even(raw: RawChannels) -> int | None:
 def _slack_s(raw: RawChannels, span: int) -> float:
     usual_s = float(np.median(np.diff(raw.time_s)))
     return STEP_TOLERANCE * usual_s + (raw.time_digit_s + _rounding_s(raw)) / span
+
+
+def _check_shapes(raw: RawChannels) -> None:
+    channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
+    shapes = {name: np.shape(found) for name, found in channels.items()}
+    arrays = all(isinstance(found, np.ndarray) for found in channels.values())
+    if not arrays or raw.time_s.ndim != 1 or len(set(shapes.values())) > 1:
+        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise DataError(f"{raw.source}: {told}: give three 1-D numpy arrays of one length")
 
 
 def _check_finite(raw: RawChannels) -> None:

@@ -47,6 +47,8 @@ _EITHER_CASE: dict[Quantity, dict[str, str]] = {
     for quantity, units in _FACTORS.items()
 }
 _MEANT = {"mn": "mN", "g": "gf", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "oz": "ozf"}
+# What a machine writes above a column of force: the weight of such a mass.
+_WEIGHTS = {**_MEANT, "gram": "gf", "grams": "gf"}
 # "1e-3m" and "33 mm": what follows the number must not begin like one.
 _WITH_FACTOR = re.compile(
     r"(?P<factor>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)?\s*(?P<unit>[^\d\s.+-].*)?"
@@ -74,6 +76,11 @@ class Unit:
 def is_unit(text: str, quantity: Quantity) -> bool:
     """Return whether `text` is a unit of `quantity`, with no factor before it."""
     return _known(_plain(text), quantity) is not None
+
+
+def is_weight(text: str, quantity: Quantity) -> bool:
+    """Return whether a header's `text` is a mass that is written for its weight, such as g."""
+    return quantity == "force" and text.casefold() in _WEIGHTS and text.casefold() != "mn"
 
 
 def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
@@ -112,9 +119,11 @@ def choose_unit(
             f"{where}: no unit of {quantity}: pass --map {_map(quantity, column, 'UNIT')}, UNIT "
             f"one of {', '.join(_FACTORS[quantity])}"
         )
-    to_si = factor_to_si(text, quantity, where)
     if origin == "map":
         _check_agreement(found, quantity, where, column)
+    elif is_weight(text, quantity):
+        text = _WEIGHTS[text.casefold()]
+    to_si = factor_to_si(text, quantity, where)
     unit = _plain(text)
     symbol = _known(unit, quantity)
     return Unit(text if symbol in (None, unit) else str(symbol), to_si, origin, column)

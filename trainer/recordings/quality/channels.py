@@ -100,9 +100,11 @@ def _ratios(recording: Recording) -> Iterator[Finding]:
         (stiffness_npm, _STIFFNESS_NPM, "N/m of stiffness", "position or force"),
     ):
         if not low <= value <= high:
+            stored = recording.details.get("units", {})
+            stated = all(stored.get(one, {}).get("from") == "map" for one in units.split(" or "))
             yield warning(
                 "unit", recording.name, f"{value:.4g} {what}", f"the unit of {units} looks wrong",
-                "check it against the rig, and state it on import (--map)",
+                "check it against the rig" + ("" if stated else ", and state it on import (--map)"),
             )  # fmt: skip
 
 

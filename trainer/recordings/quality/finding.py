@@ -19,7 +19,12 @@ class Finding:
 
     @property
     def line(self) -> str:
-        return f"{self.severity}: {self.where}: {self.what}: {self.so_what}; {self.to_do}"
+        return f"{self.severity}: {self.text}"
+
+    @property
+    def text(self) -> str:
+        """The line without its severity."""
+        return f"{self.where}: {self.what}: {self.so_what}; {self.to_do}"
 
     def metadata(self) -> dict[str, str]:
         return asdict(self) | {"line": self.line}

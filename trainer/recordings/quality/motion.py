@@ -15,6 +15,8 @@ _STROKE = 0.1  # of the travel: smaller strokes are noise, or nothing to learn f
 _MAX_SAMPLES = 20_000
 _SAME_SPEED = 1.3
 _PRELOAD = 0.05  # of the peak force, at the lowest position
+_LOWEST = 0.005  # of the travel: where a motion seldom comes, the force there is the least
+_NEAR, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
 _SURFACE_OFF = 0.05  # of the travel
 
 
@@ -29,7 +31,7 @@ def find_strokes(recording: Recording) -> list[tuple[int, int, float]]:
     if min_m == 0.0:
         return []
     found = []
-    for begin, end in pairwise(_turning_points(position_m, min_m)):
+    for begin, end in pairwise(turning_points(position_m, min_m)):
         part = position_m[begin : end + 1]
         begin_m, way_m = float(part[0]), float(part[-1] - part[0])
         low_m, high_m = sorted((begin_m + 0.1 * way_m, begin_m + 0.9 * way_m))
@@ -39,7 +41,7 @@ def find_strokes(recording: Recording) -> list[tuple[int, int, float]]:
     return found
 
 
-def _turning_points(position_m: Samples, min_m: float) -> list[int]:
+def turning_points(position_m: Samples, min_m: float) -> list[int]:
     """Indices at which the motion turns round by at least `min_m`, with both ends."""
     turns, best, rising = [0], 0, None
     for k, value in enumerate(position_m.tolist()):
@@ -78,12 +80,20 @@ def contact_findings(recording: Recording) -> Iterator[Finding]:
     """Yield a finding where position 0 should be the surface and is not."""
     if recording.zero != "none" or np.ptp(recording.force_n) == 0.0:
         return
-    low = recording.position_m <= np.quantile(recording.position_m, 0.02)
+    lowest_m = float(recording.position_m.min()) + _LOWEST * float(np.ptp(recording.position_m))
+    low = recording.position_m <= lowest_m
     rest_n, peak_n = float(np.median(recording.force_n[low])), float(recording.force_n.max())
     try:
         contact = find_contact(recording)
     except DataError:
-        if abs(rest_n) > _PRELOAD * peak_n:
+        if _pulls_too(recording, rest_n):
+            yield warning(
+                "contact", recording.name,
+                f"is pulled too, {rest_n:.3g} N at its lowest position",
+                "the model pulls there as well, and has no surface",
+                "leave --zero out: force is 0 where position is",
+            )  # fmt: skip
+        elif abs(rest_n) > _PRELOAD * peak_n:
             yield warning(
                 "contact", recording.name,
                 f"never leaves the object, {rest_n:.3g} N at its lowest position",
@@ -104,6 +114,17 @@ def contact_findings(recording: Recording) -> Iterator[Finding]:
             "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
             "the model would push where nothing is touched", "import with --tare auto",
         )  # fmt: skip
+
+
+def _pulls_too(recording: Recording, rest_n: float) -> bool:
+    """Whether an object is pulled below position 0 and pressed above it."""
+    position_m, force_n = recording.position_m, recording.force_n
+    near = np.abs(position_m) <= _NEAR * float(np.ptp(position_m))
+    if not near.any() or position_m.min() >= 0.0 or rest_n >= 0.0:
+        return False
+    peak_n = float(force_n.max())
+    at_zero_n = float(np.median(force_n[near]))
+    return -rest_n > _PULLED * peak_n and abs(at_zero_n) < _PULLED * (peak_n - rest_n)
 
 
 def _where(recordings: Sequence[Recording]) -> str:

@@ -41,7 +41,11 @@ def find_noise_floor(recordings: Sequence[Recording]) -> NoiseFloor:
 def noise_floor(
     repeats: Sequence[Repeats], cycles: Sequence[Cycles | None], recordings: Sequence[Recording]
 ) -> NoiseFloor:
-    """From repeated presses; else from cycles within recordings; else from the force's noise."""
+    """From repeated presses; else from cycles within recordings; else from the force's noise.
+
+    By what repeats of one session differ is no noise: the object remembers what came before.
+    """
+    repeats = [group for group in repeats if not _remembered(group, recordings)]
     if repeats:
         counts = [len(group.names) for group in repeats]
         least, most = min(counts), max(counts)
@@ -60,6 +64,16 @@ def noise_floor(
     if rms_n <= _NO_NOISE * peak_n:
         return NoiseFloor(None, None, "no press is repeated, and the force shows no noise")
     return NoiseFloor(rms_n, "sensor", "from the sensor's noise: lower than repeats would show")
+
+
+def _remembered(group: Repeats, recordings: Sequence[Recording]) -> bool:
+    """Whether its presses follow each other at known times, on one object."""
+    sessions = {
+        each.session if each.start_s is not None else ""
+        for each in recordings
+        if each.name in group.names
+    }
+    return len(sessions) == 1 and "" not in sessions
 
 
 def sensor_noise_n(force_n: Samples) -> float:

@@ -33,7 +33,9 @@ from springpot.trainer.recordings.quality.signs import (
     sign_findings,
     signs_of_all,
 )
+from springpot.trainer.recordings.quality.snap import snap_findings
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.spikes import hold_spikes
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +51,10 @@ class QualityReport:
     signs: Sequence[Signs]
     repeats: Sequence[Repeats]
     skew: Skew | None
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(dict.fromkeys(finding.kind for finding in self.findings)) or "none"
+        return f"QualityReport({len(self.checked)} recordings, findings: {kinds})"
 
     @cached_property
     def recordings(self) -> list[dict[str, Any]]:
@@ -103,19 +109,29 @@ class QualityReport:
         refusals = [finding for finding in self.findings if finding.severity == "refusal"]
         if refusals:
             more = f" ({len(refusals) - 1} more)" if len(refusals) > 1 else ""
-            raise DataError(refusals[0].line.removeprefix("refusal: ") + more)
+            raise DataError(refusals[0].text + more)
 
 
 def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
     """Check each recording by itself, and all together: speeds, repeats, alignment."""
     findings: list[Finding] = []
+    whole, recordings = recordings, []
+    for recording in whole:  # what follows is judged without spikes, as a fit does
+        held, spikes = hold_spikes(recording)
+        recordings.append(held)
+        findings += spikes
     cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
     signs = [find_signs(recording) for recording in recordings]
     for recording, own_cycles, own_signs in zip(recordings, cycles, signs, strict=True):
-        findings += channel_findings(recording)
-        findings += sign_findings(recording, own_signs)
-        findings += contact_findings(recording)
+        of_channels = list(channel_findings(recording))
+        of_signs = list(sign_findings(recording, own_signs))
+        findings += of_channels + of_signs
+        # One cause, one line: a turned sign moves the contact.
+        if not any(finding.severity == "refusal" for finding in of_signs):
+            findings += contact_findings(recording)
         findings += filter_findings(recording, own_cycles)
+    refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
+    findings += [] if refused else snap_findings(recordings)
     findings += speed_findings(recordings)
     repeats = find_repeats(recordings)
     findings += repeat_findings(repeats)

@@ -1,14 +1,19 @@
 """Evidence of a recording's signs: where force is large, where it is stiff, what loops cost."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 
 _END = 0.05  # of the travel: the force at an end is the median there
+_LEVEL = 0.05  # of the travel: at the greatest force all along
 _MIN_SAMPLES = 8  # of a slope
 _ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
+_NOISES = 3.0  # standard deviations
+_DELAY = 0.5  # of a sample: channels that are read one after the other
 _LEVELS = (0.3, 0.5, 0.7)  # of the travel: where loops may be cut
 
 
@@ -31,7 +36,15 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
 
 
 def deeper_by_slope(x: Samples, f: Samples) -> int:
-    """Vote for the stiffer third of the travel, as in `deeper_by_force`."""
+    """Vote for the stiffer third of the travel, as in `deeper_by_force`.
+
+    A level that a sensor's limit or free air makes is no slope of the object.
+    """
+    level = f == f.max()
+    if np.ptp(x[level]) > _LEVEL * np.ptp(x):
+        x, f = x[~level], f[~level]
+    if not len(x):
+        return 0
     low_m, third_m = float(x.min()), float(np.ptp(x)) / 3
     low = _slope(x, f, x <= low_m + third_m)
     high = _slope(x, f, x >= low_m + 2 * third_m)
@@ -54,37 +67,63 @@ def _slope(x: Samples, f: Samples, part: NDArray[np.bool_]) -> float | None:
     return float(off @ f[part]) / spread
 
 
-def dissipation_j(x: Samples, f: Samples) -> tuple[float, int]:
-    """Energy that a tool put in over whole loops, and how many loops: 0 where none closes."""
-    best: tuple[float, int] = (0.0, 0)
+@dataclass(frozen=True)
+class Dissipation:
+    """Energy that a tool put in over whole loops, and how many; 0 where none closes.
+
+    doubt_j: what the force's noise, its drift and half a sample of delay may add or take.
+    """
+
+    energy_j: float = 0.0
+    loops: int = 0
+    doubt_j: float = 0.0
+
+
+def dissipation(x: Samples, f: Samples) -> Dissipation:
+    """Over as many loops as some level of the travel closes."""
+    best = Dissipation()
     for level in _LEVELS:
         level_m = float(x.min()) + level * float(np.ptp(x))
         rises = np.flatnonzero((x[:-1] < level_m) & (x[1:] >= level_m))
         rises = (
             rises[np.concatenate(([True], np.diff(rises) > _MIN_SAMPLES))] if len(rises) else rises
         )
-        if len(rises) - 1 > best[1]:
-            best = _work(x, f, int(rises[0]), int(rises[-1]) + 1), len(rises) - 1
-    return best if best[1] else _one_press(x, f)
+        if len(rises) - 1 > best.loops:
+            best = _over(x, f, int(rises[0]), int(rises[-1]) + 1, len(rises) - 1)
+    return best if best.loops else _one_press(x, f)
 
 
-def _one_press(x: Samples, f: Samples) -> tuple[float, int]:
+def _one_press(x: Samples, f: Samples) -> Dissipation:
     """Energy of the way in and out again, or out and in, beyond a level above both ends."""
     span, ends = float(np.ptp(x)), x[[0, -1]]
     inwards = float(ends.max()) + _END * span < float(x.min()) + 0.5 * span
     outwards = float(ends.min()) - _END * span > float(x.min()) + 0.5 * span
     if not (inwards or outwards):
-        return 0.0, 0
+        return Dissipation()
     level_m = ends.max() + _END * span if inwards else ends.min() - _END * span
     beyond = np.flatnonzero(x > level_m if inwards else x < level_m)
-    return _work(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1), 1
+    return _over(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1, 1)
 
 
-def _work(x: Samples, f: Samples, begin: int, end: int) -> float:
-    """Work along the path, J, force counted from its first value.
+def _over(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipation:
+    """Work along the path, force counted from its first value.
 
-    So the small gap that is left at the end of a loop hardly matters.
+    So the small gap that is left at the end of a loop hardly matters. Drift g that grows evenly
+    adds the integral of g t/T dx = g (x(T) - mean of x), where more than one loop shows it; a delay
+    d adds d times the integral of x' f' dt; noise of deviation s in each sample adds s times the
+    root of the summed squares of the way that a sample stands for.
     """
-    steps = np.diff(x[begin : end + 1])
-    means = 0.5 * (f[begin:end] + f[begin + 1 : end + 1])
-    return float(steps @ (means - f[begin]))
+    x, f = x[begin : end + 1], f[begin : end + 1]
+    steps, rises = np.diff(x), np.diff(f)
+    means = 0.5 * (f[:-1] + f[1:])
+    ways = 0.5 * np.append(steps, 0.0) + 0.5 * np.insert(steps, 0, 0.0)
+    noise_j = _NOISES * noise_n(f) * float(np.sqrt(ways @ ways))
+    drift_j = abs(float((f[-1] - f[0]) * (x[-1] - x.mean()))) if loops > 1 else 0.0
+    delay_j = _DELAY * abs(float(steps @ rises))
+    return Dissipation(float(steps @ (means - f[0])), loops, noise_j + drift_j + delay_j)
+
+
+def noise_n(f: Samples) -> float:
+    """Standard deviation of what differs from sample to sample, by the median of second steps."""
+    second = np.diff(f, 2)
+    return 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6.0) if len(second) else 0.0

@@ -19,9 +19,10 @@ from springpot.trainer.recordings.quality.sign_evidence import (
     correlation,
     deeper_by_force,
     deeper_by_slope,
-    dissipation_j,
+    dissipation,
 )
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.spikes import hold_spikes
 
 _ENERGY = 0.01  # of travel times range of force: less is the sensors' alignment
 _WRONG_SIGN = -0.5  # correlation of the channels
@@ -36,7 +37,8 @@ class Signs:
     by_force: whether the force alone says so, and not only the slope.
     softens: whether the slope falls with depth, with the signs above.
     dissipated_j: over `loops` closed loops, as recorded; None without a loop.
-    energy: dissipated_j of a loop over travel and range of force; correlation: of the channels.
+    energy: dissipated_j of a loop over travel and range of force, give or take energy_doubt.
+    correlation: of the channels.
     """
 
     position_sign: int
@@ -47,6 +49,7 @@ class Signs:
     dissipated_j: float | None
     loops: int
     energy: float
+    energy_doubt: float
     correlation: float
 
     @property
@@ -55,7 +58,7 @@ class Signs:
 
     @property
     def gives_energy(self) -> bool:
-        return self.energy < -_ENERGY
+        return self.energy + self.energy_doubt < -_ENERGY
 
     @property
     def words(self) -> str:
@@ -88,13 +91,13 @@ def find_signs(recording: Recording) -> Signs:
     x = recording.position_m
     raw_n = recording.force_n + float(recording.details.get("zero_force_n", 0.0))
     together = correlation(x, raw_n)
-    dissipated_j, loops = dissipation_j(x, raw_n)
-    size_j = float(np.ptp(x)) * float(np.ptp(raw_n))
-    energy = dissipated_j / loops / size_j if loops and size_j else 0.0
+    lost = dissipation(x, raw_n)
+    size_j = max(lost.loops, 1) * float(np.ptp(x)) * float(np.ptp(raw_n))
+    energy, doubt = (j / size_j if size_j else 0.0 for j in (lost.energy_j, lost.doubt_j))
     # A lead of more than a quarter turn is no material's: one of the signs is wrong.
     relative = -1 if together < 0.0 else 1
     force_vote, shape_vote = deeper_by_force(x, raw_n), deeper_by_slope(x, raw_n)
-    if not loops and shape_vote * (x[-1] - x[0]) < 0.0:
+    if not lost.loops and shape_vote * (x[-1] - x[0]) < 0.0:
         shape_vote = 0  # without a way back the object relaxes along the stroke: its slope falls
     evidence = force_vote + shape_vote
     inwards = -1 if evidence < 0 else 1  # the end of deeper positions
@@ -104,9 +107,10 @@ def find_signs(recording: Recording) -> Signs:
         evidence=abs(evidence),
         by_force=force_vote * inwards > 0,
         softens=shape_vote * inwards < 0,
-        dissipated_j=dissipated_j if loops else None,
-        loops=loops,
+        dissipated_j=lost.energy_j if lost.loops else None,
+        loops=lost.loops,
         energy=energy,
+        energy_doubt=doubt,
         correlation=together,
     )
 
@@ -126,7 +130,18 @@ def signs_of_all(all_signs: Sequence[Signs]) -> Signs:
 
 
 def sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
-    """Yield what has to be turned round, or is no object."""
+    """Yield what has to be turned round, or is no object; a warning where it was accepted."""
+    for finding in _sign_findings(recording, signs):
+        if finding.severity == "warning":
+            yield finding
+        elif recording.signs_accepted:
+            taken = "taken as it is, as import was told (--accept-signs)"
+            yield replace(finding, severity="warning", to_do=taken)
+        else:
+            yield replace(finding, so_what=f"{finding.so_what} (--accept-signs takes it so)")
+
+
+def _sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
     opposite = signs.position_sign != signs.force_sign
     if opposite and (signs.correlation < _WRONG_SIGN or signs.gives_energy):
         yield refusal(
@@ -138,8 +153,8 @@ def sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
         yield warning(
             "sign", recording.name,
             f"force rather falls as position rises (correlation {signs.correlation:.2f})",
-            "this is the force of a mass or of a late sensor, not of an object",
-            "remove the mass (--mass-kg) or the delays (--align)",
+            "this is the force of a mass, of a late sensor or of something that gives way",
+            "remove the mass (--mass-kg) or the delays (--align), or press what does not give way",
         )  # fmt: skip
     elif signs.gives_energy:
         yield refusal(
@@ -166,9 +181,9 @@ def sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
 def require_signs(recordings: Sequence[Recording]) -> None:
     """Raise DataError for the first recording with signs that no object has."""
     for recording in recordings:
-        for finding in sign_findings(recording, find_signs(recording)):
+        for finding in sign_findings(recording, find_signs(hold_spikes(recording)[0])):
             if finding.severity == "refusal":
-                raise DataError(finding.line.removeprefix("refusal: "))
+                raise DataError(finding.text)
 
 
 def _remedy(recording: Recording, signs: Signs) -> str:

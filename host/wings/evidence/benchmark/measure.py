@@ -24,10 +24,11 @@ from springpot.native import (
     machine_metadata,
     measure_footprint,
     missing_tools,
-    replayed_accuracy,
+    replayed,
     toolchain,
     written,
 )
+from springpot.validation import accuracy, slope_errors, slope_keys
 
 if TYPE_CHECKING:
     from springpot import Fit
@@ -155,10 +156,15 @@ def _measured(job: Job, model: Model) -> dict[str, Any]:
 
 
 def prediction_errors(
-    plan: Plan, library: SceneLibrary, recordings: tuple[Recording, ...]
+    plan: Plan,
+    library: SceneLibrary,
+    recordings: tuple[Recording, ...],
+    before: tuple[Recording, ...] = (),
 ) -> dict[str, Any]:
-    """Return error of the C on recordings, each from a fresh state."""
-    found = replayed_accuracy(Replay(library), recordings)
+    """Return error of the C on recordings; those of one session after the ones `before`."""
+    forces_n, ramps = replayed(plan, Replay(library), [*before, *recordings])
+    forces_n, ramps = forces_n[len(before) :], ramps[len(before) :]
+    found = accuracy([recording.force_n for recording in recordings], forces_n, ramps)
     return {
         "rmse_n": found.rmse_n,
         "rmse_percent_of_peak": found.rmse_percent_of_peak,
@@ -168,6 +174,7 @@ def prediction_errors(
         "max_abs_error_n": found.max_abs_error_n,
         "ape_below_jnd": found.ape_below_jnd,
         "error_per_jnd": found.error_per_jnd,
+        **slope_keys(slope_errors(recordings, forces_n, ramps)),
     }
 
 

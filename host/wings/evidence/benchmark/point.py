@@ -54,7 +54,7 @@ class Point(Isolated, Sizes):
     options: those that are not the default's. cv_rmse_n: cross-validated on the training
     recordings; rmse_n to ape_below_jnd: of the C on the validation recordings. tick_ns_hot: median
     in a tight loop. cells: of the small-signal map; active ones are not passive.
-    n_nodes to basis: size of the model, those that its kind has.
+    n_nodes to law: size of the model, those that its kind has.
     """
 
     key: str
@@ -90,11 +90,14 @@ class Point(Isolated, Sizes):
     point_cpu_s: float
     worker: str
     error_per_jnd: float | None = None
+    slope_error_median_percent: float | None = None
+    slope_error_p95_percent: float | None = None
+    slope_floor_percent: float | None = None
     n_nodes: int | None = None
     n_centers: int | None = None
     n_parameters: int | None = None
     pairs: Any = None
-    basis: Any = None
+    law: str | None = None
     pareto: bool = False
 
     @classmethod
@@ -126,7 +129,7 @@ class Refused:
         return dict(vars(self))
 
 
-MODEL_SIZES = ("n_nodes", "n_centers", "n_parameters", "pairs", "basis")
+MODEL_SIZES = ("n_nodes", "n_centers", "n_parameters", "pairs", "law")
 _LATER = ("pareto", *(field.name for field in fields(Isolated)))
 
 

@@ -22,7 +22,8 @@ PAPER_RATES_HZ = {"rf-fd": 788.3, "rbf-fd": 990.3, "rbf-pv": 1982.6}  # table 3,
 DEPTH_TOLERANCE = 0.05
 MIN_BELOW_JND = 0.99
 SIMILAR_RATIO = 1.25  # maximum ratio of two errors that are "very similar"
-_LOW_ORDER, _HALF = 0.4, 0.5
+_HALF = 0.5
+_TIED = 1.05  # times a tick: what is nearer is not told apart
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,6 @@ def check_claims(results: Sequence[ObjectResult], sampled: Resampled) -> list[Cl
         _percentage_errors(results),
         _percentage_order(results),
         *_modelling(results),
-        *_importances(results),
         _rates(results),
         _resampling(sampled),
         *_sampling(),
@@ -140,41 +140,22 @@ def _modelling(results: Sequence[ObjectResult]) -> list[Claim]:
     ]
 
 
-def _importances(results: Sequence[ObjectResult]) -> list[Claim]:
-    middle, low = [], []
-    for result in results:
-        fit = result.models["rf-fd"].fit
-        orders = np.array(fit.model.features.orders)  # type: ignore[union-attr]
-        shares = np.array(fit.metadata["importance"])
-        middle.append(float(orders @ shares))
-        low.append(float(shares[orders <= _LOW_ORDER].sum()))
-    claims = [
-        Claim(
-            "orders of high importance in rf-fd are below 0.4",
-            "fig. 11, section V",
-            f"share of the importance at or below 0.4: {each_object(results, low)}",
-            min(low) > 0.5,
-        )
-    ]
-    if len(results) > 1:
-        text = "importances shift to higher orders for softer objects"
-        falls = bool(np.all(np.diff(middle) <= 0.0))
-        here = f"mean order, softest first: {each_object(results, middle, 3)}"
-        claims.append(Claim(text, "fig. 11", here, falls))
-    return claims
-
-
 def _rates(results: Sequence[ObjectResult]) -> Claim:
     ticks = {
         kind: float(np.mean([r.models[kind].validation.ticks.hot_median for r in results]))
         for kind in PAPER_KINDS
     }
     here = ", ".join(f"{kind} {1e9 / tick:.3g} Hz" for kind, tick in ticks.items())
+    pairs = (("rf-fd", "rbf-fd"), ("rbf-fd", "rbf-pv"))
+    ratios = [ticks[slower] / ticks[faster] for slower, faster in pairs]
+    holds: bool | None = all(ratio > 1.0 for ratio in ratios)
+    if min(ratios) > 1.0 / _TIED and not all(ratio > _TIED for ratio in ratios):
+        here, holds = f"{here}: two are within 5 %, which a busy machine decides", None
     return Claim(
         "update rates: rf-fd below rbf-fd below rbf-pv",
         "788, 990, 1983 Hz (table 3)",
         f"{here} (hot ticks, one thread)",
-        ticks["rf-fd"] > ticks["rbf-fd"] > ticks["rbf-pv"],
+        holds,
     )
 
 

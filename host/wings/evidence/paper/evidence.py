@@ -12,6 +12,7 @@ from springpot.basics import write_file
 from springpot.console import say
 from springpot.host.wings.evidence.paper.claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, check_claims
 from springpot.host.wings.evidence.paper.figures import error_figures, typical_recording
+from springpot.host.wings.evidence.paper.order_claims import check_orders
 from springpot.host.wings.evidence.paper.reproduce import (
     PAPER_KINDS,
     ObjectRecordings,
@@ -78,7 +79,8 @@ def run_reproduce(
     say("figures ...")
     figures = error_figures(results, out, origin) + signal_figures(results, sampled, out, origin)
     figures += rows_figure(shares, out, origin)
-    claims = check_claims(results, sampled) + check_unshown(results, shares)
+    claims = check_claims(results, sampled) + check_orders(results)
+    claims += check_unshown(results, shares)
     result = {
         "data": origin,
         "tables": tables(results),

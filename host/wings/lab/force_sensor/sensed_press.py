@@ -50,6 +50,7 @@ class SensedPressDevice(PressedDevice):
 
     sensed = True
     room = 1.6  # over an object that stiffens under a fast press
+    max_mps = 0.35  # the observer's damper holds it back
 
     def __init__(
         self,

@@ -30,7 +30,7 @@ def fit_springpot(
 ) -> Fit:
     """Fit the law's numbers by least squares; intervals by leaving out each recording in turn."""
     begin = time.perf_counter()
-    rows = data.many_rows() if options.fraction is None else data.rows(options.fraction, 0)
+    rows = data.even_rows() if options.fraction is None else data.rows(options.fraction, 0)
     moments = law_moments(data, rows)
     everything = np.ones(len(moments.products), dtype=bool)
     simple = _best(moments, everything, zener=False)
@@ -55,18 +55,16 @@ def to_hammerstein(solid: Solid, branches: Branches, data: TrainingSet) -> Hamme
     """Return the same law as a spring and Maxwell branches: passive, and rendered by the same C."""
     weights, slow = branches.weights(solid.order, solid.time_s)
     span_m = data.trained.max_m - data.trained.min_m
-    branch = np.zeros((len(weights), 3))
-    branch[:, 0] = solid.weight * weights * span_m
-    kept = branch[:, 0] > 0.0
+    branch_n = (solid.weight * weights * span_m)[:, None]
+    kept = branch_n[:, 0] > 0.0
     return Hammerstein(
-        basis="powers",
         origin_m=data.trained.min_m,
         span_m=span_m,
-        elastic_n=np.array([(solid.stiffness_npm + solid.weight * slow) * span_m, 0.0, 0.0]),
+        elastic_n=np.array([(solid.stiffness_npm + solid.weight * slow) * span_m]),
         tau_s=branches.tau_s[kept],
-        branch_n=branch[kept],
+        branch_n=branch_n[kept],
         radius_m=np.empty(0),
-        stop_n=np.empty((0, 3)),
+        stop_n=np.empty((0, 1)),
         bias_n=solid.bias_n,
     )
 

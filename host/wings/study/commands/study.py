@@ -110,7 +110,9 @@ def run_study(study: Path, participant: str, url: str | None, as_json: bool) -> 
     ):
         say(f"participant's screen: {screen.address}")
         say(f"keys here: {KEYS}")
-        presenter = DevicePresenter(folder, apparatus, screen, Experimenter(keys))
+        reset = (lambda: None) if apparatus is None else apparatus.runner.reset
+        experimenter = Experimenter(keys, reset=reset)
+        presenter = DevicePresenter(folder, apparatus, screen, experimenter)
         try:
             presenter.welcome(session)
             conduct(folder, participant, session, presenter, counts)

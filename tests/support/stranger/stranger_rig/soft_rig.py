@@ -4,18 +4,20 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot import DataError
+from springpot import DataError, UsageError
 from springpot.modelling import FileFormat, FileRequest, RawChannels
 
 
 def read_soft_rig(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-    """Read one recording. Raises DataError for a row that is not two numbers."""
+    """Read one recording. Raises DataError for a damaged file, UsageError for columns."""
+    if request.columns:
+        raise UsageError(f"{path}: a soft rig has one order of columns: leave --map out")
     with path.open(encoding="utf-8") as file:
-        rate_hz = float(file.readline().split()[1])
         try:
+            rate_hz = float(file.readline().split()[1])
             position_mm, force_n = np.loadtxt(file, ndmin=2).T
-        except ValueError as error:
-            raise DataError(f"{path}: {error}: give two numbers a row") from None
+        except (ValueError, IndexError) as error:
+            raise DataError(f"{path}: {error}: give a rate, then two numbers a row") from None
     raw = RawChannels(
         name=path.stem,
         time_s=np.arange(len(force_n)) / rate_hz,

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from springpot import UsageError
 from springpot.devices import Address, DeviceRequirements, Driver, VirtualDevice
 from springpot.native import CLibrary
 
@@ -11,9 +12,12 @@ class StillDevice(VirtualDevice):
     """A tool that stays at one depth."""
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
-        """Take the depth of the URL, mm. Raises UsageError for a setting."""
+        """Take the depth of the URL, mm. Raises UsageError for no number and for a setting."""
         address.require_known(())
-        self._depth_m = 1e-3 * float(address.place)
+        try:
+            self._depth_m = 1e-3 * float(address.place)
+        except ValueError:
+            raise UsageError(f"{address.url}: give a depth in mm, such as still://3") from None
         self._memory: Any = None
 
     def link(self, library: CLibrary) -> Any:

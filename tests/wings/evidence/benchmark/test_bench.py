@@ -96,10 +96,6 @@ def test_instructions_are_those_of_the_emulated_tick() -> None:
         assert bound.tick / 2.2 < item["instructions"] <= bound.tick
 
 
-def test_no_board_no_count() -> None:
-    assert "no emulated board" in missing_for("host")
-
-
 def test_fits_that_share_are_the_fits_by_themselves() -> None:
     data = training_set(training(), FitOptions().smooth_s)
     for kind in ("hammerstein", "rbf-fd", "rbf-fd", "rf-fd", "hybrid"):

@@ -9,7 +9,6 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
-from distributed import Client
 from support.bench_folder import write_training
 from support.in_process import spring
 
@@ -38,6 +37,8 @@ def wait_for(file: Path) -> None:
 
 @pytest.mark.slow
 def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
+    from distributed import Client  # slow to load, and this test alone needs it
+
     recordings = str(write_training(tmp_path / "training"))
     known = tmp_path / "scheduler.json"
     with ExitStack() as stack:

@@ -12,6 +12,7 @@ from support.paths import BENCH
 sys.path.append(str(BENCH))  # as where the script is run
 SCRIPT = runpy.run_path(str(BENCH / "results.py"))
 TABLE = runpy.run_path(str(BENCH / "judges_table.py"))
+FRONT = runpy.run_path(str(BENCH / "front_page.py"))
 
 
 def stored() -> list[dict[str, Any]]:
@@ -22,22 +23,25 @@ def stored() -> list[dict[str, Any]]:
 def cell(name: str, structure: str, chosen: str, **percents: float | str) -> dict[str, Any]:
     """A cell of errors; a text instead of one is a failure."""
     models = {
-        kind: {"failed": found} if isinstance(found, str) else {"percent": found, "tick_ns": 20.0}
+        kind.replace("_", "-"): {"failed": found}
+        if isinstance(found, str)
+        else {"percent": found, "tick_ns": 20.0}
         for kind, found in percents.items()
     }
     models["auto"] = {**models[chosen], "chosen": chosen}
-    return {"object": name, "structure": structure, "floor_percent": 0.2, "models": models}
+    return {"object": name, "structure": structure, "floor_percent": 0.2,
+            "spring_dashpot_percent": 5.0, "models": models}  # fmt: skip
 
 
-JUDGES = {
+JUDGES: dict[str, Any] = {
     "machine": "a machine",
     "compiler": "gcc",
-    "candidates": ["hammerstein", "forest", "auto"],
+    "candidates": ["hammerstein", "rf-fd", "auto"],
     "cells": [
-        cell("ecoflex-00-30", "paper", "hammerstein", hammerstein=0.5, forest=2.0),
-        cell("mullins", "one-speed", "forest", hammerstein=1.0, forest=4.0),
-        cell("mullins", "preload", "hammerstein", hammerstein=3.0, forest="ValueError: no rows"),
-        cell("mach1", "2Hz", "forest", hammerstein=2.0, forest=1.0),
+        cell("ecoflex-00-30", "paper", "hammerstein", hammerstein=0.5, rf_fd=2.0),
+        cell("mullins", "one-speed", "rf-fd", hammerstein=1.0, rf_fd=4.0),
+        cell("mullins", "preload", "hammerstein", hammerstein=3.0, rf_fd="ValueError: no rows"),
+        cell("mach1", "2Hz", "rf-fd", hammerstein=2.0, rf_fd=1.0),
     ],
 }
 
@@ -45,7 +49,8 @@ JUDGES = {
 def test_the_pages_are_written_from_the_benchmark() -> None:
     for path, text in SCRIPT["pages"](stored(), SCRIPT["stored_judges"]()).items():
         if path.suffix == ".svg":  # its curves are the library's of drawing, in its version
-            assert re.findall("<title>.*", path.read_text()) == re.findall("<title>.*", text)
+            shown = "<!-- .* % -->|<title>.*"  # the words of a text are a comment beside its curves
+            assert re.findall(shown, path.read_text()) == re.findall(shown, text)
         else:
             assert path.read_text() == text, f"{path}: run python tests/bench/results.py"
 
@@ -57,7 +62,13 @@ def test_a_changed_figure_shows() -> None:
     front[0]["tick_ns_hot"] *= 3.0
     page = SCRIPT["ROOT"] / "docs" / "explanation" / "results.md"
     assert SCRIPT["pages"](changed, None)[page] != SCRIPT["pages"](stored(), None)[page]
-    assert "in 2 s" in SCRIPT["readme_results"](stored()[0] | {"cpu_s": 2.0})
+    readme = SCRIPT["ROOT"] / "README.md"
+    judges = SCRIPT["stored_judges"]()
+    judges["cells"][0]["spring_dashpot_percent"] *= 2.0
+    assert FRONT["bars_figure"](judges) != FRONT["bars_figure"](SCRIPT["stored_judges"]())
+    for result in changed:
+        result["points"] = [p | {"ram_bytes": 7} for p in result["points"]]
+    assert "7 bytes of its RAM" in SCRIPT["pages"](changed, SCRIPT["stored_judges"]())[readme]
 
 
 def test_judges_that_are_no_kin_come_first_and_failures_are_told() -> None:
@@ -66,21 +77,26 @@ def test_judges_that_are_no_kin_come_first_and_failures_are_told() -> None:
     titles = [line for line in page.splitlines() if line.startswith("### ")]
     assert titles == [f"### {title}" for title, _ in TABLE["GROUPS"]]
     tick = "<br>20&nbsp;ns"
-    row = f"| 0.2 | **1**{tick} | 4{tick} | 4{tick} | forest | 4.00 |"
+    row = f"| 0.2 | **1**{tick} | 4{tick} | 4{tick} | rf-fd | 4.00 |"
     assert f"| mullins | one-speed {row}" in page
-    assert "- mullins, preload, forest: ValueError: no rows" in page
+    assert "- mullins, preload, rf-fd: ValueError: no rows" in page
     # Of all four cells auto takes the best but once: the fourth root of 4.
     assert "| all: 4 | 1.41 | 4.00 | mullins, one-speed |" in page
 
 
-def test_an_object_s_row_is_the_geometric_mean_of_its_recordings() -> None:
-    rows = TABLE["judges_summary"](JUDGES).splitlines()
-    names = [row.split(" | ")[0].removeprefix("| ") for row in rows if row.startswith("| ")]
-    assert [name for name in names if not name.startswith("*")][1:] == [
-        "---", "mach1", "mullins", "ecoflex-00-30",
-    ]  # fmt: skip
-    row = next(row for row in rows if row.startswith("| mullins"))
-    assert row == "| mullins | 2 | 0.2 | 1.73 | failed | 3.46 | 4.00 |"
+def test_the_readme_s_bars_are_geometric_means_over_the_recordings() -> None:
+    (_, one, real), (_, two, foreign) = FRONT["bars"](JUDGES)
+    assert (one, two) == (1, 2)
+    assert list(real.values()) == pytest.approx([1.0, 1.0, 5.0, 0.2])  # auto took the forest
+    errors = {"springpot": (4.0 * 3.0) ** 0.5, "a spring and a dashpot": 5.0}
+    assert {name: foreign[name] for name in errors} == pytest.approx(errors)
+    assert foreign["the paper's random forest"] == float("inf")  # it failed once
+    machines = [each for each in stored() if each["name"].startswith("Mach-1")]
+    said = FRONT["sentence"](machines, SCRIPT["stored_judges"]())
+    point = next(
+        p for p in machines[0]["points"] if p["model"] == "hammerstein" and not p["options"]
+    )
+    assert f"{point['ram_bytes']} bytes of its RAM" in said
 
 
 def test_benchmarks_of_hammerstein_s_own_class_come_last() -> None:

@@ -1,7 +1,6 @@
 """Sizes on the target: without its compiler they are null and say why; they are added later."""
 
 import json
-import os
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -153,12 +152,6 @@ def test_a_size_that_is_not_known_neither_wins_nor_loses() -> None:
     assert pick(points, board, 1000.0, lambda found: found) is slow
     assert "1 above 262144 bytes of flash" in why(slow, points, board, 1000.0)
     assert why(slow, points, board, 1000.0).endswith(f"({REMEDY}), and did not decide")
-
-
-def test_the_tools_of_these_tests_are_what_they_say(tmp_path: Path) -> None:
-    for folder in (Path(item) for item in path_without(tmp_path / "bin").split(os.pathsep)):
-        assert not list(folder.glob("arm-none-eabi-*"))
-    assert (Path(path_with(tmp_path / "with").split(os.pathsep)[0]) / "arm-none-eabi-gcc").exists()
 
 
 def test_a_machine_without_clang_says_what_to_install(

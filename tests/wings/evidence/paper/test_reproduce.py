@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from unittest import mock
 
 import pytest
 from click.testing import CliRunner
@@ -11,8 +12,10 @@ from support import small
 
 from springpot.codegen.errors import UsageError
 from springpot.host.wings.evidence.commands.reproduce import reproduce, rows
+from springpot.host.wings.evidence.paper import order_claims
 from springpot.host.wings.evidence.paper.claims import Claim, check_claims
 from springpot.host.wings.evidence.paper.evidence import object_names, recorded, run_reproduce
+from springpot.host.wings.evidence.paper.order_claims import check_orders
 from springpot.host.wings.evidence.paper.past_positions import HandledModel
 from springpot.host.wings.evidence.paper.reproduce import (
     PAPER_KINDS,
@@ -87,6 +90,9 @@ def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:
     other = ObjectResult(result.data, swapped, result.handled)
     name = "rbf-fd: RMSE below rbf-pv for every object"
     assert {judged(result)[name].holds, judged(other)[name].holds} == {True, False}
+    tied = ObjectResult(result.data, {**models, "rf-fd": models["rbf-fd"]}, result.handled)
+    rates = "update rates: rf-fd below rbf-fd below rbf-pv"
+    assert judged(tied)[rates].holds is None
     ten_times = next(c for text, c in judged(result).items() if "ten times cheaper" in text)
     assert ten_times.holds is False
     assert "least-squares RBF is cheap" in ten_times.here
@@ -94,6 +100,12 @@ def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:
                     "claims": [ten_times.as_dict()]}, tmp_path)  # fmt: skip
     assert any(key.startswith("FAILS: modelling") for key in printed)
     assert printed["claims"] == "1 of 1 fail"
+    chosen = result.models["rbf-fd"].fit.model.orders
+    for offset, holds in ((0.05, True), (0.1, False)):
+        told = {"dragon-skin-fx": (chosen[0] + offset, chosen[1])}
+        with mock.patch.object(order_claims, "PAPER_PAIRS", told):
+            (pair,) = [c for c in check_orders([result]) if "two orders" in c.claim]
+        assert pair.holds is holds
 
 
 def unshown(error_ratio: float, control: HandledModel, derivatives: HandledModel) -> list[Claim]:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 from support.in_process import spring
-from support.peer import peer
 from support.small import model_file
 
 from springpot.host.emission.scene_file import read_scene
@@ -14,8 +13,6 @@ from springpot.host.emission.scene_file import read_scene
 URL = "sim://free?mass=0.2&viscous=2&coulomb=0.1&delay_ms=1.5&step_um=10&sign=-1&noise_um=3&seed=1"
 TRUTH = {"mass_kg": 0.2, "viscous_nspm": 2.0, "coulomb_n": 0.1, "delay_s": 0.0015,
          "position_step_m": 1e-5, "force_sign": -1, "max_force_n": 10.0}  # fmt: skip
-
-LATE = ("silent for 20 ms", "switched its motor off", "had no sample")
 
 
 @pytest.mark.parametrize(
@@ -84,23 +81,3 @@ def test_the_whole_test_in_real_time(tmp_path: Path) -> None:
     for name, value in answer["keys"].items():
         assert getattr(device, name) == value
     assert device.resolution_um == pytest.approx(10.0)
-
-
-@pytest.mark.realtime
-def test_a_device_on_a_serial_line() -> None:
-    truth = {"mass_kg": 0.3, "viscous_nspm": 3.0, "coulomb_n": 0.2, "delay_s": 0.002,
-             "position_noise_m": 3e-6}  # fmt: skip
-    with peer("serial_device", "--free", json.dumps(truth)) as device:
-        for _ in range(4):
-            done = spring("identify", "--device", device.url, "--yes", "--json")
-            if done.returncode == 0:
-                break
-            # A busy machine holds the peer up: the test is refused then, and is done again.
-            assert any(word in done.stderr for word in LATE), done.stderr
-    answer = json.loads(done.stdout)
-    assert answer["force_sign"]["value"] == 1
-    assert answer["max_force_n"]["value"] == 20.0
-    assert answer["mass_kg"]["value"] == pytest.approx(0.3, rel=0.1)
-    for name in ("viscous_nspm", "coulomb_n", "delay_s"):
-        found = answer[name]["value"]
-        assert found == pytest.approx(truth[name], rel=0.1) if found else answer[name]["why"]

@@ -1,1 +1,1 @@
-"""CSV files: their text, layout, numbers and table."""
+"""CSV files, and the sheets of workbooks: their text, layout, numbers and table."""

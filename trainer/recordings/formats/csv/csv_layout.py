@@ -1,6 +1,5 @@
 """Where a CSV file's header, columns, units and first row of numbers are: given, else guessed."""
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,21 @@ from springpot.trainer.recordings.formats.column_map import (
     ColumnMap,
     column_units,
     guess_column,
-    stated_rate_hz,
+)
+from springpot.trainer.recordings.formats.csv.csv_lines import (
+    DELIMITERS,
+    Cells,
+    above_numbers,
+    cells,
+    split_line,
+)
+from springpot.trainer.recordings.formats.csv.csv_missing import (
+    MAX_NAMED,
+    Candidates,
+    is_json,
+    missing_columns,
+    stated_header,
+    wanted_columns,
 )
 from springpot.trainer.recordings.formats.csv.decimals import (
     DecimalMark,
@@ -20,18 +33,14 @@ from springpot.trainer.recordings.formats.csv.decimals import (
     is_comma_number,
     is_number,
 )
+from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.units import (
-    QUANTITIES,
     Quantity,
     Unit,
     is_unit,
 )
 
-DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma"}
-_MAX_COLUMNS = 1024
-_MAX_NAMED = 12  # columns in a message
-_Row = list[str]
-Candidates = dict[Quantity, list[int]]
+_COMMENT = "comment"  # LabVIEW's last column, in which few rows have a cell
 
 
 @dataclass(frozen=True)
@@ -49,80 +58,62 @@ class Layout:
 
 
 def find_layout(
-    path: Path, head: Sequence[str], columns: ColumnMap, decimal: DecimalMark | None = None
+    path: Path,
+    head: Sequence[str],
+    columns: ColumnMap,
+    decimal: DecimalMark | None = None,
+    specimen: Specimen | None = None,
 ) -> Layout:
     """Find the layout from the file's first lines; `columns` and `decimal` override the guess.
 
-    Where `columns` states a rate, no column of time is needed.
+    Where `columns` states a rate, no column of time is needed; with a specimen's sizes, stress and
+    strain are force and position.
     Raises DataError where a column or a unit is missing, unknown or ambiguous.
     """
     options = wanted_columns(columns)
-    if all(q in columns and not _name(columns[q]) for q in options):
+    if all(q in columns and not stated_header(columns[q]) for q in options):
         return _layout_by_numbers(path, head, columns, decimal)
-    best: tuple[int, Candidates, _Row] = (0, {}, [])
+    best: tuple[int, Candidates, Cells] = (0, {}, [])
     for index in range(len(head)):
-        for delimiter in DELIMITERS:
-            row = cells(head[index], delimiter)
-            if not len(options) <= len(row) <= _MAX_COLUMNS:
-                continue
-            found = {q: _candidates(row, q, columns.get(q)) for q in options}
+        for delimiter, row in split_line(head, index):
+            stated = columns
+            if specimen:
+                below = cells(head[index + 1], delimiter) if index + 1 < len(head) else []
+                stated = {**specimen.columns(row, below), **columns}
+            found = {q: _candidates(row, q, stated.get(q)) for q in options}
             found = {q: candidates for q, candidates in found.items() if candidates}
-            if len(found) == len(options):
+            if len(found) == len(options) <= len(row):
                 chosen = _only(path, index, row, found)
-                return _layout(path, head, delimiter, index, chosen, columns, decimal)
+                return _layout(path, head, delimiter, index, chosen, stated, decimal)
             if len(found) > len(best[1]):
                 best = (index, found, row)
-    raise _missing(path, *best, columns)
+    if not best[1]:
+        index, row = above_numbers(head)
+        best = (index, {}, row)
+    if is_json(path):
+        raise DataError(f"{path}: JSON, no table: save it as CSV, one row a sample, in its program")
+    raise missing_columns(path, *best, columns)
 
 
-def cells(line: str, delimiter: str) -> _Row:
-    """Split one line; quoted cells keep their delimiters. None where one is too long for a cell."""
-    try:
-        rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
-    except csv.Error:
-        return []
-    return [cell.strip() for cell in rows[0]] if rows else []
-
-
-def wanted_columns(columns: ColumnMap) -> tuple[Quantity, ...]:
-    """Channels that are read from columns: all, or all but time where a rate is stated."""
-    return tuple(q for q in QUANTITIES if q != "time" or stated_rate_hz(columns) is None)
-
-
-def _name(column: Column | None) -> str:
-    return column.header_or_number if column and isinstance(column.header_or_number, str) else ""
-
-
-def _candidates(row: _Row, quantity: Quantity, column: Column | None) -> list[int]:
+def _candidates(row: Cells, quantity: Quantity, column: Column | None) -> list[int]:
     if column is None:
         return guess_column(row, quantity)
     if isinstance(column.header_or_number, int):
         return [column.header_or_number - 1] if column.header_or_number <= len(row) else []
-    options = _name(column)
+    options = stated_header(column)
     exact = [i for i, cell in enumerate(row) if cell == options]
     return exact or [i for i, cell in enumerate(row) if cell.casefold() == options.casefold()]
 
 
-def _only(path: Path, index: int, row: _Row, found: Candidates) -> dict[Quantity, int]:
+def _only(path: Path, index: int, row: Cells, found: Candidates) -> dict[Quantity, int]:
     for quantity, columns in found.items():
         if len(columns) > 1:
-            names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns[:_MAX_NAMED])
+            names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns[:MAX_NAMED])
             raise DataError(
                 f"{path}, row {index + 1}: {quantity} may be column {names}: "
                 f"choose by number, --map {quantity}={columns[0] + 1}:UNIT"
             )
     return {quantity: columns[0] for quantity, columns in found.items()}
-
-
-def _missing(path: Path, index: int, found: Candidates, row: _Row, columns: ColumnMap) -> DataError:
-    missing = [q + (f" ({_name(columns.get(q))!r})" if _name(columns.get(q)) else "")
-               for q in QUANTITIES if q in wanted_columns(columns) and q not in found]  # fmt: skip
-    names = ", ".join(map(repr, row[:_MAX_NAMED])) + (", ..." if row[_MAX_NAMED:] else "")
-    header = f" in row {index + 1}, which has {names}" if row else ""
-    return DataError(
-        f"{path}: found no column of {' or of '.join(missing)}{header}: pass --map {EXAMPLE}, "
-        "where COL is a header or a column's number"
-    )
 
 
 def _layout_by_numbers(
@@ -131,8 +122,7 @@ def _layout_by_numbers(
     """Find the first row with numbers in all columns; the row above it is the header."""
     chosen = {q: int(columns[q].header_or_number) - 1 for q in wanted_columns(columns)}
     for index in range(len(head)):
-        for delimiter in DELIMITERS:
-            row = cells(head[index], delimiter)
+        for delimiter, row in split_line(head, index):
             if len(row) <= max(chosen.values()):
                 continue
             if all(is_number(row[i]) or is_comma_number(row[i]) for i in chosen.values()):
@@ -160,6 +150,8 @@ def _layout(
     while first < len(head) - 1 and not head[first].strip():
         first += 1
     below = cells(head[first], delimiter) if first < len(head) else []
+    if header and header[-1].casefold() in ("", _COMMENT) and len(below) == len(header) - 1:
+        header = header[:-1]  # a column without cells, or a delimiter at the header's end, is none
     unit_row = _unit_row(below, chosen)
     if unit_row:
         first += 1
@@ -185,7 +177,7 @@ def _layout(
     )
 
 
-def _time_beside(header: _Row) -> tuple[int, str] | None:
+def _time_beside(header: Cells) -> tuple[int, str] | None:
     found = guess_column(header, "time")
     return (found[0], header[found[0]]) if len(found) == 1 else None
 
@@ -198,7 +190,7 @@ def _decimal(
     return decimal_mark(str(path), numbers)
 
 
-def _unit_row(row: _Row, chosen: dict[Quantity, int]) -> dict[Quantity, str]:
+def _unit_row(row: Cells, chosen: dict[Quantity, int]) -> dict[Quantity, str]:
     """Return the units in the row below the header, or nothing where it is not a row of units."""
     if len(row) <= max(chosen.values()):
         return {}

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import split_unit
-from springpot.trainer.recordings.formats.csv.csv_layout import Layout, cells
+from springpot.trainer.recordings.formats.csv.csv_layout import Layout
+from springpot.trainer.recordings.formats.csv.csv_lines import cells
 from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT, is_number
 from springpot.trainer.recordings.formats.units import factor_to_si
 
@@ -62,7 +63,10 @@ class CsvTable:
             above = self.layout.first_line - 1
             reader = csv.reader(islice(file, above, None), delimiter=self.layout.delimiter)
             try:
-                for row in reader:
+                for found in reader:
+                    # A delimiter at the end of each row begins no cell.
+                    ended = len(found) == width + 1 and not found[-1].strip()
+                    row = found[:-1] if ended else found
                     line = above + reader.line_num
                     if not any(cell.strip() for cell in row) and len(row) < 2:
                         continue

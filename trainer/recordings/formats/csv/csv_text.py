@@ -11,7 +11,7 @@ from springpot.trainer.recordings.formats.column_map import stated_rate_hz
 from springpot.trainer.recordings.formats.csv.csv_layout import find_layout
 from springpot.trainer.recordings.formats.csv.csv_table import UTF8, CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.sampling import RawChannels
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.units import QUANTITIES
 
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
@@ -32,8 +32,8 @@ def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
         head = _head(file)
     if not any(line.strip() for line in head):
         raise DataError(f"{path}: the file is empty: give one with a header and rows of numbers")
-    table = CsvTable(path, find_layout(path, head, columns, request.decimal), encoding)
-    layout = table.layout
+    layout = find_layout(path, head, columns, request.decimal, request.specimen)
+    table = CsvTable(path, layout, encoding)
     options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
     numbers = table.numbers([layout.columns[quantity] for quantity in options])
     scaled = {q: numbers[:, k] * layout.units[q].to_si for k, q in enumerate(options)}
@@ -58,6 +58,14 @@ def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
     return [raw], guess
 
 
+# First bytes of files that are no text of numbers, and what they are.
+_OTHER_FILES = {
+    b"\xd0\xcf\x11\xe0": "an old Excel or Office file",
+    b"{\\rtf": "formatted text (RTF)",
+    b"%PDF": "a PDF",
+}
+
+
 def _head(file: IO[str]) -> list[str]:
     """The lines among which the header is looked for, one at least."""
     head: list[str] = []
@@ -76,7 +84,10 @@ def _encoding(path: Path) -> str:
     Bytes that are no UTF-8 are Windows-1252 where nothing before them speaks for UTF-8.
     """
     with path.open("rb") as file:
-        start = file.read(3)
+        start = file.read(8)
+    for begin, name in _OTHER_FILES.items():
+        if start.startswith(begin):
+            raise DataError(f"{path}: {name}: save it as CSV, one row a sample, in its program")
     if start[:2] in _UTF16_MARKS:
         _check_utf16(path)
         return "utf-16"

@@ -1,4 +1,4 @@
-"""Branches whose rate depends on the depth, or that relax over hours: C, reference and trainer."""
+"""Rates by depth, flow, damage, a surface that recovers, hours: C, reference and trainer."""
 
 from dataclasses import replace
 from functools import cache
@@ -6,12 +6,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.small import DT_S, press, scene, small_model, training
+from support.small import (
+    DT_S,
+    damage,
+    flow,
+    passive_force_n,
+    press,
+    scene,
+    small_model,
+    training,
+)
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.model.formulas import stretched
-from springpot.codegen.model.model import Hammerstein, Model
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.run import run_reference
@@ -19,15 +28,19 @@ from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.passive.passive_terms import hammerstein_force
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks
-LAWS = {
+CURVE_N = np.linspace(0.5, 3.0, 9)
+LAWS: dict[str, dict[str, Any]] = {
     "rates": {"n_by_depth": 2, "rate_ratio": 16.0},
-    "inverse": {"n_by_depth": 3, "rate_ratio": 1 / 16},
-    "stretched": {"stretch": 12.0},
-    "both": {"n_by_depth": 1, "rate_ratio": 16.0, "stretch": 6.0},
-}
+    "inverse": {"n_by_depth": 3, "rate_ratio": 1 / 16, "recovers": True},
+    "flow": {"flow": flow(0.6)},
+    "damage": {"damage": damage(CURVE_N)},
+    "all": {
+        "n_by_depth": 1, "rate_ratio": 16.0, "flow": flow(0.6), "damage": damage(CURVE_N),
+        "recovers": True,
+    },
+}  # fmt: skip
 
 
 @cache
@@ -36,8 +49,13 @@ def model_of(kind: str, law: str, slow: bool = False) -> Model:
     passive = fitted.hammerstein
     assert passive is not None
     tau_s = np.array([0.01, 0.2, 2.0, HOUR_S if slow else 0.05])
-    weight = np.linspace(0.1, 0.4, 4)[:, None] * np.ones_like(passive.elastic_n)
-    changed = replace(passive, tau_s=tau_s, branch_n=weight, **LAWS[law])
+    branch_n = np.linspace(0.1, 0.4, 4)[:, None] * CURVE_N
+    stop_n = np.zeros((len(passive.radius_m), 9))
+    changed = replace(
+        passive, elastic_n=CURVE_N, tau_s=tau_s, branch_n=branch_n, stop_n=stop_n,
+        recovers=False, n_by_depth=0, flow=None, damage=None,
+    )  # fmt: skip
+    changed = replace(changed, **LAWS[law])
     return replace(fitted, hammerstein=changed)
 
 
@@ -74,10 +92,9 @@ def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
     plan = make_plan(model, scene(number="float64"), accept_unsafe=True)
     position_m = 0.9 * press(1.0)  # below the limit of the force
     force_n = run_reference(plan, position_m).force_n
-    wanted_n = hammerstein_force(passive_of(model), position_m, DT_S, np.arange(len(position_m)))
+    wanted_n = passive_force_n(passive_of(model), position_m, DT_S, surface=True)
     contact = position_m > 0.02 * position_m.max()  # above it the onset fades the force in
-    pushing_n = np.maximum(wanted_n, 0.0)  # a surface does not pull
-    assert np.abs(force_n - pushing_n)[contact].max() < 1e-6 * wanted_n.max()
+    assert np.abs(force_n - wanted_n)[contact].max() < 1e-6 * wanted_n.max()
 
 
 @pytest.mark.parametrize("slow", [False, True])
@@ -91,30 +108,30 @@ def test_a_measured_step_is_the_planned_one(law: str, slow: bool) -> None:
     assert np.abs(measured - planned).max() < 1e-5 * np.ptp(planned)
 
 
-def test_half_the_time_step_gives_nearly_the_same_force() -> None:
-    passive = passive_of(model_of("hammerstein", "both"))
+@pytest.mark.parametrize(("law", "share"), [("rates", 2e-3), ("inverse", 2e-3), ("all", 5e-3)])
+def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) -> None:
+    passive = passive_of(model_of("hammerstein", law))
     fine_m = np.interp(np.arange(0, 1000, 0.5), np.arange(1000), press(1.0))
-    every = np.arange(0, len(fine_m), 2)
-    coarse_n = hammerstein_force(passive, press(1.0), DT_S, np.arange(1000))
-    fine_n = hammerstein_force(passive, fine_m, DT_S / 2, every)
-    assert np.abs(coarse_n - fine_n).max() < 2e-3 * coarse_n.max()
+    coarse_n = passive_force_n(passive, press(1.0), DT_S, surface=True)
+    fine_n = passive_force_n(passive, fine_m, DT_S / 2, surface=True)[::2]
+    assert np.abs(coarse_n - fine_n).max() < share * coarse_n.max()
 
 
-def test_only_what_depends_on_the_depth_brings_its_header() -> None:
-    plain, rates = (
+HEADERS = {
+    "rates": {"sp_depth.h", "sp_depth_dt.h"},
+    "flow": {"sp_flow.h", "sp_flow_dt.h"},
+    "damage": {"sp_damage.h", "sp_damage_dt.h"},
+}
+
+
+@pytest.mark.parametrize("law", HEADERS)
+def test_a_law_brings_its_headers_and_no_other(law: str) -> None:
+    plain, special = (
         set(emit_files(make_plan(model, scene(), accept_unsafe=True)))
-        for model in (plain_model(), model_of("hammerstein", "rates"))
+        for model in (plain_model(), model_of("hammerstein", law))
     )
-    assert rates - plain == {"sp_depth.h", "sp_depth_dt.h"}
-
-
-@pytest.mark.parametrize("stretch", [0.5, 6.0, 12.0, 30.0])
-def test_a_stretched_depth_rises_and_ends_at_one(stretch: float) -> None:
-    u = np.linspace(-0.2, 1.5, 3001)
-    v = stretched(u, stretch)
-    assert np.all(v[u <= 0] == 0.0)
-    assert np.all(np.diff(v[u >= 0]) > 0)
-    assert stretched(np.array([1.0]), stretch)[0] == pytest.approx(1.0, abs=1e-12)
+    own = {"sp_surface.h", "sp_stops.h"}
+    assert special - plain - own == HEADERS[law]
 
 
 TICKS = (4e6, 2.4e7)

@@ -12,15 +12,15 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import (
     Place,
-    curve_values,
     loss_and_gain,
     loss_by_depth,
     rates_by_depth,
+    straight_values,
 )
-from springpot.codegen.model.model import Hammerstein
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.recursive import SLOW_TICKS, pole_states
-from springpot.codegen.stages.stage import SMALLEST, padded
+from springpot.codegen.stages.stage import SMALLEST, numbers, padded
 
 
 @dataclass(frozen=True)
@@ -52,9 +52,9 @@ class MaxwellBranches:
     """Neighbouring branches that are stepped alike.
 
     first: column of the first one. by_depth: whether a tick needs the place of the depth. double:
-    whether their states are. loss: of a tick, (count,); by depth (pieces, 2, count). measured:
-    tables of a measured time step by name: per_tau, 1/s, and per_gain, the inverse of what is
-    folded into the curves, (count,); by depth rates, (pieces + 1, count), 1/s.
+    whether their states are. loss: of a tick, (count,); by depth at the nodes, (J + 1, count).
+    measured: tables of a measured time step by name: per_tau, 1/s, and per_gain, the inverse of
+    what is folded into the curves, (count,); by depth rates, (J + 1, count), 1/s.
     """
 
     first: int
@@ -74,9 +74,8 @@ class MaxwellBranches:
 
     def tables(self) -> list[str]:
         """Constants of a tick."""
-        loss = self.loss.reshape(-1, self.count) if self.by_depth else self.loss
         c_type = "double" if self.double and not self.by_depth else "sp_real"
-        return [array_text(f"{self.names.prefix}_loss", c_type, loss)]
+        return [array_text(f"{self.names.prefix}_loss", c_type, self.loss)]
 
     def measured_tables(self) -> tuple[str, ...]:
         """Constants of a measured time step."""
@@ -96,7 +95,7 @@ class MaxwellBranches:
     def _call(self, function: str, tables: list[str], follows: str, more: list[str]) -> list[str]:
         prefix = self.names.prefix
         constants = [f"{prefix}_{table}" for table in tables]
-        settings = [f"{self.count}", *([f"{follows}_depth"] if self.by_depth else []), *more]
+        settings = [f"{self.count}", *([f"{follows}_place"] if self.by_depth else []), *more]
         at = f" + {self.first}" if self.first else ""
         states = [f"{follows}_branch{at}", f"state->{follows}_before{at}"]
         states += [f"state->{follows}_{prefix}"] if self.double else []
@@ -110,27 +109,29 @@ class MaxwellBranches:
         depth = costs.branch_depth if self.by_depth else 0.0
         return self.count * (costs.branch + slow + depth)
 
-    def reference(self, rises: Reals, place: Place) -> Reals:
-        """States after each tick from rest, (n, count); rises (n, count)."""
+    def advance(self, rises: Reals, place: Place, h: Reals) -> Reals:
+        """States after each tick, (n, count), from h, (count,); rises (n, count)."""
         if self.double:
             rises = rises.astype(np.float64)
         if not self.by_depth:
-            return pole_states(self.loss, rises, self.count)
-        real = rises.dtype.type
-        lost = curve_values(self.loss, place).astype(rises.dtype)
+            return pole_states(self.loss, rises, h)
+        half = rises.dtype.type(0.5)
+        lost = straight_values(self.loss, place).astype(rises.dtype)
         states = np.empty_like(rises)
-        h = np.zeros(self.count, dtype=rises.dtype)
-        for i, rise in enumerate(rises):
-            h = h + (rise - lost[i] * (h + real(0.5) * rise))
-            h[np.abs(h) < real(SMALLEST)] = real(0)
-            states[i] = h
+        for k, begin in enumerate(numbers(h)):
+            along, its_h = [], begin
+            for rise, its_lost in zip(numbers(rises[:, k]), numbers(lost[:, k]), strict=True):
+                its_h = its_h + (rise - its_lost * (its_h + half * rise))
+                its_h = its_h if abs(its_h) >= SMALLEST else its_h * 0
+                along.append(its_h)
+            states[:, k] = along
         return states
 
 
 def branch_steps(
     model: Hammerstein, dt_s: float, dtype: type, vector_width: int
 ) -> tuple[tuple[MaxwellBranches, ...], Reals]:
-    """The branches by who steps them, and their weights in that order, (capacity, J).
+    """The branches by who steps them, and their slopes in that order, (capacity, J).
 
     Those in float first, of constant rate first among them and filled up to whole vectors of
     `vector_width`.
@@ -138,7 +139,7 @@ def branch_steps(
     double = (model.slowest_s > SLOW_TICKS * dt_s) & (dtype is np.float32)
     filled = padded(max(len(double), 1), vector_width) - len(double)
     steps: list[MaxwellBranches] = []
-    weights = [np.zeros((0, model.branch_n.shape[1]))]
+    slopes_n = [np.zeros((0, model.nodes))]
     first = 0
     for in_double, depends in ((False, False), (False, True), (True, False), (True, True)):
         its = np.flatnonzero((double == in_double) & (model.by_depth == depends))
@@ -147,8 +148,8 @@ def branch_steps(
             continue
         tau_s, ratio, branch_n = model.tau_s[its], model.rate_ratio, model.branch_n[its]
         if depends:
-            loss: Reals = loss_by_depth(tau_s, ratio, dt_s).astype(dtype)
-            measured = {"rates": rates_by_depth(tau_s, ratio)}
+            loss: Reals = loss_by_depth(tau_s, ratio, dt_s, model.nodes).astype(dtype)
+            measured = {"rates": rates_by_depth(tau_s, ratio, model.nodes)}
         else:
             # The gain of a rise within a tick is folded into the curves; what fills has none.
             of_one, gain = loss_and_gain(tau_s, dt_s)
@@ -160,9 +161,9 @@ def branch_steps(
             branch_n = np.pad(gain[:, None] * branch_n, ((0, fill), (0, 0)))
         measured = {name: values.astype(dtype) for name, values in measured.items()}
         steps.append(MaxwellBranches(first, depends, in_double, loss, measured))
-        weights.append(branch_n)
+        slopes_n.append(branch_n)
         first += len(its) + fill
-    return tuple(steps), np.concatenate(weights)
+    return tuple(steps), np.concatenate(slopes_n)
 
 
 def _filled(values: Reals, fill: int) -> Reals:

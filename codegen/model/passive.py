@@ -1,0 +1,102 @@
+"""The passive model: springs, Maxwell branches, stops, flow, damage; curves that never fall."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+FLOW_SHARE = 0.2  # of the force at the trained depth, at which a flowing branch is said to relax
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """Branches that relax the faster the more they hold: z' = rate |h|^(power - 1) h, h = b(u) - z.
+
+    b(u) = u^degree, straight beyond u = 1. rate_ps: 1/s where h is 1; power: 3 or 5; degree: 1, 2
+    or 4; force_n: of h = 1, >= 0. All (F,).
+    """
+
+    rate_ps: NDArray[np.float64]
+    power: NDArray[np.int64]
+    degree: NDArray[np.int64]
+    force_n: NDArray[np.float64]
+
+    @property
+    def tau_s(self) -> NDArray[np.float64]:
+        """Time constant of each branch while it holds FLOW_SHARE, (F,), s."""
+        tau_s: NDArray[np.float64] = 1.0 / (self.rate_ps * FLOW_SHARE ** (self.power - 1.0))
+        return tau_s
+
+
+@dataclass(frozen=True, eq=False)
+class Damage:
+    """What was pressed deeper before is softer: g(v) (v/M)^power, M the largest v so far.
+
+    v = u in the object, M heals towards v with the time heal_s, 0: never. power: 1 or 3. Both (D,).
+    curve_n: slopes of g, (D, J), as in `Hammerstein`.
+    """
+
+    heal_s: NDArray[np.float64]
+    power: NDArray[np.int64]
+    curve_n: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Hammerstein:
+    """Non-negative sum of springs, Maxwell branches, stops, flow and damage: passive in the large.
+
+    u = (x - origin_m)/span_m is the share of the trained depth. A curve g(u) is 0 at u <= 0; its
+    slope, N for u from 0 to 1, is given at J equally spaced nodes from 0 to 1, is straight between
+    them and constant beyond: it is smooth, and never falls where the slopes are not negative.
+    force = bias_n + g_elastic + sum of highpass_tau(g_branch) + sum of g_stop(u) - g_stop(play u).
+    elastic_n: (J,). tau_s: (P,), branch_n: (P, J). radius_m: (K,), stop_n: (K, J). Slopes >= 0.
+    n_by_depth: of the last branches, which relax at the rate rate_ratio^(1/2 - u)/tau: rate_ratio
+    is that at the surface over that at the trained depth. recovers: where the object has a surface,
+    it comes back by itself while the tool is away (sp_surface.h); else the force is 0 at least.
+    """
+
+    origin_m: float
+    span_m: float
+    elastic_n: NDArray[np.float64]
+    tau_s: NDArray[np.float64]
+    branch_n: NDArray[np.float64]
+    radius_m: NDArray[np.float64]
+    stop_n: NDArray[np.float64]
+    bias_n: float
+    n_by_depth: int = 0
+    rate_ratio: float = 1.0
+    flow: Flow | None = None
+    damage: Damage | None = None
+    recovers: bool = False
+
+    @property
+    def nodes(self) -> int:
+        """Nodes of each curve."""
+        return len(self.elastic_n)
+
+    @property
+    def by_depth(self) -> NDArray[np.bool_]:
+        """Whether each branch's rate depends on the depth, (P,)."""
+        return np.arange(len(self.tau_s)) >= len(self.tau_s) - self.n_by_depth
+
+    @property
+    def slowest_s(self) -> NDArray[np.float64]:
+        """Longest time constant of each branch at any depth, (P,), s."""
+        slower = np.sqrt(max(self.rate_ratio, 1.0 / self.rate_ratio))
+        slowest_s: NDArray[np.float64] = self.tau_s * np.where(self.by_depth, slower, 1.0)
+        return slowest_s
+
+    @property
+    def memory_s(self) -> float:
+        """Longest time constant, s."""
+        flowing_s = 0.0 if self.flow is None else float(self.flow.tau_s.max(initial=0.0))
+        return max(float(self.slowest_s.max(initial=0.0)), flowing_s)
+
+    def stiffened(self, factor: float) -> "Hammerstein":
+        """The passive model whose force at x is this one's at factor x."""
+        return replace(
+            self,
+            origin_m=self.origin_m / factor,
+            span_m=self.span_m / factor,
+            radius_m=self.radius_m / factor,
+        )

@@ -1,0 +1,185 @@
+"""The reference of what leaves: sp_output.h and sp_energy.h, tick by tick."""
+
+from typing import Any
+
+from springpot.codegen.plan.energy import EnergyConfig
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.notes import CLAMPED, ENERGY, HELD, LATCHED, LIMITED, RAMPED
+from springpot.codegen.stages.stage import bounded, flushed
+
+ENERGY_DOUBT = 1.5  # SP_ENERGY_DOUBT
+
+
+class Output:
+    """Keep the force of the last call, and bound the next one by it."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._config = plan.output
+        self._real = plan.dtype
+        self._acts = plan.energy_acts
+        self._viscous = plan.viscous_npm
+        self._account = None if plan.energy is None else _Account(plan.energy, plan.dtype)
+        # One tick in ticks, as the C has it: 1 but for rounding.
+        self._tick = plan.silence.dt_s * plan.silence.per_dt
+        self._given: Any = self._real(0)
+        self._share: Any = self._real(0)
+        self._rise: Any = self._real(0)
+
+    def restart(self, x: Any) -> None:
+        """The ramp begins again at the position x, m."""
+        self._share, self._rise = self._real(0), self._config.rise
+        if self._account is not None:
+            self._account.restart(x)
+
+    def free(self) -> None:
+        """No contact."""
+        self._share = self._real(1)
+
+    def hold(self, latched: Any, silent: Any, fall: Any, share: Any) -> tuple[Any, int]:
+        """A tick without a good sample, after `silent` of them; fall: how much of it was latched.
+
+        Force, N, and notes.
+        """
+        self._given, note = share * self._given, HELD
+        if self._account is not None and self._acts:
+            self._given, cut = self._account.wait(silent, self._tick - fall, self._given)
+            note |= cut
+        if latched:
+            return self._fall(fall), LATCHED
+        return self._given, note
+
+    def pay(self, x: Any, ticks: Any, way: Any, step: Any) -> None:
+        """Good sample at x, m, so many ticks and so far from the one before; step: in a tick, m."""
+        if self._account is not None:
+            damped = self._real(0) if self._viscous is None else self._viscous * step * way
+            self._account.pay(self._given, x, ticks, damped)
+
+    def force(self, latched: Any, after_silence: bool, step: Any, force: Any) -> tuple[Any, int]:
+        """Return what leaves of the model's force at a good sample, N, and notes."""
+        if latched:
+            return self._fall(self._real(1)), LATCHED
+        note = 0
+        if after_silence:
+            self._resume(force)
+        if self._share < 1:
+            force = force * self._share
+            self._share = self._share + self._rise * self._real(1)
+            note |= RAMPED
+        force, clamped = self._clamped(force)
+        self._given, limited = self._slewed(force)
+        note |= clamped | limited
+        if self._account is not None:
+            cut, cuts = self._account.limit(step, self._given)
+            note |= cuts
+            self._given = cut if self._acts else self._given
+        return self._given, note
+
+    def _before(self, force: Any) -> Any:
+        given, zero = self._given, self._real(0)
+        return max(given, zero) if force > 0 else min(given, zero)
+
+    def _resume(self, force: Any) -> None:
+        before, now = abs(self._before(force)), abs(force)
+        share = before / now if before < now else self._real(1)
+        if share < 1 and share < self._share:
+            self._rise = self._rise if self._share < 1 else self._config.back
+            self._share = share + self._rise
+
+    def _clamped(self, force: Any) -> tuple[Any, int]:
+        min_n, max_n = self._config.min_n, self._config.max_n
+        if min_n <= force <= max_n:
+            return force, 0
+        beyond = min_n if force < min_n else self._real(0)
+        return (max_n if force > max_n else beyond), CLAMPED
+
+    def _slewed(self, force: Any) -> tuple[Any, int]:
+        slew = self._config.slew_n * self._real(1)
+        before = self._before(force)
+        most, least = before + slew, before - slew
+        if force > 0:
+            return (most, LIMITED) if force > most else (force, 0)
+        return (least, LIMITED) if force < least else (force, 0)
+
+    def _fall(self, ticks: Any) -> Any:
+        step = self._config.fall_n * ticks
+        down, up = self._given - step, self._given + step
+        self._given = down if down > 0 else up if up < 0 else self._real(0)
+        return self._given
+
+
+class _Account:
+    """sp_energy.h."""
+
+    def __init__(self, config: EnergyConfig, real: type[Any]) -> None:
+        self._config = config
+        self._real = real
+        self.restart(real(0))
+
+    def _most(self, x: Any) -> Any:
+        config = self._config
+        way = x - config.from_m
+        u = way if way > 0 else self._real(0)
+        return config.most_j + u * (config.push_n + u * config.stiffness_npm)
+
+    def restart(self, x: Any) -> None:
+        self._left: Any = self._most(x)
+        self._position: Any = x
+        self._looked: Any = x
+        zero = self._real(0)
+        self._ticks: Any = zero
+        self._step: Any = zero
+        self._bend: Any = zero
+        self._turn: Any = zero
+
+    def pay(self, given: Any, x: Any, ticks: Any, damped: Any) -> None:
+        moved = x - self._position
+        left = self._left + damped
+        if abs(moved) > self._config.slack_m:
+            left = left + given * moved
+            self._position = x
+        self._left = bounded(min(left, self._most(x)))
+        self._ticks = self._ticks + ticks
+        if self._ticks >= self._config.look_ticks:
+            self._look(x)
+
+    def _look(self, x: Any) -> None:
+        way = x - self._looked
+        moved = way if abs(way) > self._config.slack_m else self._real(0)
+        per_tick = self._real(1) / self._ticks
+        step = moved * per_tick
+        bend = (step - self._step) * per_tick
+        turn = flushed(self._turn * self._config.keep)
+        self._step, self._bend = step, bend
+        self._turn = abs(bend) if abs(bend) > turn else turn
+        self._looked, self._ticks = x, self._real(0)
+
+    def limit(self, step: Any, force: Any) -> tuple[Any, int]:
+        asked = -(force * step)
+        may = self._left * self._real(0.5) if self._left > 0 else self._real(0)
+        if not asked > may:
+            return force, 0
+        share = may / asked
+        return (force * share if share < 1 else force), ENERGY
+
+    def _share_at(self, depth: Any, to: Any) -> Any:
+        if not to < depth or not depth > 0:
+            return self._real(1)
+        share = to / depth if to > 0 else self._real(0)
+        return share * share if share < 1 else self._real(1)
+
+    def wait(self, silent: Any, ticks: Any, given: Any) -> tuple[Any, int]:
+        note = 0
+        for i in range(1, 1 + (int(ticks + self._real(0.5)) if ticks > 0 else 0)):
+            at = silent + self._real(i)
+            on = self._step + at * self._bend
+            turned = at * (self._real(ENERGY_DOUBT) * self._turn)
+            step = on - turned if given > 0 else on + turned
+            work = given * step
+            if work < 0:
+                depth = self._position - self._config.from_m
+                self._left = bounded(self._left + work)
+                self._position = bounded(self._position + step)
+                given = given * self._share_at(depth, depth + on)
+                given, cut = self.limit(step, given)
+                note |= cut
+        return given, note

@@ -1,0 +1,1 @@
+"""The passive model in C: curves, Maxwell branches, flow, damage and a surface that recovers."""

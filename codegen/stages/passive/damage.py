@@ -1,0 +1,116 @@
+"""What was pressed deeper before is softer: sp_damage.h."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.arrays import Reals, Samples
+from springpot.codegen.literals import array_text
+from springpot.codegen.model.formulas import Place, curve_nodes, curve_values
+from springpot.codegen.model.passive import Damage
+from springpot.codegen.stages.costs import Costs
+from springpot.codegen.stages.stage import REAL, Member, numbers
+
+
+@dataclass(frozen=True, eq=False)
+class DamageCurves:
+    """The first n_linear have power 1, the others 3. curves: (J + 1, 2, D).
+
+    healed: of a tick, rate: 1/s, both (D,). worn: M is never less, (D,); None: the object is new.
+    """
+
+    curves: Reals
+    healed: Reals
+    rate: Reals
+    worn: Reals | None
+    n_linear: int
+
+    what, headers = "damage", ("sp_damage.h",)
+    measured_headers = ("sp_damage_dt.h",)
+
+    @property
+    def count(self) -> int:
+        """Curves."""
+        return len(self.healed)
+
+    def members(self, name: str) -> tuple[Member, ...]:
+        return (Member(f"sp_real {name}_deepest[{self.count}]", (REAL,) * self.count),)
+
+    def tables(self) -> list[str]:
+        return [
+            "/* Damage: its curves, and what heals in a tick (sp_damage.h). */",
+            array_text("damage", "sp_real", self.curves.reshape(-1, self.count)),
+            array_text("healed", "sp_real", self.healed),
+            *([] if self.worn is None else [array_text("worn", "sp_real", self.worn)]),
+        ]
+
+    def measured_tables(self) -> list[str]:
+        return [array_text("heal_rate", "sp_real", self.rate)]
+
+    def restart(self, name: str) -> list[str]:
+        return [f"sp_damage_rest({self.count}, {name}_u, state->{name}_deepest);"]
+
+    def advance_lines(self, name: str, measured: bool) -> list[str]:
+        """Lines of a tick that declare `{name}_damage_n`, after `{name}_place` is known."""
+        function, healed = ("sp_damage", "healed")
+        if measured:
+            function, healed = ("sp_damage_dt", "dt_s, heal_rate")
+        worn = "NULL" if self.worn is None else "worn"
+        return [
+            f"sp_real {name}_intact[{self.count}];",
+            f"sp_curve(damage, {self.count}, {name}_place, {name}_intact);",
+            f"const sp_real {name}_damage_n =",
+            f"    {function}({healed}, {worn}, {self.n_linear}, {self.count}, {name}_u,",
+            f"        {name}_intact, state->{name}_deepest);",
+        ]
+
+    def instructions(self, costs: Costs) -> float:
+        """Bound of a tick's."""
+        return self.count * (costs.curve + costs.damage)
+
+    def advance(self, u: Reals, place: Place, deepest: Reals) -> tuple[Reals, Reals]:
+        """Forces of ticks at u (n,), N, in the order of the C; and M after the last one."""
+        values = curve_values(self.curves, place)
+        v = np.where(u > 0, u, u.dtype.type(0))
+        force_n, ends = np.zeros_like(u), np.empty_like(deepest)
+        worn = numbers(np.zeros_like(deepest) if self.worn is None else self.worn)
+        states = zip(numbers(self.healed), worn, numbers(deepest), strict=True)
+        for k, (healed, least, begin) in enumerate(states):
+            kept_along, most = [], begin
+            for its_v in numbers(v):
+                kept = most - healed * (most - its_v)
+                kept = kept if kept > least else least
+                kept_along.append(kept)
+                most = kept if kept > its_v else its_v
+            kept = np.array(kept_along, dtype=u.dtype)
+            below = kept > v
+            share = np.where(below, v / np.where(below, kept, u.dtype.type(1)), u.dtype.type(1))
+            force_n += values[:, k] * (share if k < self.n_linear else share * share * share)
+            ends[k] = most
+        return force_n, ends
+
+
+def damage_curves(damage: Damage, worn: bool, dt_s: float, dtype: type[Any]) -> DamageCurves:
+    """The curves of a model, those of power 1 first. worn: after it was pressed as in training."""
+    order = np.argsort(damage.power, kind="stable")
+    heal_s = damage.heal_s[order]
+    rate = np.where(heal_s > 0.0, 1.0 / np.where(heal_s > 0.0, heal_s, 1.0), 0.0)
+    pressed = np.where(heal_s > 0.0, 0.0, 1.0)  # to the trained depth; what heals has healed
+    return DamageCurves(
+        curves=curve_nodes(damage.curve_n[order]).astype(dtype),
+        healed=(-np.expm1(-dt_s * rate)).astype(dtype),
+        rate=rate.astype(dtype),
+        worn=pressed.astype(dtype) if worn else None,
+        n_linear=int(np.count_nonzero(damage.power == 1)),
+    )
+
+
+def steepest_n(damage: Damage) -> Samples:
+    """The most that damage's force rises at each node, (J,), N for u from 0 to 1.
+
+    d/dv g (v/M)^q <= g' + q g/v, and g/v is at most the largest slope so far.
+    """
+    most = np.maximum.accumulate(damage.curve_n, axis=1)
+    total: Samples = (damage.curve_n + damage.power[:, None] * most).sum(axis=0)
+    return total

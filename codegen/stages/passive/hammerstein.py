@@ -1,0 +1,297 @@
+"""The passive model: sp_hammerstein.h, and beside it flow, damage and the surface."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.literals import array_text, members_text, struct_text
+from springpot.codegen.model.formulas import curve_nodes
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.stages.costs import Costs
+from springpot.codegen.stages.passive.damage import DamageCurves, damage_curves, steepest_n
+from springpot.codegen.stages.passive.flow import FlowBranches, flow_branches
+from springpot.codegen.stages.passive.maxwell import MaxwellBranches, branch_steps
+from springpot.codegen.stages.passive.motion import PassiveMotion
+from springpot.codegen.stages.passive.surface import RecoveringSurface, surface_of
+from springpot.codegen.stages.stage import (
+    DOUBLE,
+    REAL,
+    Measured,
+    Member,
+    Stage,
+    Starts,
+    segments,
+)
+
+
+@dataclass(frozen=True)
+class HammersteinConfig:
+    """sp_hammerstein_config of sp_hammerstein.h, member by member."""
+
+    origin_m: Real
+    per_span: Real
+    bias_n: Real
+    n_pieces: int
+    n_branches: int
+    n_stops: int
+
+
+@dataclass(frozen=True, eq=False)
+class HammersteinStage(Stage):
+    """Arrays of sp_hammerstein_tables, and the variable of the tick that it follows.
+
+    Curves: values and slopes at nodes, (J + 1, 2, curves). spring: one, branches: one each, stops:
+    (stops, J + 1, 2), radius: (stops,). steps: who steps which branches; those of curve 0 fill
+    whole vectors. flow, damage, surface: None if the model, or the scene, has none. pulls: its
+    force may be below 0.
+    follows: "clipped" (to the trained range) or "penetration" (not clipped). Its force is the C
+    variable `{follows}_passive_n`.
+    """
+
+    config: HammersteinConfig
+    spring: Reals
+    branches: Reals
+    steps: tuple[MaxwellBranches, ...]
+    stops: Reals
+    radius: Reals
+    flow: FlowBranches | None
+    damage: DamageCurves | None
+    surface: RecoveringSurface | None
+    pulls: bool
+    follows: str
+
+    @property
+    def _beside(self) -> list[FlowBranches | DamageCurves]:
+        """What adds a force of its own to spring, branches and stops."""
+        return [part for part in (self.flow, self.damage) if part is not None]
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        stepped = [header for step in self.steps for header in step.names.headers]
+        beside = [header for part in self._beside for header in part.headers]
+        surface = self.surface.headers if self.surface else ()
+        own = ("sp_number.h", "sp_curve.h", "sp_stops.h", "sp_hammerstein.h")
+        return (*own, *stepped, *beside, *surface)
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """Input and state of each branch, the slow ones' own, play of each stop, and the rest's."""
+        capacity, stops, name = self.config.n_branches, self.config.n_stops, self.follows
+        slow = [
+            Member(f"double {name}_{step.names.prefix}[{step.count}]", (DOUBLE,) * step.count)
+            for step in self.steps
+            if step.double
+        ]
+        play = (Member(f"sp_real {name}_play[{stops}]", (REAL,) * stops),) if stops else ()
+        return (
+            *slow,
+            Member(f"sp_real {name}_before[{capacity}]", (REAL,) * capacity),
+            Member(f"sp_real {name}_held[{capacity}]", (REAL,) * capacity),
+            *play,
+            *(member for part in self._beside for member in part.members(name)),
+            *(self.surface.members(name) if self.surface else ()),
+        )
+
+    def tables(self) -> list[str]:
+        stops = bool(self.config.n_stops)
+        parts = [
+            "/* Curves: values and slopes at the nodes, a column a branch (sp_curve.h). */",
+            array_text("spring", "sp_real", self.spring.ravel()),
+            array_text("branches", "sp_real", self.branches.reshape(-1, self.config.n_branches)),
+            *(line for step in self.steps for line in step.tables()),
+            *(line for part in self._beside for line in part.tables()),
+            *(self.surface.tables() if self.surface else ()),
+        ]
+        if stops:
+            parts += [
+                array_text("stops", "sp_real", self.stops.reshape(self.config.n_stops, -1)),
+                array_text("stop_radius", "sp_real", self.radius),
+            ]
+        return [
+            *parts,
+            struct_text("passive", "sp_hammerstein_config", self.config),
+            members_text(
+                "passive_tables",
+                "sp_hammerstein_tables",
+                {
+                    "spring": "spring",
+                    "branches": "branches",
+                    "stops": "stops" if stops else "NULL",
+                    "radius": "stop_radius" if stops else "NULL",
+                },
+            ),
+        ]
+
+    @property
+    def _play(self) -> str:
+        return f"state->{self.follows}_play" if self.config.n_stops else "NULL"
+
+    def _tick(self, stepped: Callable[[MaxwellBranches], list[str]], measured: bool) -> list[str]:
+        name, capacity = self.follows, self.config.n_branches
+        beside = "".join(f" + {name}_{part.what}_n" for part in self._beside)
+        return [
+            *self._where(),
+            f"const sp_curve_place {name}_place = sp_curve_at({name}_u, passive.n_pieces);",
+            f"sp_real {name}_branch[{capacity}];",
+            f"sp_curve(branches, {capacity}, {name}_place, {name}_branch);",
+            *(line for step in self.steps for line in stepped(step)),
+            *(line for part in self._beside for line in part.advance_lines(name, measured)),
+            f"const sp_real {name}_{'passive' if self.pulls else 'held'}_n =",
+            f"    sp_hammerstein_force(&passive, &passive_tables, {name}_u, {name}_place,",
+            f"                         state->{name}_held, {self._play}){beside};",
+            *self._given(),
+        ]
+
+    def _where(self) -> list[str]:
+        """Lines that declare `{name}_u`, the share of the depth at which the model is."""
+        name = self.follows
+        share = f"sp_hammerstein_share(&passive, {name})"
+        if self.surface is None:
+            return [f"const sp_real {name}_u = {share};"]
+        return [
+            f"const sp_real {name}_tool = {share};",
+            f"const sp_real {name}_u =",
+            f"    sp_surface_at(stiffest, passive.n_pieces, &state->{name}_surface, {name}_tool);",
+        ]
+
+    def _given(self) -> list[str]:
+        """Lines that keep where the surface is, and give no force that pulls."""
+        name, keep, given = self.follows, [], f"{self.follows}_held_n > (sp_real)0"
+        if self.surface is not None:
+            keep = [
+                f"state->{name}_surface.u = {name}_u;",
+                f"state->{name}_surface.force_n = {name}_held_n;",
+            ]
+            given += f" && !({name}_u > {name}_tool)"
+        if self.pulls:
+            return keep
+        return [
+            *keep,
+            f"const sp_real {name}_passive_n =",
+            f"    {given} ? {name}_held_n : (sp_real)0;",
+        ]
+
+    @property
+    def measured(self) -> Measured:
+        return Measured(
+            headers=(
+                "sp_measured.h",
+                *(h for step in self.steps for h in step.names.measured_headers),
+                *(h for part in self._beside for h in part.measured_headers),
+            ),
+            tables=(
+                *(table for step in self.steps for table in step.measured_tables()),
+                *(table for part in self._beside for table in part.measured_tables()),
+            ),
+            advance=tuple(self._tick(lambda step: step.measured_step(self.follows), True)),
+        )
+
+    def restart(self) -> list[str]:
+        name = self.follows
+        slow = [
+            line
+            for step in self.steps
+            if step.double
+            for line in (
+                f"for (uint32_t i = 0; i < {step.count}; i++) {{",
+                f"    state->{name}_{step.names.prefix}[i] = 0.0;",
+                "}",
+            )
+        ]
+        surface = [
+            f"state->{name}_surface.u = {name}_u;",
+            f"state->{name}_surface.force_n = (sp_real)0;",
+        ]
+        return [
+            *slow,
+            f"const sp_real {name}_u = sp_hammerstein_share(&passive, {name});",
+            f"sp_hammerstein_rest(&passive, &passive_tables, {name}_u,",
+            f"                    state->{name}_before, state->{name}_held, {self._play});",
+            *(line for part in self._beside for line in part.restart(name)),
+            *(surface if self.surface else ()),
+        ]
+
+    def advance(self) -> list[str]:
+        return self._tick(lambda step: step.step(self.follows), False)
+
+    def instructions(self, costs: Costs) -> float:
+        config = self.config
+        curves = config.n_branches * costs.curve
+        stepped = sum(step.instructions(costs) for step in self.steps)
+        beside = sum(part.instructions(costs) for part in self._beside)
+        stops = config.n_stops * costs.stop
+        return float(
+            costs.passive + curves + stepped + beside + stops + self._surface_instructions(costs)
+        )
+
+    def restart_instructions(self, costs: Costs) -> float:
+        """It reads the branches' curves too, where they rest; the surface is at the tool."""
+        curves = self.config.n_branches * (costs.curve + costs.rest)
+        return super().restart_instructions(costs) + curves - self._surface_instructions(costs)
+
+    def _surface_instructions(self, costs: Costs) -> float:
+        return costs.surface + self.config.n_pieces * costs.surface_piece if self.surface else 0.0
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """Force of every tick, (n,), N."""
+        config = self.config
+        u = (depth - config.origin_m) * config.per_span
+        force_n = np.empty_like(u)
+        for begin, end, rests in segments(len(depth), starts):
+            # A restart leaves the model at rest at u; the C's state begins as zeros.
+            at_rest = u[begin] if rests else u.dtype.type(0)
+            force_n[begin:end] = PassiveMotion(self, at_rest).along(u[begin:end])[0]
+        return force_n if self.pulls else np.where(force_n > 0, force_n, u.dtype.type(0))
+
+
+def hammerstein_stage(
+    model: Hammerstein, dt_s: float, dtype: type[Any], follows: str, vector_width: int,
+    surface: bool, worn: bool = False,
+) -> HammersteinStage:  # fmt: skip
+    """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
+
+    The branches are padded to whole vectors of `vector_width`, with curves of 0. surface: the
+    object has one, which recovers if the model's does. worn: it is as after training.
+    """
+    n_stops = len(model.radius_m)
+    steps, slopes_n = branch_steps(model, dt_s, dtype, vector_width)
+    spring_n = model.elastic_n + model.stop_n.sum(axis=0)
+    flow = None if model.flow is None else flow_branches(model.flow, dt_s, dtype)
+    damage = None if model.damage is None else damage_curves(model.damage, worn, dt_s, dtype)
+    stops = curve_nodes(model.stop_n).astype(dtype)
+    return HammersteinStage(
+        config=HammersteinConfig(
+            origin_m=dtype(model.origin_m),
+            per_span=dtype(1.0 / model.span_m),
+            bias_n=dtype(model.bias_n),
+            n_pieces=model.nodes,
+            n_branches=len(slopes_n),
+            n_stops=n_stops,
+        ),
+        spring=curve_nodes(spring_n[None])[:, :, 0].astype(dtype),
+        branches=curve_nodes(slopes_n).astype(dtype),
+        steps=steps,
+        stops=np.moveaxis(stops, 2, 0),
+        radius=(model.radius_m / model.span_m).astype(dtype),
+        flow=flow,
+        damage=damage,
+        surface=_surface(model, spring_n + slopes_n.sum(axis=0), flow, dtype)
+        if surface and model.recovers
+        else None,
+        pulls=not surface,
+        follows=follows,
+    )
+
+
+def _surface(
+    model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: type[Any]
+) -> RecoveringSurface:
+    beside_n = np.zeros(model.nodes)
+    if flow is not None:
+        beside_n = beside_n + flow.slopes_n(model.nodes)
+    if model.damage is not None:
+        beside_n = beside_n + steepest_n(model.damage)
+    return surface_of(slopes_n + beside_n, dtype)

@@ -1,0 +1,160 @@
+"""Reference of the passive model along a motion: the operations of the C, in its order."""
+
+from copy import copy
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.model.formulas import Place, curve_place, curve_values, flow_functions
+from springpot.codegen.stages.stage import VECTOR_WIDTH, numbers
+
+if TYPE_CHECKING:
+    from springpot.codegen.stages.passive.hammerstein import HammersteinStage
+
+_CHUNK, _MIN = 4096, 16  # ticks that are taken at once as long as the tool does not leave
+
+
+class PassiveMotion:
+    """State of one passive model from rest at u on.
+
+    Ticks in which the tool stays on the object are computed together. Where it would pull, the
+    ticks before are computed again, and then one tick after another until the tool is back.
+    """
+
+    def __init__(self, stage: "HammersteinStage", u: Any) -> None:
+        self._stage = stage
+        config, real = stage.config, stage.spring.dtype.type
+        place = self._place(np.array([u]))
+        self._before = curve_values(stage.branches, place)[0]
+        self._held = [
+            np.zeros(step.count, dtype=np.float64 if step.double else real) for step in stage.steps
+        ]
+        self._play = np.full(config.n_stops, u, dtype=real)
+        self._functions = flow_functions(np.array([u]))[0]
+        self._flow = np.zeros(stage.flow.count if stage.flow else 0, dtype=real)
+        deepest = u if u > 0 else real(0)
+        self._deepest = np.full(stage.damage.count if stage.damage else 0, deepest, dtype=real)
+        self._u, self._force_n = u, real(0)
+
+    @property
+    def u(self) -> Any:
+        """Where the model is."""
+        return self._u
+
+    def on(self, stage: "HammersteinStage") -> "PassiveMotion":
+        """The same state in ticks of another length: the stage of the same model."""
+        other = copy(self)
+        other._stage = stage
+        other._before = curve_values(stage.branches, other._place(np.array([self._u])))[0]
+        return other
+
+    def along(self, u: Reals) -> tuple[Reals, Reals]:
+        """Force of ticks with the tool at u, (n,), N, and where the model is then, (n,)."""
+        if self._stage.surface is None:
+            return self._on(u), u
+        force_n, at = np.empty_like(u), u.copy()
+        done, chunk = 0, _CHUNK
+        while done < len(u):
+            part = u[done : done + chunk]
+            before = copy(self)
+            given_n = self._on(part)
+            stays = self._stays(before, part, given_n)
+            if stays < len(part):  # as far as it does, again
+                self.__dict__.update(before.__dict__)
+                given_n = self._on(part[:stays])
+            force_n[done : done + stays] = given_n
+            done += stays
+            chunk = min(2 * chunk, _CHUNK)
+            if stays < len(part):
+                done = self._away(u, done, force_n, at)
+                chunk = _MIN
+        return force_n, at
+
+    def _stays(self, before: "PassiveMotion", u: Reals, force_n: Reals) -> int:
+        """Ticks, of those at u (n,), until the tool leaves the surface."""
+        surface = self._stage.surface
+        assert surface is not None
+        last_u = np.concatenate([[before._u], u[:-1]])
+        last_n = np.concatenate([[before._force_n], force_n[:-1]])
+        for i in np.flatnonzero(surface.may_leave(u, last_u, last_n)).tolist():
+            if surface.at(u[i], last_u[i], last_n[i]) > u[i]:
+                return i
+        return len(u)
+
+    def _away(self, u: Reals, done: int, force_n: Reals, at: Reals) -> int:
+        """Tick by tick from `done` on until the tool is back; returns the first tick after."""
+        surface = self._stage.surface
+        assert surface is not None
+        for i in range(done, len(u)):
+            at[i] = surface.at(u[i], self._u, self._force_n)
+            held_n = self._on(at[i : i + 1])[0]
+            force_n[i] = 0 if at[i] > u[i] else held_n
+            if not at[i] > u[i]:
+                return i + 1
+        return len(u)
+
+    def _place(self, u: Reals) -> Place:
+        return curve_place(u, self._stage.config.n_pieces)
+
+    def _on(self, u: Reals) -> Reals:
+        """Force of ticks with the model at u, (n,), N."""
+        stage = self._stage
+        if not len(u):
+            return u
+        place = self._place(u)
+        g = curve_values(stage.branches, place)
+        rises = np.diff(g, prepend=self._before[None, :], axis=0)
+        self._before = g[-1]
+        held, ends = np.empty_like(g), []
+        for step, begins in zip(stage.steps, self._held, strict=True):
+            its = slice(step.first, step.first + step.count)
+            states = step.advance(rises[:, its], place, begins)
+            held[:, its] = states
+            ends.append(states[-1])
+        self._held = ends
+        force_n = self._still(u, place) + _summed(held)
+        if stage.flow is not None:
+            flow_n, self._functions, self._flow = stage.flow.advance(u, self._functions, self._flow)
+            force_n = force_n + flow_n
+        if stage.damage is not None:
+            damage_n, self._deepest = stage.damage.advance(u, place, self._deepest)
+            force_n = force_n + damage_n
+        self._u, self._force_n = u[-1], force_n[-1]
+        return force_n
+
+    def _still(self, u: Reals, place: Place) -> Reals:
+        """Force of spring, stops and bias, (n,), N; moves the plays."""
+        stage = self._stage
+        still_n = curve_values(stage.spring[:, :, None], place)[:, 0] + stage.config.bias_n
+        play = self._played(u)
+        for k in range(stage.config.n_stops):
+            # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
+            stop_n = curve_values(stage.stops[k][:, :, None], self._place(play[:, k]))[:, 0]
+            still_n = still_n - stop_n
+        return still_n
+
+    def _played(self, u: Reals) -> Reals:
+        """Play of each stop, (n, stops)."""
+        radius = self._stage.radius
+        play, ends = np.empty((len(u), len(radius)), dtype=u.dtype), np.empty_like(radius)
+        for k, begin in enumerate(numbers(self._play)):
+            p = begin
+            low, high = numbers(u - radius[k]), numbers(u + radius[k])
+            along = []
+            for its_low, its_high in zip(low, high, strict=True):
+                p = p if p > its_low else its_low
+                p = p if p < its_high else its_high
+                along.append(p)
+            play[:, k], ends[k] = along, p
+        self._play = ends
+        return play
+
+
+def _summed(held: Reals) -> Reals:
+    """Sum of the branches, (n,): four partial sums, as the C's vectors add them."""
+    s = np.zeros((VECTOR_WIDTH, len(held)), dtype=held.dtype)
+    for i in range(held.shape[1]):
+        s[i % VECTOR_WIDTH] += held[:, i]
+    total: Reals = (s[0] + s[2]) + (s[1] + s[3])
+    return total

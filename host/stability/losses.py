@@ -1,0 +1,186 @@
+"""What lost samples did to the force: does it kick, is it right again in time, who pays for it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference import notes
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.simulation.hand_loop import Scenario, Trace
+from springpot.host.simulation.losses import LATE, TAKEN
+from springpot.host.simulation.scenarios import Workspace
+
+RIGHT_S, NOT_ABOVE_S = 0.010, 0.005  # after samples are back: within the error; never above it
+ERROR_N, ERROR_OF_PEAK = 0.5, 0.05
+RETURNED_OF_STORED = 0.01
+ENDS_WITHIN = 5.0  # times the watchdog's, where too few samples come from the beginning
+_ROUNDING_N = 1e-4
+_TOUCH = 0.05  # of the trained depth, and of the peak force: contact beyond doubt
+
+
+@dataclass(frozen=True)
+class Losses:
+    """Beside the same strokes without a loss (clean_...).
+
+    growth_n: of |force| in a tick, beyond the slew of each sample that came; above 0 it is a kick.
+    error_n: the greatest from RIGHT_S after samples are back, against the same scene that loses
+    none, on the same motion; above_n: how far above that from NOT_ABOVE_S on; allowed_n: of both.
+    unpaid_n: how far below that where the account of energy cuts the force, because the hand paid
+    for none while the samples were away; that is meant, and no part of error_n.
+    returned_j: energy that a press gave back beyond what it took, and what the device's friction
+    takes; stored_j: the most that a press without a loss took.
+    Reported only: force_step_n, the greatest change of the force in a tick of contact, and that of
+    the model alone; zero_ticks of no force, with a sample, where the model has one.
+    """
+
+    growth_n: float
+    error_n: float
+    above_n: float
+    allowed_n: float
+    unpaid_n: float
+    returned_j: float
+    clean_returned_j: float
+    stored_j: float
+    force_step_n: float
+    clean_force_step_n: float
+    model_force_step_n: float
+    zero_ticks: int
+    clean_zero_ticks: int
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """Properties that do not hold, in words."""
+        returned_j = self.returned_j - max(self.clean_returned_j, 0.0)
+        found = {
+            "lost samples are felt as a kick": self.growth_n > _ROUNDING_N,
+            "the force stays wrong after lost samples": self.error_n > self.allowed_n
+            or self.above_n > self.allowed_n,
+            "lost samples give the hand energy": returned_j > RETURNED_OF_STORED * self.stored_j,
+        }
+        return tuple(words for words, holds in found.items() if holds)
+
+    @property
+    def kicks(self) -> bool:
+        """Whether a hand feels any of it."""
+        return bool(self.faults)
+
+
+@dataclass(frozen=True, eq=False)
+class Stroked:
+    """Strokes that were rendered: what was to happen, what came of it, the model alone on it."""
+
+    scenario: Scenario
+    trace: Trace
+    model_only_n: Samples
+
+
+def losses_of(plan: Plan, scene: SceneLibrary, lossy: Stroked, clean: Stroked) -> Losses:
+    """Compare strokes that lost samples with those that lost none."""
+    trace = lossy.trace
+    whole_n = _loss_free(scene, trace)
+    above_n = np.abs(trace.force_n) - np.abs(whole_n)
+    cut = (trace.notes & notes.ENERGY != 0) & plan.energy_acts & (above_n < 0.0)
+    good_s = _good_ticks(lossy.scenario) * plan.dt_s
+    late = good_s >= RIGHT_S - 0.5 * plan.dt_s
+    later = good_s >= NOT_ABOVE_S - 0.5 * plan.dt_s
+    peak_n = float(np.abs(whole_n).max(initial=0.0))
+    returned, clean_returned = (list(_presses_j(plan, item.trace)) for item in (lossy, clean))
+    return Losses(
+        growth_n=_growth_n(plan, lossy),
+        error_n=float(np.abs(trace.force_n - whole_n)[late & ~cut].max(initial=0.0)),
+        above_n=float(above_n[later].max(initial=0.0)),
+        allowed_n=max(ERROR_N, ERROR_OF_PEAK * peak_n),
+        unpaid_n=float(-above_n[late & cut].min(initial=0.0)),
+        returned_j=max((-given for given, _ in returned), default=0.0),
+        clean_returned_j=max((-given for given, _ in clean_returned), default=0.0),
+        stored_j=max((taken for _, taken in clean_returned), default=0.0),
+        force_step_n=_step_n(plan, trace, trace.force_n),
+        clean_force_step_n=_step_n(plan, clean.trace, clean.trace.force_n),
+        model_force_step_n=_step_n(plan, trace, lossy.model_only_n),
+        zero_ticks=_zero_ticks(plan, lossy),
+        clean_zero_ticks=_zero_ticks(plan, clean),
+    )
+
+
+def latched_s(plan: Plan, trace: Trace) -> float | None:
+    """When the scene latched; None if it did not."""
+    latched = np.flatnonzero(trace.notes & notes.LATCHED)
+    return float(latched[0]) * plan.dt_s if len(latched) else None
+
+
+def ended(plan: Plan, trace: Trace) -> bool:
+    """Whether the scene latched in good time, and its force fell to zero and stayed there."""
+    begin_s = latched_s(plan, trace)
+    if begin_s is None or begin_s > ENDS_WITHIN * plan.watchdog_s:
+        return False
+    fallen = round((begin_s + RIGHT_S) / plan.dt_s) + 1
+    return fallen < len(trace.force_n) and not trace.force_n[fallen:].any()
+
+
+def _taken(scenario: Scenario) -> NDArray[np.bool_]:
+    return np.asarray((scenario.dropped == TAKEN) & np.isfinite(scenario.error_m))
+
+
+def _good_ticks(scenario: Scenario) -> NDArray[np.int64]:
+    """Samples that have come one after the other, this one too; many before the first loss."""
+    good = _taken(scenario)
+    at = np.arange(len(good))
+    last = np.maximum.accumulate(np.where(good, -len(good), at))
+    return np.asarray(at - last)
+
+
+def _growth_n(plan: Plan, lossy: Stroked) -> float:
+    """How far |force| grew beyond what it may: a slew for each sample that came, 0 without one."""
+    dropped = lossy.scenario.dropped
+    came = _taken(lossy.scenario).astype(np.int64)
+    came[1:] += (dropped[:-1] == LATE) & (dropped[1:] == TAKEN)
+    size_n = np.abs(lossy.trace.force_n)
+    return float((np.diff(size_n, prepend=0.0) - float(plan.output.slew_n) * came).max())
+
+
+def _loss_free(scene: SceneLibrary, trace: Trace) -> Samples:
+    """The force of the same scene, with every sample of that motion, N."""
+    seen_m = np.where(np.isfinite(trace.seen_m), trace.seen_m, trace.position_m)
+    force_n, _ = scene.new_state().run(seen_m, trace.seen_mps)
+    return force_n.astype(np.float64)
+
+
+def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:
+    """Of each press what it took in all, and the most that it had taken, J.
+
+    A press lasts from the surface to the surface; where there is none, from turn to turn outside.
+    """
+    moved_m = np.diff(trace.position_m)
+    friction_j = plan.loop_device.viscous_nspm * moved_m**2 / plan.dt_s
+    work_j = trace.force_n[:-1] * moved_m + friction_j
+    space = Workspace.of(plan)
+    edge_m = space.base_m if plan.contact else space.base_m + 2.0 * _TOUCH * space.span_m
+    inside = trace.position_m[:-1] > edge_m
+    edges = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0))
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        taken_j = np.cumsum(work_j[begin:end])
+        yield float(taken_j.min()), float(taken_j.max())
+
+
+def _zero_ticks(plan: Plan, stroked: Stroked) -> int:
+    model_n = stroked.model_only_n
+    touching = _touching(plan, stroked.trace) & (model_n > _TOUCH * model_n.max())
+    sampled = _taken(stroked.scenario)
+    sampled[1:] &= sampled[:-1]  # what a silence began with is not known before its second one
+    return int(np.sum((stroked.trace.force_n == 0.0) & touching & sampled))
+
+
+def _step_n(plan: Plan, trace: Trace, force_n: Samples) -> float:
+    """Greatest change in a tick of contact: a tool that leaves the object is let go at once."""
+    touching = _touching(plan, trace)
+    steps_n = np.abs(np.diff(force_n))
+    return float(steps_n[touching[1:] & touching[:-1]].max(initial=0.0))
+
+
+def _touching(plan: Plan, trace: Trace) -> NDArray[np.bool_]:
+    space = Workspace.of(plan)
+    return trace.position_m > space.base_m + _TOUCH * space.span_m

@@ -1,0 +1,124 @@
+"""The verdict in words: what is not bounded or vibrates, what losses do, what is active."""
+
+from collections.abc import Iterator, Sequence
+
+from springpot.codegen.coupling.linear_loop import HAND_MODELS
+from springpot.codegen.plan.plan import Plan
+from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
+from springpot.host.stability.judgement import Grade, device_advice, judge
+from springpot.host.stability.small_signal import Map
+
+
+def outcome_words(outcomes: Sequence[Outcome], stable: bool) -> Iterator[str]:
+    """Sentences on the closed loop. stable: whether the linear loop is."""
+    judged = [judge(item) for item in outcomes]
+    kicks = [item for item in judged if item.kicks]
+    grave = [item for item in kicks if item.grade == Grade.BAD]
+    found = {
+        "Not bounded": [item for item in judged if not item.ends and not item.outcome.bounded],
+        "Vibrates more and more on": [item for item in judged if item.grows],
+        "Ends, though enough samples come, on": [
+            item for item in judged if not item.ends and item.outcome.latched_s is not None
+        ],
+        "Goes on, though too few samples come, on": [
+            item for item in judged if item.ends and item.unbounded
+        ],
+        "Vibrates above 1 mm/s on": [item for item in judged if item.loud],
+        "Lost samples are felt on": grave,
+        "Lost samples are felt, at four times the trained speed, on": [
+            item for item in kicks if item not in grave
+        ],
+        "Fidelity error above 10 % of peak on": [item for item in judged if item.unfaithful],
+    }
+    for what, items in found.items():
+        if items:
+            yield f"{what}: {_named([item.outcome for item in items])}."
+    if not any(found.values()) and stable:
+        yield f"All cases are bounded and quiet with all hands; {_differs_by(outcomes)}."
+    ended = [item for item in judged if item.grade == Grade.ENDS]
+    if ended:
+        last_ms = 1e3 * max(item.outcome.latched_s or 0.0 for item in ended)
+        names = ", ".join(dict.fromkeys(item.outcome.case for item in ended))
+        yield (
+            f"Not counted: {names}, for too few samples come: the scene ends them after at most "
+            f"{last_ms:.0f} ms, as it should."
+        )
+
+
+def map_words(plan: Plan, model_map: Map, scene_map: Map) -> Iterator[str]:
+    """Sentences on active cells, of the model and of what stands between it and the hand."""
+    active, cells = model_map.active(False)
+    if active:
+        yield (
+            f"The model is not passive in {active} of {cells} small-signal cells: a light hand "
+            "may feel it buzz; hammerstein, or boosted with --monotone, has none."
+        )
+    of_scene, cells = scene_map.active(False)
+    if of_scene > active:
+        yield (
+            f"The scene is not passive in {of_scene} of {cells} cells, for its "
+            f"{_between(plan)}: there the hand and the device's friction have to take energy."
+        )
+
+
+def device_words(plan: Plan) -> Iterator[str]:
+    """Sentences on the device and the coupling."""
+    yield from device_advice(plan)
+    yield f"Coupling {plan.coupling.why}."
+
+
+def why_unbounded(name: str, outcomes: Sequence[Outcome]) -> str:
+    """Why a scene is not to be held, though its linear loop is stable; empty if nothing says so."""
+    judged = [judge(item) for item in outcomes]
+    unbounded = [item for item in judged if item.unbounded]
+    if not unbounded:
+        return ""
+    named = _named([item.outcome for item in unbounded])
+    return (
+        f"{name}: the closed loop is not bounded on {named}: do not hold the device with this "
+        "scene; coupling.mode = auto, a faster loop or a passive model (hammerstein) may do"
+    )
+
+
+def _between(plan: Plan) -> str:
+    """What stands between the model and the hand."""
+    delay = plan.loop_device.delay_samples
+    parts = {
+        "smoothing": plan.smooth_alpha is not None,
+        "coupling": plan.couple is not None,
+        f"delay of {delay} samples": delay > 0,
+    }
+    return " and ".join(name for name, there in parts.items() if there) or "limits"
+
+
+def _differs_by(outcomes: Sequence[Outcome]) -> str:
+    """How far what is felt is from the model, by the greatest figure of each part."""
+    whole = [item for item in outcomes if item.losses is None]
+    stiff = max(item.fidelity_percent for item in whole if item.stiffer)
+    soft = max(item.fidelity_percent for item in whole if not item.stiffer)
+    lossy = [item for item in outcomes if item.losses is not None and not item.played.ends]
+    percent = max((item.fidelity_percent for item in lossy), default=0.0)
+    words = (
+        f"what is felt differs from the model by at most {soft:.1f} % of peak, with lost samples "
+        f"by {percent:.1f} %, with the object ten times stiffer by {stiff:.1f} %"
+    )
+    unpaid_n = max((item.losses.unpaid_n for item in lossy if item.losses), default=0.0)
+    if unpaid_n > 0.0:
+        words += (
+            f"; after lost samples the force is up to {unpaid_n:.1f} N less for a moment, where "
+            "the hand has not paid for it"
+        )
+    return words
+
+
+def _named(items: Sequence[Outcome]) -> str:
+    """Each case once, with the hands that it happened to."""
+    hands: dict[str, list[str]] = {}
+    for item in items:
+        late = f", delay {item.delay_samples}" if item.late else ""
+        hands.setdefault(item.case, []).append(f"{item.hand}{late}")
+    every = len(HAND_MODELS) * len(MORE_DELAY)
+    return ", ".join(
+        f"{case} ({'every hand' if len(found) == every else '; '.join(found)})"
+        for case, found in hands.items()
+    )

@@ -1,0 +1,188 @@
+/* The account of energy, by hand: an object that stores 2 J a metre. */
+#include <math.h>
+
+#include "check.h"
+#include "sp_energy.h"
+
+static const sp_energy_config config = {
+    .push_n = (sp_real)2, .look_ticks = (sp_real)4, .keep = (sp_real)0.5};
+
+static void the_most_is_a_parabola_from_a_depth_on(void)
+{
+    const sp_energy_config other = {.from_m = (sp_real)-4,
+                                    .most_j = (sp_real)1,
+                                    .push_n = (sp_real)2,
+                                    .stiffness_npm = (sp_real)3};
+    const struct {
+        double x, most_j;
+    } cases[] = {{-9, 1}, {-4, 1}, {-3, 6}, {-2, 17}, {0, 57}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        CHECK((double)sp_energy_most(&other, (sp_real)cases[i].x) == cases[i].most_j);
+    }
+}
+
+static void pay(const sp_energy_config *how, sp_energy_state *state, double given_n, double x)
+{
+    sp_energy_pay(how, state, (sp_real)given_n, (sp_real)x, (sp_real)1, (sp_real)0);
+}
+
+static void the_hand_pays_by_the_force_that_was_given(void)
+{
+    sp_energy_state state;
+    sp_energy_restart(&config, &state, (sp_real)0);
+    CHECK(state.left_j == (sp_real)0);
+    pay(&config, &state, 1.5, 2);
+    CHECK(state.left_j == (sp_real)3 && state.position_m == (sp_real)2);
+    pay(&config, &state, 1, 1);
+    CHECK(state.left_j == (sp_real)2);
+    pay(&config, &state, 1, 0.5);
+    CHECK(state.left_j == (sp_real)1); /* of the 1.5 J left, what 0.5 m store */
+    pay(&config, &state, 4, -0.5);
+    CHECK(state.left_j == (sp_real)-3); /* more than was paid: the next press owes it */
+    sp_energy_restart(&config, &state, (sp_real)3);
+    CHECK(state.left_j == (sp_real)6 && state.position_m == (sp_real)3);
+}
+
+static void the_devices_damping_pays_too(void)
+{
+    sp_energy_state state = {.position_m = (sp_real)4};
+    sp_energy_pay(&config, &state, (sp_real)0, (sp_real)6, (sp_real)4, (sp_real)3);
+    CHECK(state.left_j == (sp_real)3);
+}
+
+static void what_cannot_be_paid_is_cut(void)
+{
+    const struct {
+        double left_j, step_m, in, out;
+    } cases[] = {{8, -1, 4, 4},  {8, -1, 5, 4},   {8, -2, 5, 2}, {8, 2, 5, 5},
+                 {0, -1, 5, 0},  {-1, -1, 5, 0},  {-1, 1, 5, 5}, {0, 0, 5, 5},
+                 {8, 2, -5, -2}, {8, -2, -5, -5}, {0, 1, -5, 0}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const sp_energy_state state = {.left_j = (sp_real)cases[i].left_j};
+        int notes = SP_NOTE_RAMPED;
+        const sp_real force_n =
+            sp_energy_limit(&state, (sp_real)cases[i].step_m, (sp_real)cases[i].in, &notes);
+        CHECK((double)force_n == cases[i].out);
+        CHECK(notes == (SP_NOTE_RAMPED | (cases[i].in == cases[i].out ? 0 : SP_NOTE_ENERGY)));
+    }
+}
+
+/* x after each tick, from 0: what is known after it of the step, its change, and the greatest. */
+static void every_four_ticks_a_look_at_the_motion(void)
+{
+    const struct {
+        double x, step_m, bend_m, turn_m, ticks;
+    } cases[] = {{1, 0, 0, 0, 1},     {2, 0, 0, 0, 2},        {3, 0, 0, 0, 3},
+                 {8, 2, 0.5, 0.5, 0}, {8, 2, 0.5, 0.5, 1},    {8, 2, 0.5, 0.5, 2},
+                 {8, 2, 0.5, 0.5, 3}, {12, 1, -0.25, 0.25, 0}};
+    sp_energy_state state = {0};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        pay(&config, &state, 0, cases[i].x);
+        CHECK((double)state.step_m == cases[i].step_m && (double)state.bend_m == cases[i].bend_m);
+        CHECK((double)state.turn_m == cases[i].turn_m && (double)state.ticks == cases[i].ticks);
+    }
+    sp_energy_config coarse = config;
+    coarse.slack_m = (sp_real)2;
+    sp_energy_state still = {.ticks = (sp_real)3, .step_m = (sp_real)1};
+    pay(&coarse, &still, 0, 2);
+    CHECK(still.step_m == (sp_real)0 && still.looked_m == (sp_real)2);
+    sp_energy_state later = {.ticks = (sp_real)3};
+    sp_energy_pay(&config, &later, (sp_real)0, (sp_real)8, (sp_real)5, (sp_real)0);
+    CHECK(later.step_m == (sp_real)1 && later.ticks == (sp_real)0);
+}
+
+static void the_force_falls_with_the_square_of_the_depth(void)
+{
+    const struct {
+        double from_m, to_m, share;
+    } cases[] = {{4, 2, 0.25}, {4, 4, 1},  {4, 5, 1},  {4, 0, 0},
+                 {4, -1, 0},   {0, -1, 1}, {-1, -2, 1}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        CHECK((double)sp_energy_share((sp_real)cases[i].from_m, (sp_real)cases[i].to_m) ==
+              cases[i].share);
+    }
+}
+
+static double wait(sp_energy_state *state, double silent, double ticks, double given_n, int *notes)
+{
+    return (double)sp_energy_wait(&config, state, (sp_real)silent, (sp_real)ticks, (sp_real)given_n,
+                                  notes);
+}
+
+static void without_samples_the_tool_is_taken_to_go_on(void)
+{
+    /* Pressing in, and slower: still after two ticks, out by 4 m in the third. */
+    sp_energy_state state = {.left_j = (sp_real)24,
+                             .position_m = (sp_real)8,
+                             .step_m = (sp_real)8,
+                             .bend_m = (sp_real)-4};
+    int notes = 0;
+    CHECK(wait(&state, 0, 2, 4, &notes) == 4.0);
+    CHECK(state.left_j == (sp_real)24 && state.position_m == (sp_real)8);
+    CHECK(wait(&state, 2, 1, 4, &notes) == 1.0);
+    CHECK(state.left_j == (sp_real)8 && state.position_m == (sp_real)4 && notes == 0);
+    /* The sample finds it 2 m further in: what was taken too much is given back. */
+    sp_energy_state found = state;
+    pay(&config, &found, 1, 6);
+    CHECK(found.left_j == (sp_real)10 && found.position_m == (sp_real)6);
+    /* Or it goes on, out of the object. */
+    CHECK(wait(&state, 3, 1, 1, &notes) == 0.0);
+    CHECK(state.left_j == (sp_real)0 && state.position_m == (sp_real)-4);
+}
+
+static void a_hand_turns_as_fast_as_it_did(void)
+{
+    sp_energy_state state = {.left_j = (sp_real)26, .position_m = (sp_real)8, .turn_m = (sp_real)2};
+    int notes = 0;
+    /* 1.5 times 2 m, then twice that: the mean step is 0, and the depth's share 1. */
+    CHECK(wait(&state, 0, 1, 2, &notes) == 2.0);
+    CHECK(state.left_j == (sp_real)20 && state.position_m == (sp_real)5 && notes == 0);
+    /* 2 N for 6 m leave 8 J: 6 m more may take 4 J. */
+    CHECK(fabs(wait(&state, 1, 1, 2, &notes) - 2.0 / 3.0) < 1e-6 && notes == SP_NOTE_ENERGY);
+    CHECK(state.left_j == (sp_real)8 && state.position_m == (sp_real)-1);
+    sp_energy_state pulling = {
+        .left_j = (sp_real)20, .position_m = (sp_real)8, .turn_m = (sp_real)2};
+    (void)wait(&pulling, 0, 1, -4, &notes);
+    CHECK(pulling.position_m == (sp_real)11 && pulling.left_j == (sp_real)8);
+}
+
+static void steps_of_the_encoder_are_no_motion(void)
+{
+    sp_energy_config coarse = config;
+    coarse.slack_m = (sp_real)1;
+    sp_energy_state state = {.left_j = (sp_real)4, .position_m = (sp_real)4};
+    for (int i = 0; i < 10; i++) {
+        const sp_real x = (sp_real)(i % 2 ? 3 : 5);
+        sp_energy_pay(&coarse, &state, (sp_real)1, x, (sp_real)1, (sp_real)0);
+        CHECK(state.left_j == (sp_real)4 && state.position_m == (sp_real)4);
+    }
+    pay(&coarse, &state, 1, 2.5);
+    CHECK(state.left_j == (sp_real)2.5 && state.position_m == (sp_real)2.5);
+}
+
+static void parts_of_a_tick_are_counted_to_the_nearest(void)
+{
+    const double ticks[] = {0.3, 0.5, 1.4, 1.6};
+    const double ways_m[] = {0, 1, 1, 2};
+    for (unsigned i = 0; i < sizeof ticks / sizeof ticks[0]; i++) {
+        sp_energy_state state = {.left_j = (sp_real)1e3, .step_m = (sp_real)-1};
+        int notes = 0;
+        (void)wait(&state, 0, ticks[i], 1, &notes);
+        CHECK((double)state.position_m == -ways_m[i]);
+    }
+}
+
+int main(void)
+{
+    the_most_is_a_parabola_from_a_depth_on();
+    the_hand_pays_by_the_force_that_was_given();
+    the_devices_damping_pays_too();
+    what_cannot_be_paid_is_cut();
+    every_four_ticks_a_look_at_the_motion();
+    the_force_falls_with_the_square_of_the_depth();
+    without_samples_the_tool_is_taken_to_go_on();
+    a_hand_turns_as_fast_as_it_did();
+    steps_of_the_encoder_are_no_motion();
+    parts_of_a_tick_are_counted_to_the_nearest();
+    return failed;
+}

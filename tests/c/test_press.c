@@ -1,0 +1,75 @@
+/* The force control of a press: bounded both ways, whatever is measured, commanded or lost; nothing
+ * after its end but a brake, outwards and short. */
+#include "../../runtime_c/port/posix/sp_press.c"
+
+#include "check.h"
+
+enum { ROUNDS = 3000, TICKS = 400 };
+
+static uint32_t seed;
+
+/* From -1 to 1. */
+static double any(void)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (double)(seed >> 8) / 8388608.0 - 1.0;
+}
+
+static double any_or_none(double scale)
+{
+    const double what = any();
+    return what > 0.97 ? (double)NAN : what > 0.95 ? 1e300 : scale * any();
+}
+
+static void a_force_is_within_its_bounds_both_ways(void)
+{
+    double command_n[TICKS];
+    int pulls = 0, pushes = 0;
+    for (uint32_t round = 0; round < ROUNDS; round++) {
+        seed = round;
+        const double most_n = 1.0 + 9.0 * fabs(any());
+        sp_press press = {.command_n = command_n,
+                          .n = TICKS,
+                          .dt_s = 1e-3,
+                          .max_force_n = most_n,
+                          .p_gain = 20.0 * fabs(any()),
+                          .d_gain_s = 0.1 * fabs(any()),
+                          .d_time_s = 1.5e-3,
+                          .mass_kg = any() > 0.0 ? 0.3 : 0.0,
+                          .damping_nspm = 50.0 * fabs(any()),
+                          .pole = 0.55,
+                          .resistance_share = 0.01,
+                          .sensor_late = 5,
+                          .watchdog_s = 0.02,
+                          .latched_note = 32,
+                          .max_mps = any() > 0.0 ? 0.4 : 0.0};
+        double brakes_s = 0.0;
+        for (int k = 0; k < TICKS; k++) {
+            command_n[k] = 3.0 * most_n * any();
+        }
+        for (int k = 0; k < TICKS; k++) {
+            double force_n = 99.0;
+            const double scale_m = 1e-3 * (double)(round % 20);
+            press.measured_n = any_or_none(30.0);
+            const int latched = press.latched;
+            const int notes = any() > -0.9
+                                  ? sp_press_step(&press, any_or_none(scale_m), 0.0, &force_n)
+                                  : sp_press_idle(&press, 1e-3, &force_n);
+            CHECK(fabs(force_n) <= most_n);
+            CHECK(notes == (press.latched ? 32 : 0) && press.latched >= latched);
+            CHECK(!press.latched || force_n >= 0.0);
+            CHECK(!press.latched || press.fault == SP_PRESS_FAST || force_n == 0.0);
+            brakes_s += press.latched && force_n != 0.0 ? 1e-3 : 0.0;
+            pulls += force_n == most_n && !press.latched;
+            pushes += force_n == -most_n;
+        }
+        CHECK(brakes_s <= 0.0501);
+    }
+    CHECK(pulls > ROUNDS && pushes > ROUNDS);
+}
+
+int main(void)
+{
+    a_force_is_within_its_bounds_both_ways();
+    return failed;
+}

@@ -1,0 +1,106 @@
+"""Formulas of the coupling's choice and of the linear loop, each derived a second time here."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.signal import cont2discrete
+
+from springpot.codegen.coupling.auto import GAIN_MARGIN, choose_coupling
+from springpot.codegen.coupling.gains import couple_config
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, LinearLoop
+from springpot.codegen.coupling.loop_device import LoopDevice
+from springpot.codegen.reference.tick import Coupled
+from springpot.codegen.scene import Coupling
+
+OFF = Coupling(mode="off")
+LIGHT_DEVICE = LoopDevice(0.05, 0.5)
+DAMPING_RATIOS = (0.6, 1.0, 1.6)  # that `auto` tries
+
+
+@pytest.mark.parametrize("stiffness_npm", [8e3, 2e4, 5e4])
+def test_a_softened_proxy_keeps_its_damping_ratio(stiffness_npm: float) -> None:
+    """Two digits of stiffness and damping move it by 5 % and half of 5 %, at most."""
+    proxy = choose_coupling(stiffness_npm, 1e-3, LoopDevice(), 1.0, Coupling()).coupling
+    critical_nspm = 2.0 * np.sqrt(proxy.stiffness_npm * proxy.mass_kg)
+    nearest = min(abs(proxy.damping_nspm / critical_nspm / ratio - 1.0) for ratio in DAMPING_RATIOS)
+    assert nearest < 0.075
+    assert 1.0 - np.sqrt(GAIN_MARGIN) > 0.1  # so that another power of the share is seen
+
+
+@pytest.mark.parametrize("device", [LoopDevice(), LIGHT_DEVICE, LoopDevice(delay_samples=2)])
+@pytest.mark.parametrize("coupling", [OFF, Coupling("tool", 4000.0, 10.0, 0.05)])
+def test_a_limit_is_stable_and_little_more_is_not(device: LoopDevice, coupling: Coupling) -> None:
+    for hand in HAND_MODELS:
+        loop = LinearLoop(1e-3, coupling, hand, device)
+        limit_npm = loop.max_stiffness_npm()
+        softer = np.geomspace(1.0, limit_npm, 300)
+        assert np.all(loop.spectral_radius(softer) < 1.0)
+        assert loop.spectral_radius(1.002 * limit_npm)[0] >= 1.0
+
+
+def test_limits_that_are_beyond_the_search_are_its_ends() -> None:
+    held = LinearLoop(1e-5, OFF, replace(DESIGN_HAND, damping_nspm=1e4))
+    assert held.max_stiffness_npm() == 1e7
+    never = LinearLoop(1e-3, OFF, replace(DESIGN_HAND, damping_nspm=-50.0))
+    assert never.max_stiffness_npm() == 0.0
+
+
+def ticked(state: np.ndarray, coupling: Coupling, stiffness_npm: float) -> np.ndarray:
+    """One tick of 1 ms: matrix exponential, scipy's filter, the reference's coupling.
+
+    state: position, velocity, position and velocity that were seen before, the proxy's two.
+    """
+    dt_s, hand, device = 1e-3, DESIGN_HAND, LoopDevice()
+    mass_kg = hand.mass_kg + device.mass_kg
+    damping = hand.damping_nspm + device.viscous_nspm
+    system = np.zeros((3, 3))
+    system[0, 1] = 1.0
+    system[1] = [-hand.stiffness_npm / mass_kg, -damping / mass_kg, -1.0 / mass_kg]
+    low_pass = [1.0], [0.004, 1.0]  # 4 ms, by backward Euler
+    numerator, denominator, _ = cont2discrete(low_pass, dt_s, method="backward_diff")
+    x, v, before, v_before, *proxy = state
+    v_held = -denominator[1] * v_before + numerator.sum() * (x - before) / dt_s
+    couple = Coupled(couple_config(coupling, dt_s, np.float64))
+    couple.proxy = (proxy[0], proxy[1])
+    force = couple.force(x, v_held, stiffness_npm * (proxy[0] if coupling.mode == "proxy" else x))
+    moved = expm(system * dt_s)[:2] @ [x, v, force]
+    return np.array([*moved, x, v_held, *couple.proxy])
+
+
+@pytest.mark.parametrize(
+    ("coupling", "stiffness_npm"),
+    [(Coupling("tool", 4000.0, 20.0, 0.05), 6000.0), (Coupling("tool", 4000.0, 20.0, 0.05), 3e4),
+     (Coupling("proxy", 30_000.0, 40.0, 0.05), 4e4), (Coupling("proxy", 9000.0, 60.0, 0.02), 2e4)],
+)  # fmt: skip
+def test_the_radius_is_that_of_a_loop_put_together_otherwise(
+    coupling: Coupling, stiffness_npm: float
+) -> None:
+    columns = [ticked(unit, coupling, stiffness_npm) for unit in np.eye(6)]
+    truth = np.abs(np.linalg.eigvals(np.stack(columns, axis=1))).max()
+    loop = LinearLoop(1e-3, coupling, DESIGN_HAND)
+    assert loop.spectral_radius(stiffness_npm)[0] == pytest.approx(truth, abs=1e-9)
+
+
+def test_a_limit_is_finer_than_the_grid_that_finds_it() -> None:
+    """Limits of devices that differ little differ: they are no steps of a grid of 4 %."""
+    limits = [
+        LinearLoop(
+            1e-3, OFF, DESIGN_HAND, LoopDevice(viscous_nspm=4.0 + 0.02 * i)
+        ).max_stiffness_npm()
+        for i in range(4)
+    ]
+    assert all(one < other < 1.01 * one for one, other in pairwise(limits))
+
+
+@pytest.mark.parametrize("stiffness_npm", [2000.0, 3000.0, 3500.0, 5000.0])
+def test_a_choice_says_which_hand_it_does_not_count(stiffness_npm: float) -> None:
+    """A held spring in ticks takes b > K (dt/2 + delay) of damping, of hand and device."""
+    light, device = HAND_MODELS[2], LoopDevice()
+    rough_npm = (light.damping_nspm + device.viscous_nspm) / 1.5e-3
+    choice = choose_coupling(stiffness_npm, 1e-3, device, 1.0, Coupling())
+    assert choice.coupling.mode == "off"
+    said = "not counted: the light hand one sample later, up to 4.02 N/mm" in choice.why
+    assert said is (1.25 * stiffness_npm > 1.01 * rough_npm)

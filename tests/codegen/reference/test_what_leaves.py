@@ -1,0 +1,128 @@
+"""What a hand is owed of every call: bounds, growth, no rise unseen, silence that ends in zero."""
+
+import os
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from support.c import golden_forces
+from support.paths import C_TESTS
+from support.small import scene
+
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.scene import Guard
+from springpot.host.native.c_library import CLibrary
+from springpot.host.native.compiler import shared_library
+from springpot.host.native.replay import Replay
+from springpot.host.native.trial_build import built
+from springpot.runtime_c.paths import INCLUDE
+
+CALLS = 100_000_000 if os.environ.get("SPRINGPOT_SOAK") else 1_000_000
+DECLARATIONS = """
+typedef struct {
+    void *step, *step_dt, *idle, *reset, *state;
+    double dt_s, depth_m, watchdog_s;
+    double min_n, max_n, slew_n;
+    int32_t surface;
+} hostile_scene;
+typedef struct {
+    uint64_t not_allowed, grown, risen, in_air, still_latched, silent_on;
+    uint64_t latches, calls_held, pressed;
+} hostile_found;
+void hostile(const hostile_scene *scene, uint64_t calls, uint64_t seed, hostile_found *found);
+"""
+BROKEN = ("not_allowed", "grown", "risen", "in_air", "still_latched", "silent_on")
+
+
+@cache
+def harness(real: str) -> CLibrary:
+    file = shared_library([C_TESTS / "hostile_harness.c"], [INCLUDE, INCLUDE / real])
+    return CLibrary(file, DECLARATIONS)
+
+
+def found_in(
+    name: str, mode: str, number: str = "float32", contact: str = "surface",
+    energy: str = "account", smoothing_s: float = 0.0, velocity: str = "estimate",
+) -> dict[str, int]:  # fmt: skip
+    """Counts of hostile_found over CALLS calls of one scene."""
+    chosen = scene(number=number, mode=mode, smoothing_s=smoothing_s)
+    chosen = replace(
+        chosen, guard=Guard(energy=energy), device=replace(chosen.device, velocity=velocity)
+    )
+    plan = make_plan(replace(golden_forces.model(name), contact=contact), chosen)
+    tool = harness("float" if number == "float32" else "double")
+    found = tool.ffi.new("hostile_found *")
+    with built(plan) as library:
+        state = library.new_state()
+        told = tool.ffi.new("hostile_scene *")
+        for call in ("step", "idle", "reset", *(("step_dt",) if plan.any_rate else ())):
+            setattr(told, call, tool.ffi.cast("void *", library.address(call)))
+        told.state = tool.ffi.cast("void *", state.address)
+        told.dt_s, told.depth_m = plan.dt_s, plan.model.trained.max_m
+        told.watchdog_s, told.surface = plan.watchdog_s, plan.contact
+        told.min_n, told.max_n = float(plan.output.min_n), float(plan.output.max_n)
+        told.slew_n = float(plan.output.slew_n)
+        tool.c.hostile(told, CALLS, 3, found)
+    return {member: getattr(found, member) for member, _ in tool.ffi.typeof("hostile_found").fields}
+
+
+def holds(**options: str | float) -> None:
+    found = found_in(**options)  # type: ignore[arg-type]
+    assert not any(found[name] for name in BROKEN), found
+    # The calls visited what the laws are about.
+    assert found["pressed"] > 0.1 * CALLS and found["calls_held"] > 0.02 * CALLS
+    assert found["latches"] > 20
+
+
+@pytest.mark.parametrize("mode", ["off", "tool", "proxy"])
+def test_no_call_breaks_what_a_hand_is_owed(mode: str) -> None:
+    holds(name="hammerstein", mode=mode)
+
+
+@pytest.mark.parametrize("energy", ["note", "off"])
+def test_nor_without_the_account_of_energy(energy: str) -> None:
+    holds(name="hammerstein", mode="off", energy=energy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ["float32", "float64"])
+@pytest.mark.parametrize("mode", ["off", "tool", "proxy"])
+@pytest.mark.parametrize("name", golden_forces.models())
+def test_no_kind_coupling_or_number_breaks_it(name: str, mode: str, number: str) -> None:
+    holds(name=name, mode=mode, number=number)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "mode", "contact", "smoothing_s", "velocity"),
+    [
+        ("rbf-pv", "proxy", "always", 0.0, "device"),
+        ("hybrid", "tool", "always", 8e-4, "estimate"),
+        ("hammerstein", "off", "surface", 0.02, "estimate"),
+        ("rf-fd", "proxy", "surface", 0.0, "device"),
+    ],
+)
+def test_nor_what_few_scenes_have(
+    name: str, mode: str, contact: str, smoothing_s: float, velocity: str
+) -> None:
+    holds(name=name, mode=mode, contact=contact, smoothing_s=smoothing_s, velocity=velocity)
+
+
+@pytest.mark.parametrize("mode", ["off", "proxy"])
+def test_a_source_that_misses_every_third_sample_ends_within_a_tenth_of_a_second(mode: str) -> None:
+    """What a drive sends for an estimate that is not valid is 0.0: the surface itself."""
+    plan = make_plan(golden_forces.model("hammerstein"), scene(mode=mode))
+    depth_m = 0.8 * plan.model.trained.max_m
+    position_m = depth_m * np.minimum(np.arange(400) / 300, 1.0)
+    position_m[300::3] = 0.0
+    with built(plan) as library:
+        force_n, notes = Replay(library).run(
+            position_m.astype(plan.dtype), np.zeros(400, plan.dtype)
+        )
+    ended = int(np.flatnonzero(notes & LATCHED)[0])
+    assert 300 < ended <= 400
+    rises_n = np.diff(force_n[300:])
+    assert rises_n.max() <= plan.output.slew_n
+    assert not force_n[ended + 10 :].any()

@@ -1,0 +1,68 @@
+"""A coupling that leaves little of the object is said, with what leaves more."""
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from support.small import scene
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.model import Model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import Coupling, Device, Runtime, Scene
+from springpot.host.emission.felt import FELT_SHARE, felt_notices
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.recording import Recording
+
+
+@cache
+def fitted(kind: str, rate_hz: float, stiff: float = 1.0) -> Model:
+    """A model of an object of 12 N/mm at most, pressed by 5 mm at some rate."""
+    presses = []
+    for hz in (0.25, 0.5, 1.0):
+        position_m = 2.5e-3 * (1 - np.cos(2 * np.pi * hz * np.arange(0, 4 / hz, 1 / rate_hz)))
+        force_n = stiff * 38.6 * (position_m / 5e-3) ** 1.6
+        presses.append(Recording(f"{hz}", position_m, force_n, 1 / rate_hz))
+    return fit_model(kind, "x", presses, FitOptions(trees=2, smooth_s=0.0, n_centers=9)).model
+
+
+def with_rate(rate_hz: float | None, mode: str = "auto") -> Scene:
+    return replace(scene(mode=mode), runtime=Runtime(number="float32", rate_hz=rate_hz))
+
+
+@pytest.mark.parametrize("stiff", [0.5, 1.0, 2.5])
+def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
+    model = fitted("hammerstein", 200.0, stiff)
+    (notice,) = felt_notices(make_plan(model, with_rate(None)))
+    named = re.search(r"rate_hz = (\d+) gives ([\d.]+) N/mm", notice)
+    assert named is not None, notice
+    plan = make_plan(model, with_rate(float(named[1])))
+    assert f"{1e-3 * plan.coupling.felt_npm:.3g}" == named[2]
+    assert plan.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm
+    assert felt_notices(plan) == []
+
+
+def test_a_kind_of_one_rate_and_a_late_device_have_other_remedies() -> None:
+    (notice,) = felt_notices(make_plan(fitted("rbf-pv", 200.0), with_rate(None)))
+    assert "record at a higher rate" in notice
+    late = replace(with_rate(8000.0), device=Device(delay_s=0.001))
+    (notice,) = felt_notices(make_plan(fitted("hammerstein", 200.0), late))
+    assert "8 samples late" in notice
+    assert "a device of less delay" in notice
+
+
+def test_a_stated_coupling_is_measured_too() -> None:
+    soft = replace(with_rate(1000.0), coupling=Coupling("proxy", 500.0, 5.0, 0.05))
+    (notice,) = felt_notices(make_plan(fitted("hammerstein", 200.0), soft))
+    assert "the scene states that coupling" in notice
+    assert felt_notices(make_plan(fitted("hammerstein", 200.0), with_rate(1000.0, "off"))) == []
+
+
+def test_a_slow_recording_renders_at_a_rate_of_its_scene() -> None:
+    slow = fitted("hammerstein", 5.0)
+    assert make_plan(slow, with_rate(1000.0)).dt_s == 1e-3
+    with pytest.raises(UsageError, match="rate_hz = 1000, at which it is as exact"):
+        make_plan(slow, with_rate(None))

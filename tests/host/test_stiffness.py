@@ -1,0 +1,61 @@
+"""The error of the stiffness: right on objects with a known slope, whatever the noise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.small import DT_S, press
+
+from springpot.host.stiffness import slope_errors, slope_keys, slope_words
+from springpot.trainer.recordings.recording import Recording
+
+DEPTH_M = press(0.5, cycles=3)
+FORCE_N = 200.0 * DEPTH_M + 3e4 * DEPTH_M**2
+
+
+def recorded(noise_n: float = 0.0, seed: int = 1) -> Recording:
+    noise = np.random.default_rng(seed).normal(0.0, noise_n, len(DEPTH_M))
+    return Recording("x", DEPTH_M, FORCE_N + noise, DT_S)
+
+
+@pytest.mark.parametrize("noise_n", [0.0, 0.003, 0.03])
+def test_a_force_that_is_a_tenth_too_large_is_a_tenth_too_stiff(noise_n: float) -> None:
+    found = slope_errors([recorded(noise_n)], [1.1 * FORCE_N])
+    assert found is not None
+    assert found.median_percent == pytest.approx(10.0, abs=3.0 * found.floor_percent + 1e-6)
+    assert found.floor_percent <= 3.0
+    assert found.windows >= 3 * (16 if noise_n < 0.01 else 2)
+
+
+def test_the_floor_is_the_error_of_what_is_right() -> None:
+    found = [slope_errors([recorded(0.02, seed)], [FORCE_N]) for seed in range(20)]
+    ratios = [each.median_percent / each.floor_percent for each in found if each is not None]
+    assert len(ratios) == 20
+    # The median size of an error is 0.67 of its standard deviation.
+    assert np.mean(ratios) == pytest.approx(0.67, rel=0.15)
+
+
+def test_steps_in_the_slope_show_and_an_offset_does_not() -> None:
+    edges_m = np.linspace(0.0, DEPTH_M.max(), 9)
+    straight = np.interp(DEPTH_M, edges_m, 200.0 * edges_m + 3e4 * edges_m**2)
+    offset, stepped = (slope_errors([recorded()], [n]) for n in (FORCE_N + 0.1, straight))
+    assert offset is not None and stepped is not None
+    assert offset.p95_percent < 1e-6
+    assert 2.0 < stepped.median_percent < stepped.p95_percent
+
+
+def test_the_ramp_at_the_start_is_no_error() -> None:
+    ramped = FORCE_N * np.minimum(np.arange(len(FORCE_N)) / 500.0, 1.0)
+    counted, not_counted = (slope_errors([recorded()], [ramped], ramps) for ramps in (None, [500]))
+    assert counted is not None and not_counted is not None
+    assert counted.p95_percent > 10.0
+    assert not_counted.p95_percent < 1e-6
+    assert 0 < not_counted.windows <= counted.windows
+
+
+def test_noise_that_hides_every_slope_is_said() -> None:
+    assert slope_errors([recorded(50.0)], [FORCE_N]) is None
+    assert slope_errors([replace(recorded(), position_m=np.zeros_like(DEPTH_M))], [FORCE_N]) is None
+    keys = slope_keys(None)
+    assert set(keys.values()) == {None}
+    assert slope_words(keys).startswith("not known")

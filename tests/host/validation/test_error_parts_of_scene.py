@@ -1,0 +1,57 @@
+"""The error of a scene in its parts: the model's own, and what renders it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.small import scene, training
+
+from springpot.codegen.model.model_file import write_model
+from springpot.codegen.scene import Coupling
+from springpot.host.commands.scenes.validate import validation_rows
+from springpot.host.emission.emission import emit
+from springpot.host.metrics import rms
+from springpot.host.validation.validation import Validation, validate
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.limited import limited_n
+
+
+def validated(folder: Path, mode: str, details: dict[str, object] | None = None) -> Validation:
+    """A passive model behind a coupling, replayed on shallower presses than its training."""
+    recordings = [replace(item, details=details or {}) for item in training()[:3]]
+    accepted = [replace(item, details=details or {}) for item in training()[4:8]]
+    model = fit_model("hammerstein", "x", accepted, FitOptions()).model
+    write_model(folder / "m.spm", model)
+    chosen = scene(mode=mode)
+    if mode == "proxy":
+        chosen = replace(chosen, coupling=Coupling("proxy", 500.0, 5.0, 0.05))
+    emit(chosen, folder / "m.spm", folder / "c")
+    found = validate(folder / "c", recordings, paced_s=0.0)
+    errors = [limited_n(model, item) - item.force_n for item in recordings]
+    assert found.model_rmse_n == pytest.approx(rms(np.concatenate(errors)), rel=1e-9)
+    return found
+
+
+def test_a_bare_scene_is_its_model(tmp_path: Path) -> None:
+    found = validated(tmp_path, "off")
+    assert found.model_rmse_n is not None
+    assert found.rendering_n is not None
+    assert found.rendering_n < found.model_rmse_n
+    assert found.accuracy.rmse_n == pytest.approx(found.model_rmse_n, rel=0.1)
+    rows = validation_rows(found)
+    assert "the hand feels" not in rows["of which the model"]
+    assert "signs" not in rows
+
+
+def test_a_soft_coupling_is_told_from_the_model(tmp_path: Path) -> None:
+    found = validated(tmp_path, "proxy", {"accepted_signs": True})
+    assert found.model_rmse_n is not None
+    assert found.rendering_n is not None
+    assert found.rendering_n > 5.0 * found.model_rmse_n
+    rows = validation_rows(found)
+    assert f"{found.model_rmse_n:.4g} N alone" in rows["of which the model"]
+    felt = 1e-3 * found.manifest["coupling"]["felt_stiffness_npm"]
+    assert f"the hand feels {felt:.3g} N/mm" in rows["of which the model"]
+    assert rows["signs"].startswith("accepted, against the data, of ")

@@ -1,0 +1,164 @@
+"""Files as machines of other trades write them: understood, or one line that says what they are."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.small import press, soft_force, training
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.formats.column_map import guess_column
+from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.formats.specimen import Specimen
+from springpot.trainer.recordings.recording import Recording
+
+POSITION_M = press(1.0)
+FORCE_N = soft_force(POSITION_M)
+GF_N = 9.80665e-3
+
+
+def table(header: str, scales: tuple[float, ...], order: str = "txf", end: str = "") -> str:
+    """A header, and rows of time, position and force, each divided by the scale of its unit."""
+    time_s = np.arange(len(FORCE_N)) / 1000.0
+    of = dict(zip("txf", (time_s, POSITION_M, FORCE_N), strict=True))
+    columns = [of[name] / scale for name, scale in zip(order, scales, strict=True)]
+    rows = [",".join(f"{value:.9g}" for value in row) + end for row in zip(*columns, strict=True)]
+    return "\n".join([header, *rows]) + "\n"
+
+
+def german(text: str) -> str:
+    return text.replace(",", ";").replace(".", ",")
+
+
+EXPORTS = {
+    "a texture analyser": table("Force (g),Distance (mm),Time (sec)", (GF_N, 1e-3, 1.0), "fxt"),
+    "a key tester": table("Time (s),Travel (mm),Force (grams)", (1.0, 1e-3, GF_N)),
+    "a German tester": german(table("Prüfzeit,Standardweg,Standardkraft\ns,mm,N", (1, 1e-3, 1.0))),
+    "a German logger": german(table("Zeit (s),Weg (mm),Kraft (mN)", (1.0, 1e-3, 1e-3))),
+    "a comma at each row's end": table("time_s,position_mm,force_N", (1.0, 1e-3, 1.0), end=","),
+    "a comma at the header's end": table("time_s,position_mm,force_N,", (1.0, 1e-3, 1.0)),
+    "a comma at every line's end": table("time_s,position_mm,force_N,", (1.0, 1e-3, 1.0), end=","),
+    "JSON above the table": '{"rig": "4"}\n' + table("time_s,position_mm,force_N", (1, 1e-3, 1)),
+}
+
+
+@pytest.mark.parametrize("machine", EXPORTS)
+def test_exports_come_in_without_a_map(tmp_path: Path, machine: str) -> None:
+    file = tmp_path / "press.csv"
+    file.write_text(EXPORTS[machine], encoding="utf-8")
+    (found,) = import_file(file, None, "none", None).recordings
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)
+    np.testing.assert_allclose(found.force_n, FORCE_N, rtol=1e-6, atol=1e-6)
+
+
+def test_a_known_word_goes_before_one_of_another_trade() -> None:
+    """Files that came in before come in as before."""
+    assert guess_column(["Time", "Position", "Distance", "Load"], "position") == [1]
+    assert guess_column(["Zeit", "Weg", "Kraft", "Kraft max"], "force") == [2]
+    assert guess_column(["Travel rate", "Gewicht"], "position") == []
+
+
+REFUSED = {
+    "moduli over frequency": (
+        "Frequency (Hz),Storage modulus (kPa),Loss modulus (kPa)\n0.1,10,1\n0.2,11,1.2\n",
+        ("moduli over frequency", "'Storage modulus (kPa)'"),
+    ),
+    "no time": (
+        table("position_mm,force_N", (1e-3, 1.0), "xf"), ("no column of time", "time=RATEHz"),
+    ),
+    "other words": ("a;b;c\n1,5;2;3\n1,6;3;4\n", ("'a', 'b', 'c'", "--map")),
+    "an old workbook": ("\xd0\xcf\x11\xe0", ("Excel", "CSV")),
+    "JSON": ('{"time": [0, 1]}', ("JSON", "CSV")),
+    "RTF": ("{\\rtf1 1,2,3}", ("RTF", "CSV")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_is_no_recording_is_named(tmp_path: Path, what: str) -> None:
+    text, said = REFUSED[what]
+    file = tmp_path / "press.csv"
+    file.write_text(text, encoding="latin-1")
+    with pytest.raises(DataError) as refused:
+        import_file(file, None, "none", None)
+    message = str(refused.value)
+    assert "\n" not in message
+    assert all(part in message for part in (str(file), *said)), message
+
+
+def test_a_folder_is_named_as_one(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="a folder: name its files"):
+        import_file(tmp_path, None, "none", None)
+
+
+def test_a_row_with_too_many_cells_is_still_refused(tmp_path: Path) -> None:
+    file = tmp_path / "press.csv"
+    text = table("time_s,position_mm,force_N", (1.0, 1e-3, 1.0), end=",").splitlines()
+    text[7] += "5"
+    file.write_text("\n".join(text))
+    with pytest.raises(DataError, match="row 8: 4 cells"):
+        import_file(file, None, "none", None)
+
+
+def test_the_default_smoothing_gives_way_to_short_presses() -> None:
+    short = [
+        Recording(item.name, item.position_m[:80], item.force_n[:80], item.dt_s)
+        for item in training()
+    ]
+    fit = fit_model("hammerstein", "x", short, FitOptions())
+    assert fit.model.provenance["smooth_s"] == pytest.approx(0.25 * short[0].duration_s)
+    assert any("smoothed over" in line for line in fit.warnings)
+    with pytest.raises(UsageError, match=r"--smooth-s 0\.03"):
+        fit_model("hammerstein", "x", short, FitOptions(smooth_s=0.03))
+
+
+def even(first_s: float, rows: int = 400) -> str:
+    """A press at 250 Hz with a first row that comes so much before the second."""
+    time_s = np.append(0.0, first_s + 4e-3 * np.arange(rows - 1))
+    position_m = press(1.0)[:rows]
+    lines = [
+        f"{t:.5f},{x * 1e3:.6f},{1e3 * x:.6f}" for t, x in zip(time_s, position_m, strict=True)
+    ]
+    return "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
+
+
+@pytest.mark.parametrize("first_s", [2.08e-3, 0.5e-3, 0.3])
+def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) -> None:
+    """Interpolation onto it would blur every other sample, and lower the noise floor."""
+    file = tmp_path / "press.csv"
+    file.write_text(even(4e-3))
+    whole = import_file(file, None, "none", None).recordings[0]
+    assert "first_row_cut" not in whole.details
+    file.write_text(even(first_s))
+    found = import_file(file, None, "none", None)
+    assert "row 2 comes" in found.guess
+    assert found.guess.endswith("where steps are 0.004 s: cut")
+    np.testing.assert_array_equal(found.recordings[0].force_n, whole.force_n[1:])
+    assert found.recordings[0].dt_s == pytest.approx(4e-3)
+
+
+def test_stress_and_strain_are_of_a_specimen(tmp_path: Path) -> None:
+    """The same press, by force and position, and by stress in MPa and strain in %."""
+    specimen = ImportOptions(specimen=Specimen(area_m2=5e-4, height_m=0.02))
+    file = tmp_path / "press.csv"
+    file.write_text(table("Time (s),Strain,Stress\n(s),(%),(MPa)", (1.0, 2e-4, 500.0)))
+    (found,) = import_file(file, None, "none", None, specimen).recordings
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)
+    np.testing.assert_allclose(found.force_n, FORCE_N, rtol=1e-6, atol=1e-6)
+    file.write_text(table("Time (s),Strain (?),Stress (MPa)", (1.0, 2e-4, 500.0)))
+    with pytest.raises(UsageError, match=r"column 'Strain \(\?\)' has none of the units %, mm/mm"):
+        import_file(file, None, "none", None, specimen)
+    file.write_text(table("Time (s),Position (mm),Force (N)", (1.0, 1e-3, 1.0)))
+    with pytest.raises(UsageError, match="no columns of stress and strain"):
+        import_file(file, None, "none", None, specimen)
+    with pytest.raises(UsageError, match="give both above 0"):
+        Specimen(0.0, 0.02)
+
+
+def test_a_sentence_above_a_table_is_no_header(tmp_path: Path) -> None:
+    file = tmp_path / "press.csv"
+    sentence = "time against position and force\nrun 3 of 5, 0.1 mm a s\n"
+    file.write_text(sentence + table("time_s,position_mm,force_N", (1.0, 1e-3, 1.0)))
+    (found,) = import_file(file, None, "none", None).recordings
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)

@@ -1,0 +1,55 @@
+"""Lines of a CSV file as cells, by each delimiter that may separate them."""
+
+import csv
+from collections.abc import Iterator, Sequence
+
+from springpot.trainer.recordings.formats.csv.decimals import is_comma_number, is_number
+
+DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "space"}
+_MIN_COLUMNS, _MAX_COLUMNS = 2, 1024
+Cells = list[str]
+
+
+def cells(line: str, delimiter: str) -> Cells:
+    """Split one line; quoted cells keep their delimiters. None where one is too long for a cell."""
+    try:
+        rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    except csv.Error:
+        return []
+    return [cell.strip() for cell in rows[0]] if rows else []
+
+
+def split_line(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
+    """Yield each delimiter that may separate the cells of a line, and the cells.
+
+    A space does so only above a row of as many numbers: sentences have spaces, too.
+    """
+    for delimiter in DELIMITERS:
+        row = cells(head[index], delimiter)
+        if not _MIN_COLUMNS <= len(row) <= _MAX_COLUMNS:
+            continue
+        if delimiter == " ":
+            below = cells(head[index + 1], " ") if index + 1 < len(head) else []
+            if len(below) != len(row) or not all(map(is_number_of_either_mark, below)):
+                continue
+        yield delimiter, row
+
+
+def above_numbers(head: Sequence[str]) -> tuple[int, Cells]:
+    """Find a header of other words: a row of words with numbers at most three rows below it."""
+    for index in range(len(head)):
+        for delimiter, row in split_line(head, index):
+            if any(map(is_number_of_either_mark, row)):
+                continue
+            below = (cells(line, delimiter) for line in head[index + 1 : index + 4])
+            if any(
+                len(one) >= len(row) and all(map(is_number_of_either_mark, one[: len(row)]))
+                for one in below
+            ):
+                return index, row
+    return 0, []
+
+
+def is_number_of_either_mark(cell: str) -> bool:
+    """Return whether a cell is a number with a decimal point or a decimal comma."""
+    return is_number(cell) or is_comma_number(cell)
