@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
@@ -28,7 +29,8 @@ class Losses:
 
     growth_n: of |force| in a tick, beyond the slew of each sample that came; above 0 it is a kick.
     error_n: the greatest from RIGHT_S after samples are back, against the same scene that loses
-    none, on the same motion; above_n: how far above that from NOT_ABOVE_S on; allowed_n: of both.
+    none, on the same motion, this tick or the one before or after, for an object may let go of the
+    tool a tick later; above_n: how far above that from NOT_ABOVE_S on; allowed_n: of both.
     unpaid_n: how far below that where the account of energy cuts the force, because the hand paid
     for none while the samples were away; that is meant, and no part of error_n.
     returned_j: energy that a press gave back beyond what it took, and what the device's friction
@@ -82,8 +84,11 @@ def losses_of(plan: Plan, scene: SceneLibrary, lossy: Stroked, clean: Stroked) -
     """Compare strokes that lost samples with those that lost none."""
     trace = lossy.trace
     whole_n = _loss_free(scene, trace)
-    above_n = np.abs(trace.force_n) - np.abs(whole_n)
-    cut = (trace.notes & notes.ENERGY != 0) & plan.energy_acts & (above_n < 0.0)
+    least_n, most_n = _within_a_tick(whole_n)
+    error_n = np.maximum(least_n - trace.force_n, trace.force_n - most_n)
+    weakest_n, strongest_n = _within_a_tick(np.abs(whole_n))
+    below_n, above_n = weakest_n - np.abs(trace.force_n), np.abs(trace.force_n) - strongest_n
+    cut = (trace.notes & notes.ENERGY != 0) & plan.energy_acts & (below_n > 0.0)
     good_s = _good_ticks(lossy.scenario) * plan.dt_s
     late = good_s >= RIGHT_S - 0.5 * plan.dt_s
     later = good_s >= NOT_ABOVE_S - 0.5 * plan.dt_s
@@ -91,10 +96,10 @@ def losses_of(plan: Plan, scene: SceneLibrary, lossy: Stroked, clean: Stroked) -
     returned, clean_returned = (list(_presses_j(plan, item.trace)) for item in (lossy, clean))
     return Losses(
         growth_n=_growth_n(plan, lossy),
-        error_n=float(np.abs(trace.force_n - whole_n)[late & ~cut].max(initial=0.0)),
+        error_n=float(error_n[late & ~cut].max(initial=0.0)),
         above_n=float(above_n[later].max(initial=0.0)),
         allowed_n=max(ERROR_N, ERROR_OF_PEAK * peak_n),
-        unpaid_n=float(-above_n[late & cut].min(initial=0.0)),
+        unpaid_n=float(below_n[late & cut].max(initial=0.0)),
         returned_j=max((-given for given, _ in returned), default=0.0),
         clean_returned_j=max((-given for given, _ in clean_returned), default=0.0),
         stored_j=max((taken for _, taken in clean_returned), default=0.0),
@@ -147,6 +152,12 @@ def _loss_free(scene: SceneLibrary, trace: Trace) -> Samples:
     seen_m = np.where(np.isfinite(trace.seen_m), trace.seen_m, trace.position_m)
     force_n, _ = scene.new_state().run(seen_m, trace.seen_mps)
     return force_n.astype(np.float64)
+
+
+def _within_a_tick(force_n: Samples) -> tuple[Samples, Samples]:
+    """The least and the greatest force of each tick, the one before and the one after it, N."""
+    around_n = sliding_window_view(np.pad(force_n, 1, mode="edge"), 3)
+    return around_n.min(axis=1), around_n.max(axis=1)
 
 
 def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:

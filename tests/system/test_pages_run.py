@@ -79,12 +79,13 @@ def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
     flash, ram, stack, _, bound = table_row("explanation/boards.md", "rf-fd")
     found = re.search(r"flash (\d+) bytes RAM (\d+) bytes and (\d+) of stack", printed)
     assert found, printed
-    # Other versions of the compiler and of scikit-learn may differ by a few bytes and nodes.
+    # Other compilers and scikit-learns differ by a few bytes and nodes; on another processor a
+    # fit's last bits do, and so the lags that it keeps.
     for said, given_bytes in zip((flash, ram, stack), found.groups(), strict=True):
-        assert int(given_bytes) == pytest.approx(int(said), rel=0.02)
+        assert int(given_bytes) == pytest.approx(int(said), rel=0.05)
     told = re.search(r"at most (\d+) a tick", printed)
     assert told
-    assert int(told[1]) == pytest.approx(int(bound), rel=0.02)
+    assert int(told[1]) == pytest.approx(int(bound), rel=0.05)
     printed = " ".join(run_page("how-to/microcontroller.md", tmp_path, "board").split())
     assert "what was felt is what the model says" in printed
 
