@@ -69,7 +69,8 @@ def choose_coupling(
     proxy = _stiffest(radius, 1.0 - DECAY_PER_S * dt_s)
     felt = series(proxy.stiffness_npm, stiffness_npm)
     why = (
-        f"proxy: auto: {found}, pass the bare loop's limit of {_npmm(min(limits))}: "
+        f"proxy: auto: {found}, pass the bare loop's limit of {_npmm(min(limits))} "
+        f"with a margin of {STIFFNESS_MARGIN_OFF:g}: "
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
     )

@@ -11,6 +11,7 @@ from springpot.codegen.plan.units import planned_headers, state_bytes, state_mem
 from springpot.runtime_c.paths import INCLUDE
 
 ABI_VERSION = 1
+_WHOLE_HZ = 1e-6  # a rate nearer to a whole number is one, but for rounding
 
 
 def public_header(plan: Plan) -> str:
@@ -41,11 +42,33 @@ def scene_header(plan: Plan) -> str:
     return (
         f"#ifndef {guard}\n#define {guard}\n\n"
         f'#include <stdint.h>\n\n#include "{prefix}.h"\n#include "sp_real.h"\n{includes}\n\n'
+        f"{scene_numbers(plan)}\n"
         f"/* {plan.scene.name}: what one tick hands to the next. */\n"
         f"struct {prefix}_state {{\n{members}\n}};\n\n"
         "/* Fails where a header of another number type or version was included first. */\n"
         f"typedef char {prefix}_state_is_as_planned"
         f"[sizeof(struct {prefix}_state) == {state_bytes(plan)} ? 1 : -1];\n\n#endif\n"
+    )
+
+
+def scene_numbers(plan: Plan) -> str:
+    """What a caller can hold against its own loop and device: a rate, a depth, a force, bytes."""
+    name = plan.scene.runtime.prefix.upper()
+    rate_hz = 1.0 / plan.dt_s
+    whole = abs(rate_hz - round(rate_hz)) < _WHOLE_HZ
+    numbers = {
+        "RATE_HZ": str(round(rate_hz)) if whole else literal(plan.dtype(rate_hz)),
+        "DT_S": literal(plan.silence.dt_s),
+        "MAX_FORCE_N": literal(plan.output.max_n),
+        "TRAINED_DEPTH_M": literal(plan.range.max_m),
+        "STATE_BYTES": str(state_bytes(plan)),
+    }
+    defines = "".join(f"#define {name}_{key} {value}\n" for key, value in numbers.items())
+    return (
+        "/* A loop can check that the scene was made for it:\n"
+        f" * _Static_assert((int){name}_RATE_HZ == {int(rate_hz + _WHOLE_HZ)}, "
+        '"emit the scene with the rate of this loop"); */\n'
+        f"{defines}"
     )
 
 

@@ -19,7 +19,7 @@ from springpot.codegen.emit.files import (
     stage_tables,
     stamp,
 )
-from springpot.codegen.emit.glue import constants, functions, public_header
+from springpot.codegen.emit.glue import constants, functions, public_header, scene_numbers
 from springpot.codegen.emit.library import arduino_properties, arduino_sketch, platformio_manifest
 from springpot.codegen.emit.project import filled, selftest
 from springpot.codegen.plan.plan import Plan
@@ -163,4 +163,5 @@ def _state(plan: Plan) -> str:
         TYPES="\n\n".join(_state_types(plan)),
         MEMBERS=members,
         BYTES=str(state_bytes(plan)),
+        NUMBERS=scene_numbers(plan),
     )

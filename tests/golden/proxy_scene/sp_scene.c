@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bd65b972eeab3721bb9ecdcd5570baba1a6ad18784fffb3cabfbaff3a5c1a44d */
+/* springpot 0.1.0 e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671 */
 #include <stddef.h>
 #include <string.h>
 
@@ -224,5 +224,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"bd65b972eeab3721bb9ecdcd5570baba1a6ad18784fffb3cabfbaff3a5c1a44d\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }

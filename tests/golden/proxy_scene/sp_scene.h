@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bd65b972eeab3721bb9ecdcd5570baba1a6ad18784fffb3cabfbaff3a5c1a44d */
+/* springpot 0.1.0 e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -20,6 +20,14 @@
 #include "sp_couple.h"
 #include "sp_energy.h"
 #include "sp_output.h"
+
+/* A loop can check that the scene was made for it:
+ * _Static_assert((int)SP_RATE_HZ == 1000, "emit the scene with the rate of this loop"); */
+#define SP_RATE_HZ 1000
+#define SP_DT_S 0.001f
+#define SP_MAX_FORCE_N 10.955592f
+#define SP_TRAINED_DEPTH_M 0.011998461f
+#define SP_STATE_BYTES 132
 
 /* proxy: what one tick hands to the next. */
 struct sp_state {

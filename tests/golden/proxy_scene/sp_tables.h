@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bd65b972eeab3721bb9ecdcd5570baba1a6ad18784fffb3cabfbaff3a5c1a44d */
+/* springpot 0.1.0 e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

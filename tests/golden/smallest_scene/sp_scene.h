@@ -1,4 +1,4 @@
-/* springpot 0.1.0 2b4902213c66541a3fc851712d4aec7bd1ebb90ec5ada6b9809c33e98519c489 */
+/* springpot 0.1.0 741a3e9c8d3dc53af01a3a688d0e909ec277ef69af5476b3802f3a08d37cae08 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -19,6 +19,14 @@
 #include "sp_contact.h"
 #include "sp_energy.h"
 #include "sp_output.h"
+
+/* A loop can check that the scene was made for it:
+ * _Static_assert((int)SP_RATE_HZ == 1000, "emit the scene with the rate of this loop"); */
+#define SP_RATE_HZ 1000
+#define SP_DT_S 0.001f
+#define SP_MAX_FORCE_N 12.0f
+#define SP_TRAINED_DEPTH_M 0.01f
+#define SP_STATE_BYTES 208
 
 /* smallest: what one tick hands to the next. */
 struct sp_state {

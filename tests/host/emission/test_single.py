@@ -18,7 +18,7 @@ from support.small import model_file, press, recording, scene
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import planned_headers, state_bytes
+from springpot.codegen.plan.units import planned_headers
 from springpot.host.boards.boards import default_board
 from springpot.host.boards.firmware import build_firmware
 from springpot.host.emission.emission import emit
@@ -271,9 +271,29 @@ def test_one_form_replaces_the_other(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["hash"] == manifest["hash"]
 
 
+def test_the_header_says_the_scene_s_numbers(tmp_path: Path) -> None:
+    plan = hammerstein()
+    source = write_single(plan, tmp_path)
+    main = tmp_path / "main.c"
+    main.write_text(
+        '#include <stdio.h>\n#include "soft.h"\n'
+        '_Static_assert((int)SOFT_RATE_HZ == RATE, "emit the scene with the rate of this loop");\n'
+        'int main(void) { printf("%d %.9g %.9g %.9g %d", (int)SOFT_RATE_HZ, (double)SOFT_DT_S,'
+        " (double)SOFT_MAX_FORCE_N, (double)SOFT_TRAINED_DEPTH_M,"
+        " SOFT_STATE_BYTES == sizeof(soft_state)); return 0; }\n"
+    )
+    done = compiled(tmp_path / "main", "gcc", *WARNINGS, "-DRATE=1000", main, source)
+    assert done.returncode == 0, done.stderr
+    printed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    depth_m = plan.model.trained.max_m
+    told = [round(1.0 / plan.dt_s), plan.dt_s, float(plan.output.max_n), depth_m, 1]
+    assert list(map(float, printed.split())) == pytest.approx(told)
+    slower = compiled(tmp_path / "main", "gcc", "-DRATE=90", main, source)
+    assert "emit the scene with the rate of this loop" in slower.stderr
+
+
 def test_the_state_is_as_large_as_planned(tmp_path: Path) -> None:
-    source = write_single(hammerstein(), tmp_path)
-    assert f"== {state_bytes(hammerstein())} ?" in source.with_suffix(".h").read_text()
-    header = source.with_suffix(".h")
+    header = write_single(hammerstein(), tmp_path).with_suffix(".h")
     header.write_text(header.read_text().replace("float smoothed_n;", "double smoothed_n;"))
+    source = header.with_suffix(".c")
     assert "soft_state_is_as_planned" in compiled(tmp_path / "x.o", "gcc", "-c", source).stderr
