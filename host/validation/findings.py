@@ -41,8 +41,8 @@ def accuracy_findings(
     else:
         grade = Grade.GOOD if share >= _MOSTLY else Grade.LOOK if share >= 0.5 else Grade.BAD
         words += (
-            f"; {100 * share:.1f} % of samples above {SCORED_ABOVE_N:g} N are nearer than a hand "
-            "can tell"
+            f"; {100 * share:.1f} % of samples above {SCORED_ABOVE_N:g} N differ by less "
+            "than a hand can notice"
         )
     words += f"; {_ratio_words(result)}"
     worst = max(speeds, key=lambda item: item.rmse_n)
