@@ -7,6 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from support.browser import CHROMIUM
+from support.driven_browser import driven_browser
+from support.in_process import spring
+from support.pages.job import small_job
 from support.paths import ROOT
 
 sys.path.append(str(ROOT / "docs" / "_ext"))
@@ -55,6 +59,36 @@ def test_it_fetches_nothing_and_every_page_is_reached(pages: Path) -> None:
         if "reliability/" not in str(page)
     }
     assert written <= made
+
+
+WIDTHS = (400, 1024, 1100, 1199, 1366, 1440, 1600)  # px, each side of where the theme changes
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+def test_no_page_is_wider_than_the_window(
+    pages: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither of the site, nor what people get: report, stability, and the page to press."""
+    small_job(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    for command in (
+        "emit --scene scene.toml --out c",
+        "validate c --recording validation",
+        "report c",
+        "stability --scene scene.toml --report stability.html",
+    ):
+        done = spring(*command.split())
+        assert done.returncode == 0, done.stderr
+    made = [tmp_path / "c" / "report.html", tmp_path / "stability.html"]
+    shown = [*made, *(page for page in pages.rglob("*.html") if "_static" not in page.parts)]
+    with driven_browser(tmp_path) as browser:
+        for page in shown:
+            for width in WIDTHS:
+                browser.open(page.as_uri(), width)
+                browser.until("document.readyState === 'complete'")
+                wide = browser.value("document.documentElement.scrollWidth")
+                assert wide <= width, f"{page.name} at {width} px"
 
 
 # What is done to a copy of docs/, and a part of what the build has to say.
