@@ -65,11 +65,12 @@ addEventListener("load", async () => {
   }
   if (how.keys !== undefined) await press_with_keys(how.keys);
   else await press_with_pointer(how.path ?? there_and_back);
-  const vibration = words("vibration");
+  const vibration = words("vibration"), state = words("notes");
   await wait(how.wait_ms ?? 600);
-  const found = { errors, vibration, csv: await downloaded() };
+  const found = { errors, vibration, state, csv: await downloaded() };
   for (const id of ["verdict", "limit", "device", "proof", "broken", "object-name", "error", "notes", "said"])
     found[id] = words(id);
+  found.tick = element("tick").textContent;
   found.valuetext = element("object").getAttribute("aria-valuetext");
   found.fetched = performance.getEntriesByType("resource").map((one) => one.name);
   document.body.dataset.found = JSON.stringify(found);

@@ -72,6 +72,7 @@ def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
         "hands": packed(json.dumps(hands_entry(plan)).encode()),
         "wasm": packed(module),
         "wasm_bytes": len(module),
+        "tick": _tick_of(folder, plan),
         "recording": _recording(folder, plan),
     }
 
@@ -109,6 +110,15 @@ def packed(content: bytes) -> str:
 def module_of(text: str) -> bytes:
     """Return the module that `packed` made a text of."""
     return zlib.decompress(base64.b64decode(text))
+
+
+def _tick_of(folder: Path, plan: Plan) -> str:
+    """Return the C function of one tick, as it was emitted."""
+    prefix = plan.scene.runtime.prefix
+    sources = [folder / f"{prefix}_scene.c", folder / f"{prefix}.c"]
+    text = next(file for file in sources if file.exists()).read_text()
+    (found,) = re.findall(r"^/\* One tick with .*?^}$", text, re.MULTILINE | re.DOTALL)
+    return str(found)
 
 
 def _what(emitted: Emitted) -> str:

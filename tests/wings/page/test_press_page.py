@@ -84,6 +84,7 @@ def test_what_is_pressed_is_what_validate_computes(
     assert pressed.found["errors"] == []
     assert pressed.found["fetched"] == []
     assert "the same bits" in pressed.found["proof"]
+    assert pressed.found["tick"] in (folder / "sp_scene.c").read_text()
     assert re.search(r"self-test0 of \d+ steps differ", pressed.found["proof"])
     (tmp_path / "pressed.csv").write_text(pressed.csv)
     assert spring("import", tmp_path / "pressed.csv", "--out", tmp_path / "in").returncode == 0
@@ -131,6 +132,7 @@ def test_delay_makes_a_stiff_object_shake_as_the_check_says(tmp_path: Path) -> N
             f'schema = 1\nname = "stiff"\nmodel = "{folder / "from" / "model.spm"}"\n'
             f'[coupling]\nmode = "off"\n[device]\ndelay_samples = {delay}\n'
         )
+        assert ("vibrates" in pressed.found["state"]) == (delay > 0)
         told = json.loads(spring("stability", "--scene", tmp_path / "scene.toml", "--json").stdout)
         assert told["recommendation"].startswith(pressed.found["verdict"])
         limit_npm = told["limit"]["max_stiffness_npm"]["mid, 0 more samples"]
@@ -176,7 +178,7 @@ def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
 def test_a_recording_like_none_before_has_the_same_bits(tmp_path: Path) -> None:
     """In and out of the object, deeper than trained, with what devices do wrong."""
     position_m = wandering(3)
-    strange = recording("wandering", np.nan_to_num(position_m, posinf=0.05, neginf=-0.05))
+    strange = recording("wandering", np.clip(np.nan_to_num(position_m), -0.05, 0.05))
     folder = validated(emitted(tmp_path / "scene", fitted("hybrid"), mode="proxy"), strange)
     assert "the same bits" in press_page(page_of(tmp_path, folder)).found["proof"]
 

@@ -4,6 +4,7 @@ const COMPILED_MS = 2500; // by then the browser has compiled the C as well as i
 const SPOKEN_MS = 300; // words that come and go faster are not shown
 
 const READ_MS = 100;
+const VIBRATES_MPS = 0.01; // more than a press by hand has
 
 let timing, spoken = "", spoken_ms = 0, read_ms = -READ_MS;
 
@@ -31,6 +32,7 @@ function prove() {
   lines.push(["size", `${(entry.wasm_bytes / 1e3).toFixed(1)} kB of WebAssembly, from the C that a board compiles`]);
   lines.push(["a step", "is being timed"]);
   find("proof").replaceChildren(...lines.flatMap(row));
+  find("tick").textContent = scene.entry.tick;
   clearTimeout(timing);
   timing = setTimeout(() => {
     find("proof").lastElementChild.textContent = `${scene.tick_us().toPrecision(2)} us in this browser, of ${
@@ -67,6 +69,7 @@ function read_hand({ stiffness_npm, mass_kg, delay, verdict }) {
 function notes_in_words(notes, force_n) {
   const told = force_n <= scene.entry.min_n ? notes & ~scene.entry.clamped : notes;
   const words = scene.entry.notes.filter(([bit]) => told & bit).map(([, text]) => text);
+  if (trace.vibration_mps > VIBRATES_MPS) words.push("vibrates");
   return words.length > 0 ? words.join(", ") : "fine";
 }
 
