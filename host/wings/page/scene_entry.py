@@ -72,7 +72,7 @@ def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
         "hands": packed(json.dumps(hands_entry(plan)).encode()),
         "wasm": packed(module),
         "wasm_bytes": len(module),
-        "tick": _tick_of(folder, plan),
+        "tick": packed(_tick_of(folder, plan).encode()),
         "recording": _recording(folder, plan),
     }
 

@@ -32,7 +32,7 @@ function prove() {
   lines.push(["size", `${(entry.wasm_bytes / 1e3).toFixed(1)} kB of WebAssembly, from the C that a board compiles`]);
   lines.push(["a step", "is being timed"]);
   find("proof").replaceChildren(...lines.flatMap(row));
-  find("tick").textContent = scene.entry.tick;
+  find("tick").textContent = scene.tick_c;
   clearTimeout(timing);
   timing = setTimeout(() => {
     find("proof").lastElementChild.textContent = `${scene.tick_us().toPrecision(2)} us in this browser, of ${

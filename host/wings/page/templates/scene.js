@@ -13,7 +13,9 @@ class Scene {
   static async load(entry) {
     const module = await WebAssembly.instantiate(await inflated(entry.wasm), {});
     const scene = new Scene(entry, module.instance.exports);
-    scene.hands = JSON.parse(new TextDecoder().decode(await inflated(entry.hands)));
+    const text = async (packed) => new TextDecoder().decode(await inflated(packed));
+    scene.hands = JSON.parse(await text(entry.hands));
+    scene.tick_c = await text(entry.tick);
     if (entry.recording !== null) {
       scene.recorded_m = new scene.Real(await inflated(entry.recording.position_m));
       const share = new Int16Array(await inflated(entry.recording.measured));
