@@ -57,6 +57,6 @@ def test_its_hands_are_those_of_the_stability_check(page: str, name: str) -> Non
 @pytest.mark.parametrize("page", PAGES)
 def test_it_is_small_and_fetches_nothing(page: str) -> None:
     text = (ROOT / "docs" / page).read_text()
-    assert len(text) < 200_000
+    assert len(text) < 210_000  # five objects: 20 kB of C each, a recording, the C of a tick
     assert not re.search(r"(https?:)?//[a-z]+\.[a-z]", re.sub(r'id="scenes">.*', "", text))
     assert not re.search(r'<(link|script|img)[^>]*(src|href)="(?!data:)', text)
