@@ -19,6 +19,11 @@ from springpot.trainer.recordings.quality.alignment import (
 from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
 from springpot.trainer.recordings.quality.coverage import find_coverage
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
+from springpot.trainer.recordings.quality.disturbance import (
+    drift_findings,
+    hum_findings,
+    hum_of,
+)
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.motion import (
     contact_findings,
@@ -126,9 +131,11 @@ def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
         of_channels = list(channel_findings(recording))
         of_signs = list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
-        # One cause, one line: a turned sign moves the contact.
+        # One cause, one line: a turned sign moves the contact, a hum hides it.
         if not any(finding.severity == "refusal" for finding in of_signs):
-            findings += contact_findings(recording)
+            hum = hum_of(recording)
+            findings += contact_findings(recording) if hum is None else hum_findings(recording, hum)
+            findings += drift_findings(recording)
         findings += filter_findings(recording, own_cycles)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
     findings += [] if refused else snap_findings(recordings)

@@ -1,0 +1,53 @@
+"""A drifting load cell and a hum are named; objects that relax, recover and vibrate are not."""
+
+import numpy as np
+import pytest
+from support.files.recording_files import PressedObject
+
+from springpot.trainer.recordings.quality.disturbance import drift_findings, hum_of
+from springpot.trainer.recordings.recording import Recording
+
+DT_S = 0.005
+TIME_S = np.arange(0.0, 20.0, DT_S)
+NOISE_N = np.random.default_rng(3).normal(0.0, 0.005, len(TIME_S))
+CYCLES_M = 0.004 * (1.0 - np.cos(2.0 * np.pi * 0.4 * TIME_S))
+# A deep press, then shallow ones: what the deep one took comes back, and force at rest rises.
+RECOVERING_M = CYCLES_M * np.where(TIME_S < 7.5, 1.0, 0.3)
+
+
+def recorded(position_m: np.ndarray, added_n: np.ndarray, offset_m: float = 0.0) -> Recording:
+    force_n = PressedObject(0.008, 5.0).force(position_m + offset_m, DT_S) + NOISE_N
+    return Recording("press", position_m, force_n + added_n, DT_S)
+
+
+@pytest.mark.parametrize("position_m", [CYCLES_M, RECOVERING_M])
+@pytest.mark.parametrize("offset_m", [0.0, -0.001, 0.002])
+def test_memory_is_no_drift(position_m: np.ndarray, offset_m: float) -> None:
+    """Pressed from the surface, from air, and from within the object."""
+    assert not list(drift_findings(recorded(position_m, 0.0 * TIME_S, offset_m)))
+
+
+@pytest.mark.parametrize("rate_nps", [0.05, -0.05])
+@pytest.mark.parametrize("offset_m", [0.0, -0.001])
+def test_drift_either_way_is_named(rate_nps: float, offset_m: float) -> None:
+    for position_m in (CYCLES_M, RECOVERING_M):
+        (found,) = drift_findings(recorded(position_m, rate_nps * TIME_S, offset_m))
+        assert "the load cell does" in found.text
+
+
+def test_what_is_pulled_relaxes_upwards() -> None:
+    pressed = recorded(CYCLES_M, 0.0 * TIME_S)
+    pulled = Recording(
+        "pull", -pressed.position_m, 0.2 * TIME_S[::-1] / 20.0 - pressed.force_n, DT_S
+    )
+    assert not list(drift_findings(pulled))
+
+
+def test_a_hum_is_found_and_what_the_tool_does_is_none() -> None:
+    hum_n = 0.1 * np.sin(2.0 * np.pi * 50.1 * TIME_S)
+    found = hum_of(recorded(CYCLES_M, hum_n))
+    assert found is not None
+    assert found == pytest.approx((50.1, 0.1), rel=0.1)
+    assert hum_of(recorded(CYCLES_M, 0.0 * TIME_S)) is None
+    shaken_m = CYCLES_M + 1e-4 * np.sin(2.0 * np.pi * 50.1 * TIME_S)
+    assert hum_of(recorded(shaken_m, 0.0 * TIME_S)) is None
