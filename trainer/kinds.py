@@ -52,7 +52,7 @@ RF_HISTORY = Kind("rf-history", "the negative control: a forest on past position
 HAMMERSTEIN = Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",
                    f"{_MODELS}.hammerstein:fit_hammerstein", "P", "#2d6a4f", 4)  # fmt: skip
 HYBRID = Kind("hybrid", "hammerstein, and a small forest on what it leaves over",
-              f"{_MODELS}.hammerstein:fit_hybrid", "X", "#40916c", 5)  # fmt: skip
+              f"{_MODELS}.hybrid:fit_hybrid", "X", "#40916c", 5)  # fmt: skip
 BOOSTED = Kind("boosted", "boosted trees on fractional derivatives",
                f"{_MODELS}.rf_fd:fit_boosted", "D", "#5a189a", 6)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error

@@ -56,34 +56,38 @@ def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: I
 def highpass(
     values: Samples, tau_s: float, dt_s: float, pauses: Sequence[tuple[int, float]] = ()
 ) -> Samples:
-    """State h of a pole, (n,): h' = x' - h/tau, x linear within a step and at rest before.
+    """State h of a pole: h' = x' - h/tau, x linear within a step and at rest before.
 
-    pauses: samples, ascending, before which so many seconds passed: half of their rise comes first.
+    values: x, (n,), or of several, (n, k), as what is returned. pauses: samples, ascending, before
+    which so many seconds passed: half of their rise comes first.
     """
     from scipy.signal import lfilter  # what replays recordings has no scipy
 
     losses, gains = loss_and_gain(np.array([tau_s]), dt_s)
     loss, gain = float(losses[0]), float(gains[0])
-    rises = np.diff(values, prepend=values[:1])
-    states, begin, h = np.empty_like(rises), 0, 0.0
+    rises = np.diff(values, axis=0, prepend=values[:1])
+    states, begin, h = np.empty_like(rises), 0, np.zeros_like(rises[0])
     for index, seconds in (*pauses, (len(values), 0.0)):
-        part = rises[begin:index]
-        states[begin:index] = lfilter([gain], [1.0, loss - 1.0], part, zi=[(1.0 - loss) * h])[0]
+        part, start = rises[begin:index], np.asarray((1.0 - loss) * h)[None]
+        states[begin:index] = lfilter([gain], [1.0, loss - 1.0], part, axis=0, zi=start)[0]
         if index < len(values):
-            half = 0.5 * float(rises[index])
-            h = (float(states[index - 1]) + half) * float(np.exp(-seconds / tau_s)) + half
+            half = 0.5 * rises[index]
+            h = (states[index - 1] + half) * float(np.exp(-seconds / tau_s)) + half
             states[index], begin = h, index + 1
     return states
 
 
 def highpass_by_depth(values: Samples, lost: Samples) -> Samples:
-    """State h of a pole that loses the share `lost`, (n,), in each tick, (n,): sp_depth.h."""
-    rises = np.diff(values, prepend=values[:1])
-    return _decaying(1.0 - lost, (1.0 - 0.5 * lost) * rises)
+    """State h of a pole that loses the share `lost`, (n,), in each tick: sp_depth.h.
+
+    values: (n, k), as what is returned.
+    """
+    rises = np.diff(values, axis=0, prepend=values[:1])
+    return _decaying(1.0 - lost, (1.0 - 0.5 * lost)[:, None] * rises)
 
 
 def _decaying(kept: Samples, added: Samples) -> Samples:
-    """h[i] = kept[i] h[i-1] + added[i] from 0, (n,); kept above 0.
+    """h[i] = kept[i] h[i-1] + added[i] from 0, (n, k); kept, (n,), above 0.
 
     By sums of what is added over the product of what is kept, in pieces in which that product
     stays a number.
@@ -91,12 +95,11 @@ def _decaying(kept: Samples, added: Samples) -> Samples:
     logs = np.log(np.maximum(kept, _KEPT))
     passed = np.cumsum(logs)
     cuts = [0, *(1 + np.flatnonzero(np.diff(np.floor(passed / -_LOG_PIECE)))).tolist(), len(kept)]
-    h = np.empty(len(kept))
-    last = 0.0
+    h, last = np.empty_like(added), np.zeros_like(added[0])
     for begin, end in pairwise(cuts):
         before = passed[begin] - logs[begin]
-        product = np.exp(passed[begin:end] - before)
-        h[begin:end] = product * (last + np.cumsum(added[begin:end] / product))
+        product = np.exp(passed[begin:end] - before)[:, None]
+        h[begin:end] = product * (last + np.cumsum(added[begin:end] / product, axis=0))
         last = h[end - 1] if end > begin else last
     return h
 

@@ -11,7 +11,7 @@ from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.hammerstein import (
+from springpot.trainer.models.hybrid import (
     HYBRID_LEAF,
     HYBRID_TREES,
     derivative_features,

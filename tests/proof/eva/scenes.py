@@ -14,7 +14,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.trainer.kinds import KINDS, fit_model
-from springpot.trainer.models import hammerstein
+from springpot.trainer.models import hybrid
 from springpot.trainer.models.fit import FitOptions
 
 # Small: what an analysis costs is nodes, taps and ticks that are made up; code is the same.
@@ -95,7 +95,7 @@ def _model(kind: str) -> Model:
     if kind == "fir-fast":
         return fit_model("rbf-fd", "x", training(), replace(_OPTIONS, engine="fir-fast")).model
     if kind != "by-depth":
-        with mock.patch.multiple(hammerstein, HYBRID_TREES=4, HYBRID_LEAF=300):
+        with mock.patch.multiple(hybrid, HYBRID_TREES=4, HYBRID_LEAF=300):
             return fit_model(kind, "x", training(), _OPTIONS).model
     model = _model("hammerstein")
     passive = model.hammerstein

@@ -10,6 +10,8 @@ from springpot.codegen.arrays import Samples
 
 _TRIED = 5  # blocks of lowest contribution tried for removal at each step
 _RIDGE = 1e-8  # of the diagonal: keeps the factor of nearly equal columns real
+_ROUNDING = 1e-12  # of a gradient
+_AT_ONCE, _PIVOTS = 3, 3  # tries without progress; solutions for each term
 _MIN_DIAGONAL = 1e-12  # a row: a column that the rows hardly see gets no weight, not a huge one
 
 
@@ -34,22 +36,22 @@ class Normal:
         """The same with w' penalty w, (terms, terms), added to the squared error of each row."""
         return Normal(self.matrix + self.rows * penalty, self.vector, self.square, self.rows)
 
-    def solve(self, active: NDArray[np.bool_] | None = None) -> Samples:
+    def solve(
+        self, active: NDArray[np.bool_] | None = None, near: Samples | None = None
+    ) -> Samples:
         """Weights >= 0 of lowest error, (terms,); 0 for terms that are not active.
 
-        With A'A = L L', |A w - y|^2 is |L'w - L^-1 A'y|^2 and a constant: a system as small as the
-        terms are few, whatever the number of rows.
+        near: weights of a problem like this one, (terms,): the search begins at their signs.
         """
         chosen = np.ones(len(self.vector), dtype=bool) if active is None else active
-        # Columns scaled to length 1, so that the ridge is the same share of each. Non-negative
-        # least squares then by active sets (Lawson, Hanson: Solving least squares problems, 1974).
+        # Columns scaled to length 1, so that the ridge is the same share of each.
         size = self._size
-        scaled = self.matrix / np.outer(size, size)
-        scaled = scaled[np.ix_(chosen, chosen)]
-        factor = np.linalg.cholesky(scaled + _RIDGE * np.eye(len(scaled)))
-        target = np.linalg.solve(factor, (self.vector / size)[chosen])
+        scaled = (self.matrix / np.outer(size, size))[np.ix_(chosen, chosen)]
         weights = np.zeros(len(self.vector))
-        weights[chosen] = nnls(factor.T, target, maxiter=30 * len(target))[0]
+        begin = np.zeros(len(scaled), dtype=bool) if near is None else near[chosen] > 0.0
+        weights[chosen] = _nonnegative(
+            scaled + _RIDGE * np.eye(len(scaled)), (self.vector / size)[chosen], begin
+        )
         result: Samples = weights / size
         return result
 
@@ -68,6 +70,36 @@ class Normal:
 
     def rmse(self, weights: Samples) -> float:
         return float(np.sqrt(self.error(weights) / self.rows))
+
+
+def _nonnegative(matrix: Samples, vector: Samples, free: NDArray[np.bool_]) -> Samples:
+    """The w >= 0 of lowest w' matrix w / 2 - w' vector, (terms,); the matrix is positive definite.
+
+    free: the terms that may be above 0 at first, (terms,).
+    Block principal pivoting (Portugal, Judice, Vicente, Math. Comput. 63, 1994): a term is free or
+    0; all that are on the wrong side change at once, and the last one alone where that does not
+    lead to fewer. Where it takes too long, active sets one by one (Lawson, Hanson, 1974), for which
+    with matrix = L L' the same is |L'w - L^-1 vector|^2: a system as small as the terms are few.
+    """
+    weights, wrong_before, at_once = np.zeros(len(vector)), len(vector) + 1, _AT_ONCE
+    for _ in range(_PIVOTS * len(vector)):
+        weights = np.zeros(len(vector))
+        weights[free] = np.linalg.solve(matrix[np.ix_(free, free)], vector[free])
+        falls = vector - matrix @ weights
+        wrong = np.where(free, weights < 0.0, falls > _ROUNDING)
+        n_wrong = int(np.count_nonzero(wrong))
+        if n_wrong == 0:
+            return weights
+        if n_wrong < wrong_before:
+            wrong_before, at_once = n_wrong, _AT_ONCE
+        elif at_once > 0:
+            at_once -= 1
+        else:
+            wrong[: np.flatnonzero(wrong)[-1]] = False
+        free = free ^ wrong
+    factor = np.linalg.cholesky(matrix)
+    found: Samples = nnls(factor.T, np.linalg.solve(factor, vector), maxiter=30 * len(vector))[0]
+    return found
 
 
 def normal_equations(columns: Samples, target: Samples) -> Normal:
@@ -92,7 +124,7 @@ def sparse_solve(normal: Normal, blocks: NDArray[np.intp], loss: float) -> Sampl
         for block in np.argsort(np.where(size > 0.0, size, np.inf))[:_TRIED]:
             without = kept & (blocks != block)
             if size[block] > 0.0 and without.any():
-                trial = normal.solve(without)
+                trial = normal.solve(without, weights)
                 trials.append((normal.rmse(trial), trial))
         if not trials:
             return weights

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import cached_property, reduce
 from math import hypot
 from operator import add
 
@@ -57,6 +57,10 @@ class PassiveChoice:
         """Geometric mean over the families of folds, N."""
         return geometric_mean(list(self.errors_n)) if self.errors_n else 0.0
 
+    @cached_property
+    def _all_weights(self) -> Samples:
+        return _penalised(self.parts, self.penalty, self.terms).solve()
+
     def weights(self) -> Samples:
         """Fitted to all rows, with as few branches, stops and curves as serve, (terms,), N."""
         normal = _penalised(self.parts, self.penalty, self.terms)
@@ -72,7 +76,8 @@ class PassiveChoice:
         kept = _apart(self.parts, self.rows.piece, self.rows.families[family], fold)
         if sum(part.rows for part in kept) == 0:
             return None
-        return self.rows.peak_n * _penalised(kept, self.penalty, self.terms).solve()
+        kept_normal = _penalised(kept, self.penalty, self.terms)
+        return self.rows.peak_n * kept_normal.solve(near=self._all_weights)
 
     def judged(self, values: Samples) -> "PassiveChoice":
         """The same with its errors; values of its terms at all rows, (rows, terms)."""

@@ -23,6 +23,7 @@ from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.motion import DepthMotion
 from springpot.trainer.models.passive.passive_terms import Terms, column_slopes
 
+_AT_ONCE = 1 << 18  # samples of functions along a motion: those of a press fit into a cache
 _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
 
 
@@ -35,12 +36,12 @@ def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Sa
         for radius_m in terms.radius_m
     ]
 
-    def curves_of(along: Samples, one: Samples) -> list[Samples]:
+    def curves_of(along: Samples, some: Samples) -> list[Samples]:
         here = along[rows]
         return [
             here,
             *(highpass(along, tau_s, dt_s, motion.pauses)[rows] for tau_s in terms.tau_s),
-            *(here - curve_values(one, played)[:, 0] for played in plays),
+            *(here - curve_values(some, played) for played in plays),
         ]
 
     values = _by_function(terms.nodes, place, curves_of)
@@ -59,7 +60,7 @@ def added_columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices)
         found.append(_by_function(
             terms.nodes, place,
             lambda along, _: [*(highpass_by_depth(along, each)[rows] for each in lost),
-                              *(along[rows] * share for share in shares)],
+                              *(along[rows] * share[:, None] for share in shares)],
         ))  # fmt: skip
     if terms.flow:
         found.append(flowing(terms, u, steps_s)[rows])
@@ -71,15 +72,16 @@ def _by_function(
 ) -> Samples:
     """Columns of curves, (rows, curves x width): of each function of a curve, and its nodes.
 
-    One function at a time: a day's recording has 1e8 samples.
+    curves_of: from values of some functions along the motion, (n, k), and at their nodes, to those
+    of each curve, (rows, k). Few functions at a time: a day's recording has 1e8 samples.
     """
     functions = curve_nodes(column_slopes(nodes))
-    width = functions.shape[2]
-    found: list[Samples] = []
-    for j in range(width):
-        one = functions[:, :, j, None]
-        found.append(np.stack(curves_of(curve_values(one, place)[:, 0], one), axis=1))
-    values = np.stack(found, axis=2)
+    width, found = functions.shape[2], []
+    at_once = max(1, _AT_ONCE // len(place[0]))
+    for j in range(0, width, at_once):
+        some = functions[:, :, j : j + at_once]
+        found.append(np.stack(curves_of(curve_values(some, place), some), axis=1))
+    values = np.concatenate(found, axis=2)
     return values.reshape(len(values), -1)
 
 
