@@ -65,7 +65,7 @@ def next_words(presses: Sequence[NextPress], contact: Contact, path: Path | None
     if not presses:
         return _NONE
     lines = [
-        f"models that explain these recordings alike differ by {presses[0].before_n:.2g} N over "
+        f"models that fit these recordings equally well differ by {presses[0].before_n:.2g} N over "
         "what a hand may do:"
     ]
     lines += [f"{_press_words(press)} leaves {press.after_n:.2g} N" for press in presses]

@@ -31,7 +31,7 @@ def write_stability_report(found: Stability, path: Path) -> None:
 
 
 def stability_section(found: Stability) -> dict[str, Any]:
-    """What any page on a check shows: the figures, the maps, and all cases, the gravest first."""
+    """What any page on a check shows: the figures, the maps, and all cases, the worst first."""
     maps = {"the model alone": found.check.model_map, "the whole scene": found.check.scene_map}
     plan = found.check.plan
     # What the colours of both maps end at, either way.

@@ -1,4 +1,4 @@
-"""Every candidate of `auto`, and `auto` itself, on objects and recordings that are no kin.
+"""Every candidate of `auto`, and `auto` itself, on objects that do not share our models' structure.
 
     python tests/bench/judges.py OUT [--mach1 Dynamic_data.txt] [--objects a,b] [--structures x,y]
     python tests/bench/results.py OUT/judges.json

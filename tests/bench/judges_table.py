@@ -76,7 +76,7 @@ def grouped(judges: Metadata) -> list[tuple[str, list[Metadata]]]:
 def judges_section(judges: Metadata) -> list[str]:
     """Of docs/explanation/results.md."""
     parts = [
-        "## Judges that are no kin\n",
+        "## Test objects that do not share our model's structure\n",
         f"`python tests/bench/judges.py`: {len(judges['cells'])} cells of object and recording; "
         f"{judges['machine']}; {judges['compiler']}; "
         f"commit {judges.get('commit', 'unknown')[:12]}.\n",

@@ -57,7 +57,7 @@ def test_copies_are_no_repeats() -> None:
     found = find_noise_floor([one, replace(one, name="copy")])
     assert found.source == "sensor"
     assert found.rms_n == pytest.approx(0.02, rel=0.1)
-    assert "lower than repeats would show" in found.words
+    assert "repeats would show more" in found.words
 
 
 def test_cycles_stand_in_for_repeats() -> None:

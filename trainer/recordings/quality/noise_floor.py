@@ -63,7 +63,7 @@ def noise_floor(
     rms_n = _rms([sensor_noise_n(force_n) for force_n in long], [len(f) for f in long])
     if rms_n <= _NO_NOISE * peak_n:
         return NoiseFloor(None, None, "no press is repeated, and the force shows no noise")
-    return NoiseFloor(rms_n, "sensor", "from the sensor's noise: lower than repeats would show")
+    return NoiseFloor(rms_n, "sensor", "from the sensor's noise; repeats would show more")
 
 
 def _remembered(group: Repeats, recordings: Sequence[Recording]) -> bool:
