@@ -2,10 +2,10 @@
 
 import tempfile
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,13 +16,13 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.files import File, read_model, read_recordings, write_model
+from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
     from springpot.host.stability.check import Stability
     from springpot.host.validation.validation import Validation
-    from springpot.trainer.models.fit import Fit, FitOptions
 
 
 def record(
@@ -57,22 +57,54 @@ def train(
     kind: str = "auto",
     name: str = "",
     validation: Iterable[Recording] = (),
-    **options: Any,
-) -> "Fit":
+    *,
+    seed: int = FitOptions.seed,
+    fraction: float | None = FitOptions.fraction,
+    window_s: float | None = FitOptions.window_s,
+    smooth_s: float = FitOptions.smooth_s,
+    trees: int = FitOptions.trees,
+    leaf: int = FitOptions.leaf,
+    n_centers: int = FitOptions.n_centers,
+    centers: Literal["farthest", "greedy"] = FitOptions.centers,
+    select: Literal["cv", "paper"] = FitOptions.select,
+    monotone: bool = FitOptions.monotone,
+    engine: Engine | None = FitOptions.engine,
+    round_features: bool = FitOptions.round_features,
+    orders: Sequence[float] | None = FitOptions.orders,
+    within: float | None = FitOptions.within,
+    poles: int = FitOptions.poles,
+) -> Fit:
     """Fit a model of a kind of `kind_names()`: the result's `model`.
 
-    name: of the model; by default its kind. validation: decides with select="paper" only.
-    options: fields of `FitOptions`, such as trees=50, engine="recursive", seed=1.
-    What is doubtful about the recordings is printed on standard error.
-    Raises UsageError for an unknown kind or option, DataError for recordings that cannot be
-    trusted or do not fit together.
+    kind: "auto" takes the one of lowest cross-validated error.
+    name: of the model; by default its kind.
+    validation: other recordings, which decide with select="paper" only.
+    seed: of the rows and trees that are drawn at random.
+    fraction: share of the rows that are used, above 0 to 1; None: 0.2 from 20 000 rows on.
+    window_s: how long the fractional filters remember, s; None: 171 samples, 1000 s if recursive.
+    smooth_s: zero-phase moving average of the training data, s; 0 for none.
+    trees: how many a forest has.
+    leaf: how many rows the smallest leaf of a tree holds.
+    n_centers: how many radial basis functions rbf-fd and rbf-pv have.
+    centers: how rbf-fd and rbf-pv choose them.
+    select: rbf-fd and `within` choose by cross-validation, or as the paper on `validation`.
+    monotone: of boosted, the force never falls as a derivative rises.
+    engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
+    are exact at any rate; None: taps, and the last where the window is long.
+    round_features: trees are fitted on features in 16-bit steps: faster C without search.
+    orders: of the fractional derivatives, each 0 to 1; None: the paper's ten.
+    within: the smallest rf-fd with an error at most this share above that of the size asked for.
+    poles: how many time constants hammerstein, and the passive part of every kind, may use.
+    Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
+    be trusted or do not fit together.
     """
+    options = _fit_options(locals())
     from springpot.host.console.quality import report_quality
     from springpot.trainer.kinds import fit_model
 
-    checked, training = _fit_options(options), _some(recordings)
+    training = _some(recordings)
     report_quality(training)
-    return fit_model(kind, name or kind, training, checked, list(validation))
+    return fit_model(kind, name or kind, training, options, list(validation))
 
 
 def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
@@ -104,13 +136,16 @@ def emit(
     model: Model | File | None = None,
     scene: Scene | File | None = None,
     accept_unsafe: bool = False,
+    single: bool = False,
 ) -> "Emission":
     """Write C into `folder`, build it and run its self-test; an earlier emission is replaced.
 
     model: itself or a file; by default the scene's. scene: itself or a file; by default all keys
-    have their defaults. Raises UsageError for either, UnsafeError where a hand would find the scene
-    unstable, unless that is accepted, BudgetError where the C does not fit the scene's budget,
-    MismatchError where it differs from its reference.
+    have their defaults. accept_unsafe: take a scene that a hand would find unstable, for replay.
+    single: as one source and one header.
+    Raises UsageError for either, UnsafeError where a hand would find the scene unstable, unless
+    that is accepted, BudgetError where the C does not fit the scene's budget, MismatchError where
+    it differs from its reference.
     """
     from springpot.host.emission.emission import emit as emit_folder
 
@@ -118,7 +153,7 @@ def emit(
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
         write_model(file, chosen)
-        return emit_folder(stated, file, Path(folder), accept_unsafe)
+        return emit_folder(stated, file, Path(folder), accept_unsafe, single=single)
 
 
 def validate(
@@ -154,13 +189,9 @@ def stability(
     return check(make_plan(chosen, stated, accept_unsafe=True))
 
 
-def _fit_options(options: Mapping[str, Any]) -> "FitOptions":
-    """Fields of FitOptions, checked. Raises UsageError naming one that is not as it must be."""
-    from springpot.trainer.models.fit import FitOptions
-
-    known = [field.name for field in fields(FitOptions)]
-    if unknown := options.keys() - set(known):
-        raise UsageError(f"no option {min(unknown)!r}: known are {', '.join(known)}")
+def _fit_options(given: Mapping[str, object]) -> FitOptions:
+    """Check the fields of FitOptions among `given`. Raises UsageError that names a wrong one."""
+    options = {field.name: given[field.name] for field in fields(FitOptions)}
     try:
         return TypeAdapter(FitOptions).validate_python(options)
     except ValidationError as error:

@@ -27,16 +27,7 @@ Engine = Literal["fir", "fir-fast", "recursive"]
 
 @dataclass(frozen=True)
 class FitOptions:
-    """Options of a fit. None: the kind's default.
-
-    fraction: share of rows. window_s: length of the filters. trees, leaf: of forests.
-    centers: number and choice of radial basis functions. select: how orders are chosen.
-    engine: of the fractional filters; by default taps, and exponentials where the window is long.
-    round_features: trees are fitted on features quantised to 16 bits.
-    orders: fractional orders; the paper's ten by default.
-    poles: time constants that hammerstein, and every kind's passive part, may use.
-    within: the smallest forest whose error is at most this share above that of the one asked for.
-    """
+    """Options of a fit, as `springpot.train` describes each. None: the kind's default."""
 
     seed: Annotated[int, Interval(ge=0, lt=2**32)] = 0
     fraction: Annotated[float, Interval(gt=0, le=1)] | None = None

@@ -1,7 +1,8 @@
 """Calls of `import springpot`: the same results as the rooms below, and refusals of one line."""
 
+import inspect
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -115,6 +116,14 @@ def test_options_are_those_of_the_fit():
     assert model_hash(again.model) == model_hash(fit.model)
 
 
+def test_train_names_and_describes_every_option_of_a_fit():
+    shown = inspect.signature(springpot.train).parameters
+    of_fit = {field.name: field.default for field in fields(springpot.FitOptions)}
+    assert {name: shown[name].default for name in list(shown)[4:]} == of_fit
+    said = inspect.getdoc(springpot.train)
+    assert all(f"\n{name}: " in said for name in list(shown)[1:])
+
+
 def test_files_go_round(tmp_path):
     springpot.write_model(str(tmp_path / "a.spm"), passive_model())
     assert model_hash(springpot.read_model(str(tmp_path / "a.spm"))) == model_hash(passive_model())
@@ -154,7 +163,6 @@ REFUSED = {
     "no recordings": ("UsageError", lambda: springpot.train([])),
     "a file name": ("UsageError", lambda: springpot.train("training")),
     "no kind": ("UsageError", lambda: springpot.train(training(), "forest")),
-    "no option": ("UsageError", lambda: springpot.train(training(), "rf-fd", tree=3)),
     "an option's value": ("UsageError", lambda: springpot.train(training(), trees=0)),
     "an option's word": ("UsageError", lambda: springpot.train(training(), engine="fast")),
     "an order": ("UsageError", lambda: springpot.train(training(), orders=(0.1, 9.0))),
