@@ -10,6 +10,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Gt, Interval
 
+from springpot.codegen.short_repr import short_repr
+
 Number = Literal["float32", "float64"]
 Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc", "wasm32"]
 _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
@@ -37,6 +39,8 @@ class Runtime:
     """Whether there is `sp_step_dt`, which takes the measured time step. Default: on a host,
     where the model allows it."""
     start: Literal["rested", "conditioned"] = "rested"
+
+    __repr__ = short_repr
     """The object as new, or as it is after it was pressed to the trained depth: what damage does
     not heal has happened."""
 
@@ -53,6 +57,8 @@ class Coupling:
     damping_nspm: Annotated[float, Interval(ge=1e-6, le=1e7)] = 20.0
     """Of the coupling's damper."""
     mass_kg: Annotated[float, Interval(ge=1e-6, le=1e3)] = 0.05
+
+    __repr__ = short_repr
     """Of the proxy."""
 
 
@@ -62,6 +68,8 @@ class Smoothing:
 
     __pydantic_config__ = _CLOSED
     time_constant_s: Annotated[float, Interval(ge=0, le=1)] = 0.0
+
+    __repr__ = short_repr
     """Exponential moving average of the force; 0 leaves it out."""
 
 
@@ -84,6 +92,8 @@ class Guard:
     """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
     depth."""
     energy: Literal["account", "note", "off"] = "account"
+
+    __repr__ = short_repr
     """If the hand would get back more energy than it has paid, `"account"` cuts the force, `"note"`
     only says so; `"off"` leaves the account out."""
 
@@ -130,6 +140,8 @@ class Device:
     effector_mass_kg: Annotated[float, Interval(ge=0, le=100)] | None = None
     """Mass of the handle, for a device that carries its weight by itself."""
     weight_n: Annotated[float, Interval(ge=-20, le=20)] = 0.0
+
+    __repr__ = short_repr
     """That the handle weighs beyond what the device carries; of `dhd://` devices."""
 
 
@@ -147,6 +159,8 @@ class Budget:
     tick_instructions: Annotated[int, Gt(0)] | None = None
     """Bound of the instructions of a tick."""
     tick_us: Annotated[float, Gt(0)] | None = None
+
+    __repr__ = short_repr
     """Not checked when emitting: `springpot validate` measures it."""
 
 
@@ -167,3 +181,5 @@ class Scene:
     guard: Guard = field(default_factory=Guard)
     device: Device = field(default_factory=Device)
     budget: Budget = field(default_factory=Budget)
+
+    __repr__ = short_repr

@@ -1,6 +1,5 @@
 """Tree ensembles of one's own on springpot's features, as models that can be emitted."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.rf_fd import fractional_features
 from springpot.trainer.models.training_set import TrainingSet, training_set
 from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 KIND = "ensemble"
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
@@ -24,7 +23,7 @@ _CHECKED_ROWS = 5000
 
 
 def ensemble_data(
-    recordings: Sequence[Recording],
+    recordings: Recordings,
     features: Features | None = None,
     fraction: float | None = None,
     smooth_s: float = PAPER_SMOOTH_S,
@@ -35,7 +34,7 @@ def ensemble_data(
     features: default the paper's ten orders. They are scaled by a power of two and rounded to
     float32, since scikit-learn takes values closer than 1e-7 for equal; `from_ensemble` undoes it.
     """
-    data = training_set(recordings, smooth_s)
+    data = training_set(given_recordings(recordings), smooth_s)
     features = features or fractional_features(data.dt_s, None)
     rows = data.rows(fraction, seed)
     return _scaled(data, features, rows), data.force_n(rows)
@@ -43,7 +42,7 @@ def ensemble_data(
 
 def from_ensemble(
     regressor: Any,
-    recordings: Sequence[Recording],
+    recordings: Recordings,
     features: Features | None = None,
     name: str = KIND,
     smooth_s: float = PAPER_SMOOTH_S,
@@ -54,7 +53,7 @@ def from_ensemble(
     model for what lies outside the trained depth is fitted here.
     Raises UsageError for another kind of regressor, or one that was fitted on something else.
     """
-    data = training_set(recordings, smooth_s)
+    data = training_set(given_recordings(recordings), smooth_s)
     features = features or fractional_features(data.dt_s, None)
     rows = np.unique(np.linspace(0, data.rows_total - 1, _CHECKED_ROWS).astype(np.intp))
     scale = _scale(data)

@@ -2,7 +2,9 @@
 
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from springpot.codegen.errors import UsageError
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
@@ -11,7 +13,10 @@ from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording, Zero
 
-File = str | PathLike[str]
+if TYPE_CHECKING:
+    from springpot.trainer.models.fit import Fit
+
+File = recording_file.File
 
 
 def read_recordings(*paths: File) -> list[Recording]:
@@ -58,9 +63,24 @@ def read_model(path: File) -> Model:
     return model_file.read_model(Path(path))
 
 
-def write_model(path: File, model: Model) -> str:
+def write_model(path: File, model: "Model | Fit") -> str:
     """Write a model to a file, by custom one ending in .spm, and return its hash."""
-    return model_file.write_model(Path(path), model)
+    return model_file.write_model(Path(path), given_model(model))
+
+
+def given_model(given: "Model | Fit | File") -> Model:
+    """Return the model itself, that of a fit, or that of a file. Raises UsageError for no model."""
+    from springpot.trainer.models.fit import Fit
+
+    if isinstance(given, str | PathLike):
+        return read_model(given)
+    model = given.model if isinstance(given, Fit) else given
+    if not isinstance(model, Model):
+        raise UsageError(
+            f"model: {type(given).__name__} is none: give a Model, a Fit or a file; "
+            "springpot.from_ensemble makes a Model of a tree ensemble"
+        )
+    return model
 
 
 def read_scene(path: File) -> Scene:

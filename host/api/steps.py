@@ -2,7 +2,7 @@
 
 import tempfile
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -15,9 +15,10 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.files import File, read_model, read_recordings, write_model
+from springpot.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
@@ -53,10 +54,10 @@ def record(
 
 
 def train(
-    recordings: Iterable[Recording],
+    recordings: Recordings,
     kind: str = "auto",
     name: str = "",
-    validation: Iterable[Recording] = (),
+    validation: Recordings = (),
     *,
     seed: int = FitOptions.seed,
     fraction: float | None = FitOptions.fraction,
@@ -104,10 +105,10 @@ def train(
 
     training = _some(recordings)
     report_quality(training)
-    return fit_model(kind, name or kind, training, options, list(validation))
+    return fit_model(kind, name or kind, training, options, given_recordings(validation))
 
 
-def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
+def predict(model: Model | Fit | File, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
     """Force of the model itself along positions (n,), m: (n,), N, in float64; >= 0 at a surface.
 
     dt_s: time between samples, s, where it is known: another one than the model's is a DataError,
@@ -117,6 +118,7 @@ def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> S
     from springpot.trainer.models.compatibility import require_compatible, zero_of
     from springpot.trainer.models.limited import DEEP, limited_n, times_trained
 
+    model = given_model(model)
     positions = np.asarray(position_m, dtype=np.float64)
     step_s = model.dt_s if dt_s is None else dt_s
     still_n = np.zeros_like(positions)
@@ -133,7 +135,7 @@ def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> S
 def emit(
     folder: File,
     *,
-    model: Model | File | None = None,
+    model: Model | Fit | File | None = None,
     scene: Scene | File | None = None,
     accept_unsafe: bool = False,
     single: bool = False,
@@ -158,7 +160,7 @@ def emit(
 
 def validate(
     folder: File,
-    recordings: Iterable[Recording],
+    recordings: Recordings,
     *,
     paced_s: float = 3.0,
     device: str | None = None,
@@ -176,7 +178,7 @@ def validate(
 
 
 def stability(
-    *, model: Model | File | None = None, scene: Scene | File | None = None
+    *, model: Model | Fit | File | None = None, scene: Scene | File | None = None
 ) -> "Stability":
     """Linear loop, small-signal maps, and a closed loop with three hands, through the C.
 
@@ -200,16 +202,14 @@ def _fit_options(given: Mapping[str, object]) -> FitOptions:
         raise UsageError(f"option {key}: {first['msg']} (found {first['input']!r})") from None
 
 
-def _some(recordings: Iterable[Recording]) -> list[Recording]:
-    found = list(recordings)
-    if wrong := [item for item in found if not isinstance(item, Recording)]:
-        raise UsageError(f"{wrong[0]!r} is no recording: read_recordings reads files and folders")
+def _some(recordings: Recordings) -> list[Recording]:
+    found = given_recordings(recordings)
     if not found:
         raise UsageError("no recordings: give at least one")
     return found
 
 
-def _resolved(scene: Scene | File | None, model: Model | File | None) -> tuple[Scene, Model]:
+def _resolved(scene: Scene | File | None, model: Model | Fit | File | None) -> tuple[Scene, Model]:
     """Both, each from the other where it is not given."""
     from springpot.host.emission import scene_file
 
@@ -224,5 +224,5 @@ def _resolved(scene: Scene | File | None, model: Model | File | None) -> tuple[S
     if model is None:
         assert stated is not None
         model = folder / stated.model
-    chosen = model if isinstance(model, Model) else read_model(model)
+    chosen = given_model(model)
     return stated or scene_file.default_scene(chosen), chosen

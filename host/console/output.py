@@ -16,6 +16,8 @@ from rich.table import Table
 from rich.text import Text
 
 progress_console = Console(stderr=True)
+# Names of columns, and rows of as many cells.
+TextTable = tuple[Sequence[str], Sequence[Sequence[str]]]
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 

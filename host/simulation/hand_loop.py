@@ -11,6 +11,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
@@ -34,6 +35,8 @@ class Scenario:
     push_n: Samples
     error_m: Samples
     dropped: NDArray[np.uint8]
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +65,8 @@ class Operator:
     device: LoopDevice = ASSUMED_DEVICE
     seed: int = 1
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True)
 class LoopCalls:
@@ -72,6 +77,8 @@ class LoopCalls:
     reset: int
     state: int
     kept: Any = field(default=None, repr=False)
+
+    __repr__ = short_repr
 
 
 class HandLoop:

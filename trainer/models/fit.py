@@ -12,6 +12,8 @@ from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
+from springpot.codegen.short_repr import short_repr
+from springpot.trainer.faces import Faces
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -45,9 +47,11 @@ class FitOptions:
     within: Annotated[float, Interval(ge=0, lt=inf)] | None = None
     poles: Annotated[int, Ge(1)] = PASSIVE_POLES
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(Faces):
     """A fitted model and what it took: seconds for features, fit and search; further metadata."""
 
     model: Model

@@ -3,10 +3,11 @@
 import hashlib
 from collections.abc import Iterable
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 
 from springpot.codegen.atomic_write import written_aside
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
@@ -23,6 +24,26 @@ from springpot.trainer.recordings.recording_process import read_unsealed
 # flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
 _CHECKSUM = b"springpot sha256"
 _CHECKSUM_BYTES = len(_CHECKSUM) + hashlib.sha256().digest_size
+
+
+File = str | PathLike[str]
+Recordings = Recording | File | Iterable[Recording | File]  # what a person may give
+
+
+def given_recordings(given: Recordings) -> list[Recording]:
+    """One recording or several; text and paths are files or folders of them. Raises UsageError."""
+    several = [given] if isinstance(given, Recording | str | PathLike) else given
+    if not isinstance(several, Iterable):
+        raise UsageError(f"{given!r} is no recording: read_recordings reads files and folders")
+    found: list[Recording] = []
+    for one in several:
+        if isinstance(one, Recording):
+            found.append(one)
+        elif isinstance(one, str | PathLike):
+            found += read_recordings([Path(one)])
+        else:
+            raise UsageError(f"{one!r} is no recording: read_recordings reads files and folders")
+    return found
 
 
 def write_recording(path: Path, recording: Recording, *, overwrite: bool = True) -> None:

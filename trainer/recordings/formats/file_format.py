@@ -8,6 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DataError
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
@@ -34,6 +35,8 @@ class FileRequest:
     resampled: bool = False
     specimen: Specimen | None = None
 
+    __repr__ = short_repr
+
 
 Reader = Callable[[Path, FileRequest], tuple[list[RawChannels], str]]
 
@@ -52,6 +55,8 @@ class FileFormat:
     begins: Callable[[bytes], bool]
     reads: str | Reader
     place: int = 100
+
+    __repr__ = short_repr
 
     def fits(self, path: Path, start: bytes) -> bool:
         """Return whether a file begins as this format does. Raises DataError if asking fails."""

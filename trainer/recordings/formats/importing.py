@@ -8,6 +8,7 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
@@ -42,6 +43,8 @@ class ImportOptions:
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
     specimen: Specimen | None = None
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
