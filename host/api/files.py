@@ -42,19 +42,19 @@ def import_recordings(
     """Read a CSV, MAT, HDF5 or Mach-1 file, a CAN log or a journal, in SI units.
 
     columns: such as "time=COL:s,position=COL:mm,force=COL:N", COL a header or a number from 1;
-    where empty, guessed from the headers. A line on standard error says how it was understood.
+    where empty, guessed from the headers. How it was understood is logged.
     zero: subtract nothing, the "first" sample or the "min" of each channel. resample_hz: rate, Hz,
     to interpolate at. options: delays, mass, tare, contact force, CAN database, Mach-1 block.
     Raises DataError naming file and row, UsageError for columns and options that do not fit it.
     """
-    from springpot.host.console.quality import report_quality
+    from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_file
 
     mapping = parse_map(columns) if columns else None
     found = import_file(Path(path), mapping, zero, resample_hz, options)
     notice(found.guess)
-    report_quality(found.recordings)
+    warn_of_quality(found.recordings)
     return found.recordings
 
 

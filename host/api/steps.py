@@ -17,6 +17,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
+from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
     from springpot.host.stability.check import Stability
     from springpot.host.validation.validation import Validation
+
+_WARNING = "warning: "
 
 
 def record(
@@ -100,12 +103,16 @@ def train(
     be trusted or do not fit together.
     """
     options = _fit_options(locals())
-    from springpot.host.console.quality import report_quality
+    from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.kinds import fit_model
 
     training = _some(recordings)
-    report_quality(training)
-    return fit_model(kind, name or kind, training, options, given_recordings(validation))
+    said = {finding.text for finding in warn_of_quality(training).findings}
+    fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
+    for line in fit.warnings:
+        if line not in said:
+            warnings.warn(line, UserWarning, stacklevel=2)
+    return fit
 
 
 def predict(model: Model | Fit | File, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
@@ -155,7 +162,13 @@ def emit(
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
         write_model(file, chosen)
-        return emit_folder(stated, file, Path(folder), accept_unsafe, single=single)
+        emission = emit_folder(stated, file, Path(folder), accept_unsafe, single=single)
+    for line in emission.notices:
+        if line.startswith(_WARNING):
+            warnings.warn(line.removeprefix(_WARNING), UserWarning, stacklevel=2)
+        else:
+            notice(line)
+    return emission
 
 
 def validate(

@@ -29,7 +29,7 @@ from springpot.host.validation.seen import seen_by
 from springpot.trainer.faces import Faces
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.limited import limited_each_n
-from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.recording import Recording
 
@@ -237,7 +237,7 @@ def repeat_session(
     """
     if not is_log_of(recording, scene_hash):
         if recording.channels and (session := recording.details.get("session")):
-            notice(
+            caution(
                 f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces "
                 "are compared as a recording's"
             )

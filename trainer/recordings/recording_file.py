@@ -15,7 +15,7 @@ from springpot.trainer.recordings.journal_reader import (
     journal_of,
     read_journal,
 )
-from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_hdf5 import as_hdf5, read_hdf5
 from springpot.trainer.recordings.recording_process import read_unsealed
@@ -82,7 +82,7 @@ def _recovered(journal: Path) -> Recording:
         f"recovered {found.recording.duration_s:.3f} s from the journal of a recording that was "
         f"interrupted{found.lost}"
     )
-    notice(f"{journal}: {message}")
+    caution(f"{journal}: {message}")
     return replace(found.recording, details={**found.recording.details, "recovered": message})
 
 
@@ -148,7 +148,9 @@ def _in_folder(folder: Path) -> list[Path]:
     for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
         finished = journal.with_name(journal.name.removesuffix(JOURNAL_SUFFIX) + RECORDING_SUFFIX)
         if finished in files:
-            notice(f"{journal}: left out, its recording was finished in {finished.name}: remove it")
+            caution(
+                f"{journal}: left out, its recording was finished in {finished.name}: remove it"
+            )
         else:
             files.append(journal)
     if not files:

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import logging
 import sys
 from dataclasses import fields, replace
 from types import SimpleNamespace
@@ -125,14 +126,23 @@ def test_files_go_round(tmp_path):
     np.testing.assert_array_equal(read.force_n, training()[0].force_n)
 
 
-def test_an_import_says_how_it_was_understood(tmp_path, capsys):
-    rec = recording("press", press(1.0))
+def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
+    caplog.set_level(logging.INFO, "springpot")
+    rec = recording("press", np.concatenate([press(hz) for hz in (0.5, 1.6, 5.0)]))
     rows = np.column_stack([np.arange(len(rec.force_n)) * DT_S, 1e3 * rec.position_m, rec.force_n])
     file = tmp_path / "press.csv"
     np.savetxt(file, rows, "%.9g", ",", header="t,x,f", comments="")
     (found,) = springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
     np.testing.assert_allclose(found.position_m, rec.position_m, atol=1e-9)
-    assert str(file) in capsys.readouterr().err
+    assert str(file) in caplog.text
+    assert springpot.check_recordings(found).sign_words in caplog.text
+    np.savetxt(file, rows[:2000], "%.9g", ",", header="t,x,f", comments="")
+    with pytest.warns(UserWarning, match="one speed") as warned:
+        springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
+    assert {each.filename for each in warned} == {__file__}
+    assert capsys.readouterr().err == ""
+    done = spring("import", file, "--map", "time=t:s,position=x:mm,force=f:N", "--out", tmp_path)
+    assert "clockwise" in done.stderr
 
 
 def test_a_table_gives_the_recording_of_its_units(monkeypatch):
