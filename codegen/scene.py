@@ -19,7 +19,11 @@ _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 @dataclass(frozen=True)
 class Runtime:
-    """Rate, numbers and names of the C, and what it is compiled for."""
+    """Rate, numbers and names of the C, and what it is compiled for.
+
+    >>> Runtime(rate_hz=2000.0, prefix="pad")
+    Runtime(rate_hz=2000.0, prefix='pad')
+    """
 
     __pydantic_config__ = _CLOSED
     rate_hz: Annotated[float, Interval(ge=10, le=8000)] | None = None
@@ -47,7 +51,11 @@ class Runtime:
 
 @dataclass(frozen=True)
 class Coupling:
-    """Virtual coupling (the paper's figure 12c)."""
+    """Virtual coupling (the paper's figure 12c).
+
+    >>> Coupling(mode="off")
+    Coupling(mode='off')
+    """
 
     __pydantic_config__ = _CLOSED
     mode: Literal["auto", "off", "tool", "proxy"] = "auto"
@@ -64,7 +72,11 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Exponential moving average of the force; 0 leaves it out."""
+    """Exponential moving average of the force; 0 leaves it out.
+
+    >>> Smoothing(time_constant_s=0.005)
+    Smoothing(time_constant_s=0.005)
+    """
 
     __pydantic_config__ = _CLOSED
     time_constant_s: Annotated[float, Interval(ge=0, le=1)] = 0.0
@@ -75,7 +87,11 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class Guard:
-    """Limits; None means the default that the plan derives from the model."""
+    """Limits; None means the default that the plan derives from the model.
+
+    >>> Guard(max_force_n=12.0)
+    Guard(max_force_n=12.0)
+    """
 
     __pydantic_config__ = _CLOSED
     max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
@@ -100,7 +116,11 @@ class Guard:
 
 @dataclass(frozen=True)
 class Device:
-    """What loop checks assume and drivers need; None: not measured, or not stated."""
+    """What loop checks assume and drivers need; None: not measured, or not stated.
+
+    >>> Device(delay_s=0.002, mass_kg=0.1)
+    Device(delay_s=0.002, mass_kg=0.1)
+    """
 
     __pydantic_config__ = _CLOSED
     delay_samples: Annotated[int, Interval(ge=0, le=10)] = 0
@@ -147,7 +167,11 @@ class Device:
 
 @dataclass(frozen=True)
 class Budget:
-    """What the target has to spare; None is no limit."""
+    """What the target has to spare; None is no limit.
+
+    >>> Budget(flash_bytes=16_000, ram_bytes=512)
+    Budget(flash_bytes=16000, ram_bytes=512)
+    """
 
     __pydantic_config__ = _CLOSED
     flash_bytes: Annotated[int, Gt(0)] | None = None
@@ -166,7 +190,11 @@ class Budget:
 
 @dataclass(frozen=True)
 class Scene:
-    """A whole scene file."""
+    """A whole scene file.
+
+    >>> Scene(1, "pad", "pad.spm", guard=Guard(max_force_n=12.0))
+    Scene(schema=1, name='pad', model='pad.spm', guard=Guard(max_force_n=12.0))
+    """
 
     __pydantic_config__ = _CLOSED
     schema: Literal[1]

@@ -33,6 +33,10 @@ def ensemble_data(
 
     features: default the paper's ten orders. They are scaled by a power of two and rounded to
     float32, since scikit-learn takes values closer than 1e-7 for equal; `from_ensemble` undoes it.
+
+    >>> features, force_n = ensemble_data(recordings)
+    >>> features.shape[1], len(features) == len(force_n)
+    (10, True)
     """
     data = training_set(given_recordings(recordings), smooth_s)
     features = features or fractional_features(data.dt_s, None)
@@ -52,6 +56,10 @@ def from_ensemble(
     It was fitted on `ensemble_data` of the same recordings, features and smooth_s. The passive
     model for what lies outside the trained depth is fitted here.
     Raises UsageError for another kind of regressor, or one that was fitted on something else.
+
+    >>> forest = RandomForestRegressor(5, random_state=1).fit(*ensemble_data(recordings))
+    >>> from_ensemble(forest, recordings).kind
+    'ensemble'
     """
     data = training_set(given_recordings(recordings), smooth_s)
     features = features or fractional_features(data.dt_s, None)

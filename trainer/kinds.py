@@ -64,7 +64,11 @@ _REDUCED_FIT = "springpot.trainer.selection.reduce:fit_reduced"  # --within
 
 
 def kind_names() -> tuple[str, ...]:
-    """All names that `fit_model` takes."""
+    """All names that `fit_model` takes.
+
+    >>> "hammerstein" in kind_names()
+    True
+    """
     return (AUTO, *KINDS)
 
 

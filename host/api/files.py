@@ -23,12 +23,20 @@ def read_recordings(*paths: File) -> list[Recording]:
     """Read files of recordings, and folders in the order of their files' names.
 
     Raises DataError naming the file that cannot be used.
+
+    >>> len(read_recordings("training"))
+    3
     """
     return recording_file.read_recordings(map(Path, paths))
 
 
 def write_recording(path: File, recording: Recording) -> None:
-    """Write one recording to a file ending in .h5; a reader never sees half of it."""
+    """Write one recording to a file ending in .h5; a reader never sees half of it.
+
+    >>> write_recording("press.h5", press)
+    >>> read_recordings("press.h5")[0].name == press.name
+    True
+    """
     recording_file.write_recording(Path(path), recording)
 
 
@@ -46,6 +54,9 @@ def import_recordings(
     zero: subtract nothing, the "first" sample or the "min" of each channel. resample_hz: rate, Hz,
     to interpolate at. options: delays, mass, tare, contact force, CAN database, Mach-1 block.
     Raises DataError naming file and row, UsageError for columns and options that do not fit it.
+
+    >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name
+    'press'
     """
     from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
@@ -59,12 +70,20 @@ def import_recordings(
 
 
 def read_model(path: File) -> Model:
-    """Read a model file. Raises DataError where it is damaged, of a later schema, or none."""
+    """Read a model file. Raises DataError where it is damaged, of a later schema, or none.
+
+    >>> read_model("model.spm").kind
+    'hammerstein'
+    """
     return model_file.read_model(Path(path))
 
 
 def write_model(path: File, model: "Model | Fit") -> str:
-    """Write a model to a file, by custom one ending in .spm, and return its hash."""
+    """Write a model to a file, by custom one ending in .spm, and return its hash.
+
+    >>> write_model("model.spm", model) == write_model("again.spm", model)
+    True
+    """
     return model_file.write_model(Path(path), given_model(model))
 
 
@@ -84,7 +103,11 @@ def given_model(given: "Model | Fit | File") -> Model:
 
 
 def read_scene(path: File) -> Scene:
-    """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
+    """Read a scene file. Raises UsageError that names the key, its value and what it may be.
+
+    >>> read_scene("scene.toml").name
+    'pad'
+    """
     from springpot.host.emission import scene_file
 
     return scene_file.read_scene(Path(path))
@@ -95,6 +118,10 @@ def write_scene(path: File, scene: Scene) -> None:
 
     The scene's `model`, where it is no absolute path, counts from the file's folder.
     Raises UsageError as `read_scene`.
+
+    >>> write_scene("scene.toml", Scene(1, "pad", "model.spm"))
+    >>> read_scene("scene.toml").model
+    'model.spm'
     """
     from springpot.host.emission import scene_file
 

@@ -45,6 +45,10 @@ def record(
     simulated device's noise. object_name: what lies under a real device. max_force_n, N (by
     default 1.3 x the command), and max_depth_m, m: beyond them it stops.
     Raises UsageError where files would be overwritten, DeviceError where the device fails.
+
+    >>> presses = record("sim://ecoflex-00-30", "paper", "presses")
+    >>> len(presses)
+    27
     """
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
@@ -101,6 +105,9 @@ def train(
     poles: how many time constants hammerstein, and the passive part of every kind, may use.
     Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
     be trusted or do not fit together.
+
+    >>> train(recordings, "rf-fd", trees=5, seed=1).model.kind
+    'rf-fd'
     """
     options = _fit_options(locals())
     from springpot.host.console.quality import warn_of_quality
@@ -121,6 +128,9 @@ def predict(model: Model | Fit | File, position_m: ArrayLike, dt_s: float | None
     dt_s: time between samples, s, where it is known: another one than the model's is a DataError,
     and so are positions ten times deeper than the training presses, as in millimetres. From 1.5
     times on a UserWarning says that the force is an extrapolation.
+
+    >>> predict(model, [0.0, 1e-3, 2e-3]).shape
+    (3,)
     """
     from springpot.trainer.models.compatibility import require_compatible, zero_of
     from springpot.trainer.models.limited import DEEP, limited_n, times_trained
@@ -155,6 +165,9 @@ def emit(
     Raises UsageError for either, UnsafeError where a hand would find the scene unstable, unless
     that is accepted, BudgetError where the C does not fit the scene's budget, MismatchError where
     it differs from its reference.
+
+    >>> emit("c", model=model).folder.name
+    'c'
     """
     from springpot.host.emission.emission import emit as emit_folder
 
@@ -184,6 +197,9 @@ def validate(
     paced_s: how long ticks are timed at the scene's rate, s. device: URL of a board that renders
     the scene too. accept_edited: C that is not as emitted is no refusal; the result's `edited`
     names its files. Raises DataError for recordings of another rate or zero than the model's.
+
+    >>> validate("c", recordings).mismatches  # C and its reference: the same bits
+    0
     """
     from springpot.host.validation.validation import validate as validate_folder
 
@@ -196,6 +212,9 @@ def stability(
     """Linear loop, small-signal maps, and a closed loop with three hands, through the C.
 
     model, scene: as of `emit`. `as_dict()["recommendation"]` of the result says it in words.
+
+    >>> "stable" in stability(model=model).recommendation
+    True
     """
     from springpot.codegen.plan.plan import make_plan
     from springpot.host.stability.check import stability as check

@@ -23,6 +23,10 @@ class Emission(Faces):
     """What was emitted. footprint, compile_s, check: None without a compiler; notices say why.
 
     unmeasured: why there is no footprint, and what to install; empty where there is one.
+
+    >>> emission = emit("c", model=model)
+    >>> emission.ram_bytes < 1000
+    True
     """
 
     folder: Path

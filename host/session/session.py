@@ -40,6 +40,12 @@ class Session:
     name its files. report: takes lines for people, by default a logger. viewer: takes every row
     too, and never waits. alarm: takes the lines of live warnings, and whether something began.
     Raises DeviceError where the device cannot be used as the scene wants.
+
+    >>> with Session("c", "sim://ecoflex-00-30", "felt.h5", seconds=0.1) as session:
+    ...     session.start()
+    ...     session.wait()
+    >>> session.result()["watchdog_trips"]
+    0
     """
 
     def __init__(

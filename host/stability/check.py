@@ -56,7 +56,11 @@ class Check:
 
 @dataclass(frozen=True, eq=False)
 class Stability(Faces):
-    """The whole check. stiff: plan of the object ten times stiffer."""
+    """The whole check. stiff: plan of the object ten times stiffer.
+
+    >>> stability(model=model).check.stable
+    True
+    """
 
     check: Check
     stiff: Plan

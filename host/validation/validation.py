@@ -48,6 +48,10 @@ class Validation(Faces):
     rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone. edited:
     files of the folder that are not as emitted, and were accepted. seen: how many recordings the
     model was trained on, None where it does not say.
+
+    >>> found = validate("c", recordings)
+    >>> found.accuracy.rmse_n < 0.2
+    True
     """
 
     accuracy: Accuracy

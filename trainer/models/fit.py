@@ -29,7 +29,11 @@ Engine = Literal["fir", "fir-fast", "recursive"]
 
 @dataclass(frozen=True)
 class FitOptions:
-    """Options of a fit, as `springpot.train` describes each. None: the kind's default."""
+    """Options of a fit, as `springpot.train` describes each. None: the kind's default.
+
+    >>> FitOptions(trees=50, seed=1)
+    FitOptions(seed=1, trees=50)
+    """
 
     seed: Annotated[int, Interval(ge=0, lt=2**32)] = 0
     fraction: Annotated[float, Interval(gt=0, le=1)] | None = None
@@ -52,7 +56,11 @@ class FitOptions:
 
 @dataclass(frozen=True, eq=False)
 class Fit(Faces):
-    """A fitted model and what it took: seconds for features, fit and search; further metadata."""
+    """A fitted model and what it took: seconds for features, fit and search; further metadata.
+
+    >>> train(recordings, "hammerstein", "pad").model.name
+    'pad'
+    """
 
     model: Model
     rows: int

@@ -44,6 +44,9 @@ class Recording(Faces):
 
     Raises DataError where the channels cannot be a recording, or the name no file's, and where
     positions without a source span more than 1 m, as millimetres do.
+
+    >>> Recording("pad", [0.0, 1e-3, 2e-3], [0.0, 0.4, 0.9], dt_s=1e-3)
+    Recording('pad', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 0.9 N)
     """
 
     name: str

@@ -36,6 +36,9 @@ class ImportOptions:
     decimal: what marks decimals in a CSV file, None: guessed.
     specimen: sizes, if a CSV file has stress and strain in place of force and position.
     conditioning: delays, mass, tare and contact point.
+
+    >>> ImportOptions(decimal="comma")
+    ImportOptions(decimal='comma')
     """
 
     dbc: Path | None = None

@@ -45,6 +45,9 @@ class QualityReport(Faces):
     """Findings of a set of recordings; figures, as JSON values, are computed when they are read.
 
     cycles, signs: of each recording. repeats, skew: of the set.
+
+    >>> check_recordings(recordings)
+    QualityReport(3 recordings, findings: none)
     """
 
     checked: Sequence[Recording]
@@ -115,7 +118,11 @@ class QualityReport(Faces):
 
 
 def check_recordings(given: Recordings) -> QualityReport:
-    """Check each recording by itself, and all together: speeds, repeats, alignment."""
+    """Check each recording by itself, and all together: speeds, repeats, alignment.
+
+    >>> check_recordings(recordings).refused
+    False
+    """
     findings: list[Finding] = []
     whole, recordings = given_recordings(given), []
     for recording in whole:  # what follows is judged without spikes, as a fit does
