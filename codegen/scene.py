@@ -43,10 +43,10 @@ class Runtime:
     """Whether there is `sp_step_dt`, which takes the measured time step. Default: on a host,
     where the model allows it."""
     start: Literal["rested", "conditioned"] = "rested"
-
-    __repr__ = short_repr
     """The object as new, or as it is after it was pressed to the trained depth: what damage does
     not heal has happened."""
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,9 @@ class Coupling:
     damping_nspm: Annotated[float, Interval(ge=1e-6, le=1e7)] = 20.0
     """Of the coupling's damper."""
     mass_kg: Annotated[float, Interval(ge=1e-6, le=1e3)] = 0.05
+    """Of the proxy."""
 
     __repr__ = short_repr
-    """Of the proxy."""
 
 
 @dataclass(frozen=True)
@@ -80,9 +80,9 @@ class Smoothing:
 
     __pydantic_config__ = _CLOSED
     time_constant_s: Annotated[float, Interval(ge=0, le=1)] = 0.0
+    """Exponential moving average of the force; 0 leaves it out."""
 
     __repr__ = short_repr
-    """Exponential moving average of the force; 0 leaves it out."""
 
 
 @dataclass(frozen=True)
@@ -108,10 +108,10 @@ class Guard:
     """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
     depth."""
     energy: Literal["account", "note", "off"] = "account"
-
-    __repr__ = short_repr
     """If the hand would get back more energy than it has paid, `"account"` cuts the force, `"note"`
     only says so; `"off"` leaves the account out."""
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -160,9 +160,9 @@ class Device:
     effector_mass_kg: Annotated[float, Interval(ge=0, le=100)] | None = None
     """Mass of the handle, for a device that carries its weight by itself."""
     weight_n: Annotated[float, Interval(ge=-20, le=20)] = 0.0
+    """That the handle weighs beyond what the device carries; of `dhd://` devices."""
 
     __repr__ = short_repr
-    """That the handle weighs beyond what the device carries; of `dhd://` devices."""
 
 
 @dataclass(frozen=True)
@@ -183,9 +183,9 @@ class Budget:
     tick_instructions: Annotated[int, Gt(0)] | None = None
     """Bound of the instructions of a tick."""
     tick_us: Annotated[float, Gt(0)] | None = None
+    """Not checked when emitting: `springpot validate` measures it."""
 
     __repr__ = short_repr
-    """Not checked when emitting: `springpot validate` measures it."""
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _MISSING = "needs matplotlib: pip install 'springpot[report]'"
 _MAX_SAMPLES = 20_000  # of a press that is drawn
+_MAX_POINTS, _MIN_POINTS = 2000, 60  # of a small picture, of each curve in it
 
 
 def plotted(found: object, axes: "Axes | None") -> "Axes":
@@ -57,13 +58,16 @@ def html(found: object) -> str:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    from springpot.host.plot_style import STYLE, svg_text
+    from springpot.host.plot_style import STYLE, stride, svg_text
 
-    with rc_context(STYLE):
-        figure = Figure(figsize=(4.6, 2.8), dpi=150, layout="constrained")
+    with rc_context({**STYLE, "svg.fonttype": "none"}):
+        figure = Figure(figsize=(4.6, 2.8), layout="constrained")
         axes = figure.subplots()
-        axes.set_rasterization_zorder(2.5)  # curves, not text: noise takes a megabyte of paths
         _faces(found)[1](found, axes)
+        curves = [np.asarray(line.get_xydata()) for line in axes.lines]
+        for line, points in zip(axes.lines, curves, strict=True):  # each point takes ten letters
+            step = min(stride(sum(map(len, curves)), _MAX_POINTS), stride(len(points), _MIN_POINTS))
+            line.set_data(*points[::step].T)
         return table + svg_text(figure)
 
 
