@@ -45,7 +45,6 @@ class Runtime:
     start: Literal["rested", "conditioned"] = "rested"
     """The object as new, or as it is after it was pressed to the trained depth: what damage does
     not heal has happened."""
-
     __repr__ = short_repr
 
 
@@ -66,7 +65,6 @@ class Coupling:
     """Of the coupling's damper."""
     mass_kg: Annotated[float, Interval(ge=1e-6, le=1e3)] = 0.05
     """Of the proxy."""
-
     __repr__ = short_repr
 
 
@@ -81,7 +79,6 @@ class Smoothing:
     __pydantic_config__ = _CLOSED
     time_constant_s: Annotated[float, Interval(ge=0, le=1)] = 0.0
     """Exponential moving average of the force; 0 leaves it out."""
-
     __repr__ = short_repr
 
 
@@ -110,7 +107,6 @@ class Guard:
     energy: Literal["account", "note", "off"] = "account"
     """If the hand would get back more energy than it has paid, `"account"` cuts the force, `"note"`
     only says so; `"off"` leaves the account out."""
-
     __repr__ = short_repr
 
 
@@ -161,7 +157,6 @@ class Device:
     """Mass of the handle, for a device that carries its weight by itself."""
     weight_n: Annotated[float, Interval(ge=-20, le=20)] = 0.0
     """That the handle weighs beyond what the device carries; of `dhd://` devices."""
-
     __repr__ = short_repr
 
 
@@ -184,7 +179,6 @@ class Budget:
     """Bound of the instructions of a tick."""
     tick_us: Annotated[float, Gt(0)] | None = None
     """Not checked when emitting: `springpot validate` measures it."""
-
     __repr__ = short_repr
 
 
@@ -209,5 +203,4 @@ class Scene:
     guard: Guard = field(default_factory=Guard)
     device: Device = field(default_factory=Device)
     budget: Budget = field(default_factory=Budget)
-
     __repr__ = short_repr

@@ -49,7 +49,6 @@ class Accuracy:
     p99_abs_error_n: float
     ape_below_jnd: float | None
     error_per_jnd: float
-
     __repr__ = short_repr
 
 

@@ -34,7 +34,6 @@ class Kind:
     mark: str = "h"
     colour: str = "#444444"
     place: int = 100
-
     __repr__ = short_repr
 
     def function(self) -> Callable[..., "Fit"]:

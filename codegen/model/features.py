@@ -97,7 +97,6 @@ class FirBank(FractionalBank):
     """
 
     taps: NDArray[np.float64]
-
     __repr__ = short_repr
 
     table = "taps"

@@ -70,7 +70,6 @@ class Hammerstein:
     flow: Flow | None = None
     damage: Damage | None = None
     recovers: bool = False
-
     __repr__ = short_repr
 
     @property

@@ -71,7 +71,6 @@ class Forest(Regressor):
     weight: float
     bias_n: float
     quantisation: Quantisation | None = None
-
     __repr__ = short_repr
 
     @property

@@ -63,7 +63,6 @@ class Plan(Stages):
     stiffness_npm: float
     coupling: CouplingChoice
     outside: str
-
     __repr__ = short_repr
 
     @property

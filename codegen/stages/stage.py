@@ -32,7 +32,6 @@ class Member:
 
     declaration: str
     scalars: tuple[str, ...]
-
     __repr__ = short_repr
 
 

@@ -23,7 +23,6 @@ class Board:
     emulator: str
     options: tuple[str, ...]
     counter_hz: float
-
     __repr__ = short_repr
 
 

@@ -55,7 +55,6 @@ class DeviceRequirements:
     nm_per_a: float | None = None
     effector_mass_kg: float | None = None
     weight_n: float = 0.0
-
     __repr__ = short_repr
 
 

@@ -37,7 +37,6 @@ class Driver:
     echoes: bool = False
     links: tuple[Path, ...] = ()
     place: int = 100
-
     __repr__ = short_repr
 
     def __post_init__(self) -> None:

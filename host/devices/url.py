@@ -21,7 +21,6 @@ class Address:
     interface: str
     place: str
     settings: dict[str, str]
-
     __repr__ = short_repr
 
     def number(self, key: str, default: float, minimum: float, maximum: float) -> float:

@@ -81,7 +81,6 @@ class Emitted:
     model: Model
     edited: tuple[str, ...]
     hash: str
-
     __repr__ = short_repr
 
 

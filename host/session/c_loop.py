@@ -30,7 +30,6 @@ class StepFunctions:
     state: int
     measured_n: int = 0  # where the state wants the measured force, or 0
     kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
-
     __repr__ = short_repr
 
 

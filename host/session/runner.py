@@ -41,7 +41,6 @@ class Progress:
     force_n: float
     age_s: float
     state: LoopState
-
     __repr__ = short_repr
 
 

@@ -35,7 +35,6 @@ class Scenario:
     push_n: Samples
     error_m: Samples
     dropped: NDArray[np.uint8]
-
     __repr__ = short_repr
 
 
@@ -64,7 +63,6 @@ class Operator:
     hand: HandName
     device: LoopDevice = ASSUMED_DEVICE
     seed: int = 1
-
     __repr__ = short_repr
 
 
@@ -77,7 +75,6 @@ class LoopCalls:
     reset: int
     state: int
     kept: Any = field(default=None, repr=False)
-
     __repr__ = short_repr
 
 

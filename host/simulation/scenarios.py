@@ -54,7 +54,6 @@ class Workspace:
     max_mps: float
     max_n: float
     device: LoopDevice
-
     __repr__ = short_repr
 
     @staticmethod

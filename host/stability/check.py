@@ -34,7 +34,6 @@ class Check:
     spectral_radius: float
     model_map: Map
     scene_map: Map
-
     __repr__ = short_repr
 
     @property

@@ -47,7 +47,6 @@ class Outcome:
     vibration: Vibration = field(default_factory=Vibration)
     latched_s: float | None = None
     ended: bool = False
-
     __repr__ = short_repr
 
     @property
@@ -78,7 +77,6 @@ class Rendered:
     loop: HandLoop
     library: SceneLibrary
     model: SceneLibrary
-
     __repr__ = short_repr
 
     def force(self, position_m: Samples) -> Samples:

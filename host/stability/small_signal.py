@@ -30,7 +30,6 @@ class Map:
     share: NDArray[np.float64]
     frequency_hz: NDArray[np.float64]
     sin_delta: NDArray[np.float64]
-
     __repr__ = short_repr
 
     def active(self, outside: bool) -> tuple[int, int]:

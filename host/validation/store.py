@@ -29,7 +29,6 @@ class Series:
     position_m: NDArray[np.float64]
     measured_n: NDArray[np.float64]
     predicted_n: NDArray[np.float64]
-
     __repr__ = short_repr
 
 

@@ -50,7 +50,6 @@ class FitOptions:
     orders: tuple[Annotated[float, Interval(ge=0, le=1)], ...] | None = None
     within: Annotated[float, Interval(ge=0, lt=inf)] | None = None
     poles: Annotated[int, Ge(1)] = PASSIVE_POLES
-
     __repr__ = short_repr
 
 

@@ -40,7 +40,6 @@ class TrainingSet:
     trained: TrainedRange
     warnings: tuple[str, ...] = ()
     _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
-
     __repr__ = short_repr
 
     def once(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:

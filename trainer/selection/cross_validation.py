@@ -36,7 +36,6 @@ class Split:
 
     data: TrainingSet
     held: tuple[Recording, ...]
-
     __repr__ = short_repr
 
 

@@ -34,7 +34,6 @@ class FileRequest:
     decimal: DecimalMark | None = None
     resampled: bool = False
     specimen: Specimen | None = None
-
     __repr__ = short_repr
 
 
@@ -55,7 +54,6 @@ class FileFormat:
     begins: Callable[[bytes], bool]
     reads: str | Reader
     place: int = 100
-
     __repr__ = short_repr
 
     def fits(self, path: Path, start: bytes) -> bool:

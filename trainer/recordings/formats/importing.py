@@ -46,7 +46,6 @@ class ImportOptions:
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
     specimen: Specimen | None = None
-
     __repr__ = short_repr
 
 

@@ -30,7 +30,6 @@ class RawChannels:
     source: str
     line_of: Callable[[int], int]
     details: Mapping[str, Any] = field(default_factory=dict)
-
     __repr__ = short_repr
 
 

@@ -35,7 +35,6 @@ class Coverage:
     low_m: float
     high_m: float
     band_hz: tuple[float, float]
-
     __repr__ = short_repr
 
     @property
