@@ -18,7 +18,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu setup-r firmware soak misra bench-tick bench-host prove prove-changed docs dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu setup-r firmware soak misra bench-tick bench-host prove prove-changed docs notebook dist lock licences check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -120,6 +120,10 @@ misra: $(STAMP)
 docs: $(STAMP) ns
 	PYTHONPATH=build/ns $(BIN)/sphinx-build -W -n --keep-going -q -E -d build/docs/doctrees docs build/docs/html
 	@echo build/docs/html/index.html
+
+# Run examples/quick_start.ipynb and store what it shows.
+notebook: $(STAMP)
+	cd tests && ../$(BIN)/python -m support.pages.notebooks
 
 # Sessions of a minute over simulated devices: ticks and lateness.
 bench-host: $(STAMP)

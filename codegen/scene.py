@@ -10,6 +10,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Gt, Interval
 
+from springpot.codegen.short_repr import short_repr
+
 Number = Literal["float32", "float64"]
 Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc", "wasm32"]
 _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
@@ -17,7 +19,11 @@ _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 @dataclass(frozen=True)
 class Runtime:
-    """Rate, numbers and names of the C, and what it is compiled for."""
+    """Rate, numbers and names of the C, and what it is compiled for.
+
+    >>> Runtime(rate_hz=2000.0, prefix="pad")
+    Runtime(rate_hz=2000.0, prefix='pad')
+    """
 
     __pydantic_config__ = _CLOSED
     rate_hz: Annotated[float, Interval(ge=10, le=8000)] | None = None
@@ -39,11 +45,16 @@ class Runtime:
     start: Literal["rested", "conditioned"] = "rested"
     """The object as new, or as it is after it was pressed to the trained depth: what damage does
     not heal has happened."""
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """Virtual coupling (the paper's figure 12c)."""
+    """Virtual coupling (the paper's figure 12c).
+
+    >>> Coupling(mode="off")
+    Coupling(mode='off')
+    """
 
     __pydantic_config__ = _CLOSED
     mode: Literal["auto", "off", "tool", "proxy"] = "auto"
@@ -54,20 +65,30 @@ class Coupling:
     """Of the coupling's damper."""
     mass_kg: Annotated[float, Interval(ge=1e-6, le=1e3)] = 0.05
     """Of the proxy."""
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Exponential moving average of the force; 0 leaves it out."""
+    """Exponential moving average of the force; 0 leaves it out.
+
+    >>> Smoothing(time_constant_s=0.005)
+    Smoothing(time_constant_s=0.005)
+    """
 
     __pydantic_config__ = _CLOSED
     time_constant_s: Annotated[float, Interval(ge=0, le=1)] = 0.0
     """Exponential moving average of the force; 0 leaves it out."""
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
 class Guard:
-    """Limits; None means the default that the plan derives from the model."""
+    """Limits; None means the default that the plan derives from the model.
+
+    >>> Guard(max_force_n=12.0)
+    Guard(max_force_n=12.0)
+    """
 
     __pydantic_config__ = _CLOSED
     max_force_n: Annotated[float, Interval(gt=0, le=1e4)] | None = None
@@ -86,11 +107,16 @@ class Guard:
     energy: Literal["account", "note", "off"] = "account"
     """If the hand would get back more energy than it has paid, `"account"` cuts the force, `"note"`
     only says so; `"off"` leaves the account out."""
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
 class Device:
-    """What loop checks assume and drivers need; None: not measured, or not stated."""
+    """What loop checks assume and drivers need; None: not measured, or not stated.
+
+    >>> Device(delay_s=0.002, mass_kg=0.1)
+    Device(delay_s=0.002, mass_kg=0.1)
+    """
 
     __pydantic_config__ = _CLOSED
     delay_samples: Annotated[int, Interval(ge=0, le=10)] = 0
@@ -131,11 +157,16 @@ class Device:
     """Mass of the handle, for a device that carries its weight by itself."""
     weight_n: Annotated[float, Interval(ge=-20, le=20)] = 0.0
     """That the handle weighs beyond what the device carries; of `dhd://` devices."""
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
 class Budget:
-    """What the target has to spare; None is no limit."""
+    """What the target has to spare; None is no limit.
+
+    >>> Budget(flash_bytes=16_000, ram_bytes=512)
+    Budget(flash_bytes=16000, ram_bytes=512)
+    """
 
     __pydantic_config__ = _CLOSED
     flash_bytes: Annotated[int, Gt(0)] | None = None
@@ -148,11 +179,16 @@ class Budget:
     """Bound of the instructions of a tick."""
     tick_us: Annotated[float, Gt(0)] | None = None
     """Not checked when emitting: `springpot validate` measures it."""
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A whole scene file."""
+    """A whole scene file.
+
+    >>> Scene(1, "pad", "pad.spm", guard=Guard(max_force_n=12.0))
+    Scene(schema=1, name='pad', model='pad.spm', guard=Guard(max_force_n=12.0))
+    """
 
     __pydantic_config__ = _CLOSED
     schema: Literal[1]
@@ -167,3 +203,4 @@ class Scene:
     guard: Guard = field(default_factory=Guard)
     device: Device = field(default_factory=Device)
     budget: Budget = field(default_factory=Budget)
+    __repr__ = short_repr

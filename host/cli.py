@@ -10,7 +10,7 @@ import click
 from springpot.codegen import errors
 from springpot.codegen.entry_points import registered
 from springpot.host.console.lazy_group import LazyCommand, LazyGroup
-from springpot.host.console.output import say
+from springpot.host.console.output import notices_said, say
 
 _EXIT_STATUS: dict[type[Exception], int] = {
     errors.UsageError: 2,
@@ -40,6 +40,7 @@ def every_command() -> dict[str, LazyCommand | click.Command]:
 @click.version_option(package_name="springpot")
 def springpot() -> None:
     """Recordings of a soft object in; small, fast, checked C that renders its feel out."""
+    click.get_current_context().with_resource(notices_said())
 
 
 def main() -> None:

@@ -59,7 +59,7 @@ def run_demo(out: Path, object_name: str) -> Demo:
         emission = emit(scene, model_file, out / "c")
     with _step("validate", seconds):
         validation = validate(out / "c", testing)
-        store_validation(out / "c", validation, testing)
+        store_validation(out / "c", validation)
     with _step("report", seconds):
         report = write_report(out / "c")
     return Demo(emission, validation, fit, report, seconds)

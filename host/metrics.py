@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.reference.notes import RAMPED
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor
 
 # Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
@@ -48,6 +49,7 @@ class Accuracy:
     p99_abs_error_n: float
     ape_below_jnd: float | None
     error_per_jnd: float
+    __repr__ = short_repr
 
 
 def start_up_ramp(notes: NDArray[np.int32]) -> int:

@@ -1,6 +1,5 @@
 """Tree ensembles of one's own on springpot's features, as models that can be emitted."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.rf_fd import fractional_features
 from springpot.trainer.models.training_set import TrainingSet, training_set
 from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 KIND = "ensemble"
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
@@ -24,7 +23,7 @@ _CHECKED_ROWS = 5000
 
 
 def ensemble_data(
-    recordings: Sequence[Recording],
+    recordings: Recordings,
     features: Features | None = None,
     fraction: float | None = None,
     smooth_s: float = PAPER_SMOOTH_S,
@@ -34,8 +33,12 @@ def ensemble_data(
 
     features: default the paper's ten orders. They are scaled by a power of two and rounded to
     float32, since scikit-learn takes values closer than 1e-7 for equal; `from_ensemble` undoes it.
+
+    >>> features, force_n = ensemble_data(recordings)
+    >>> features.shape[1], len(features) == len(force_n)
+    (10, True)
     """
-    data = training_set(recordings, smooth_s)
+    data = training_set(given_recordings(recordings), smooth_s)
     features = features or fractional_features(data.dt_s, None)
     rows = data.rows(fraction, seed)
     return _scaled(data, features, rows), data.force_n(rows)
@@ -43,7 +46,7 @@ def ensemble_data(
 
 def from_ensemble(
     regressor: Any,
-    recordings: Sequence[Recording],
+    recordings: Recordings,
     features: Features | None = None,
     name: str = KIND,
     smooth_s: float = PAPER_SMOOTH_S,
@@ -53,8 +56,12 @@ def from_ensemble(
     It was fitted on `ensemble_data` of the same recordings, features and smooth_s. The passive
     model for what lies outside the trained depth is fitted here.
     Raises UsageError for another kind of regressor, or one that was fitted on something else.
+
+    >>> forest = RandomForestRegressor(5, random_state=1).fit(*ensemble_data(recordings))
+    >>> from_ensemble(forest, recordings).kind
+    'ensemble'
     """
-    data = training_set(recordings, smooth_s)
+    data = training_set(given_recordings(recordings), smooth_s)
     features = features or fractional_features(data.dt_s, None)
     rows = np.unique(np.linspace(0, data.rows_total - 1, _CHECKED_ROWS).astype(np.intp))
     scale = _scale(data)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import UsageError
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ class Kind:
     mark: str = "h"
     colour: str = "#444444"
     place: int = 100
+    __repr__ = short_repr
 
     def function(self) -> Callable[..., "Fit"]:
         """What `fit` names, loaded."""
@@ -61,7 +63,11 @@ _REDUCED_FIT = "springpot.trainer.selection.reduce:fit_reduced"  # --within
 
 
 def kind_names() -> tuple[str, ...]:
-    """All names that `fit_model` takes."""
+    """All names that `fit_model` takes.
+
+    >>> "hammerstein" in kind_names()
+    True
+    """
     return (AUTO, *KINDS)
 
 

@@ -12,6 +12,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.short_repr import short_repr
+
 
 class Features(ABC):
     """Features of the depth x(t), m, that a regressor maps to a force."""
@@ -95,6 +97,7 @@ class FirBank(FractionalBank):
     """
 
     taps: NDArray[np.float64]
+    __repr__ = short_repr
 
     table = "taps"
 

@@ -32,6 +32,9 @@ class Model:
     hammerstein_adds: whether its force is part of the model's; else it is the fallback outside the
     trained depth.
     provenance: seed, rows, hashes of the training recordings, versions; JSON values.
+
+    >>> train(recordings, "hammerstein").model.kind
+    'hammerstein'
     """
 
     kind: str

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.short_repr import short_repr
+
 FLOW_SHARE = 0.2  # of the force at the trained depth, at which a flowing branch is said to relax
 
 
@@ -68,6 +70,7 @@ class Hammerstein:
     flow: Flow | None = None
     damage: Damage | None = None
     recovers: bool = False
+    __repr__ = short_repr
 
     @property
     def nodes(self) -> int:

@@ -7,6 +7,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.short_repr import short_repr
+
 
 class Regressor(ABC):
     """Force, N, of a vector of features.
@@ -69,6 +71,7 @@ class Forest(Regressor):
     weight: float
     bias_n: float
     quantisation: Quantisation | None = None
+    __repr__ = short_repr
 
     @property
     def is_mean(self) -> bool:

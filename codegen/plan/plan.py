@@ -25,6 +25,7 @@ from springpot.codegen.plan.limits import (
 from springpot.codegen.plan.model_stages import LeftOut, model_stages, unused_orders
 from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
+from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.model_force import RangeConfig, Stages
 from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
 from springpot.codegen.stages.stage import vector_width_of
@@ -62,6 +63,7 @@ class Plan(Stages):
     stiffness_npm: float
     coupling: CouplingChoice
     outside: str
+    __repr__ = short_repr
 
     @property
     def dtype(self) -> type[Any]:

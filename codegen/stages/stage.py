@@ -14,6 +14,7 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.scene import Runtime
+from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.costs import Costs
 
 Columns = NDArray[np.intp]
@@ -31,6 +32,7 @@ class Member:
 
     declaration: str
     scalars: tuple[str, ...]
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,9 @@
 
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from springpot.codegen.errors import UsageError
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
@@ -11,19 +13,30 @@ from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording, Zero
 
-File = str | PathLike[str]
+if TYPE_CHECKING:
+    from springpot.trainer.models.fit import Fit
+
+File = recording_file.File
 
 
 def read_recordings(*paths: File) -> list[Recording]:
     """Read files of recordings, and folders in the order of their files' names.
 
     Raises DataError naming the file that cannot be used.
+
+    >>> len(read_recordings("training"))
+    3
     """
     return recording_file.read_recordings(map(Path, paths))
 
 
 def write_recording(path: File, recording: Recording) -> None:
-    """Write one recording to a file ending in .h5; a reader never sees half of it."""
+    """Write one recording to a file ending in .h5; a reader never sees half of it.
+
+    >>> write_recording("press.h5", press)
+    >>> read_recordings("press.h5")[0].name == press.name
+    True
+    """
     recording_file.write_recording(Path(path), recording)
 
 
@@ -37,34 +50,64 @@ def import_recordings(
     """Read a CSV, MAT, HDF5 or Mach-1 file, a CAN log or a journal, in SI units.
 
     columns: such as "time=COL:s,position=COL:mm,force=COL:N", COL a header or a number from 1;
-    where empty, guessed from the headers. A line on standard error says how it was understood.
+    where empty, guessed from the headers. How it was understood is logged.
     zero: subtract nothing, the "first" sample or the "min" of each channel. resample_hz: rate, Hz,
     to interpolate at. options: delays, mass, tare, contact force, CAN database, Mach-1 block.
     Raises DataError naming file and row, UsageError for columns and options that do not fit it.
+
+    >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name
+    'press'
     """
-    from springpot.host.console.quality import report_quality
+    from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_file
 
     mapping = parse_map(columns) if columns else None
     found = import_file(Path(path), mapping, zero, resample_hz, options)
     notice(found.guess)
-    report_quality(found.recordings)
+    warn_of_quality(found.recordings)
     return found.recordings
 
 
 def read_model(path: File) -> Model:
-    """Read a model file. Raises DataError where it is damaged, of a later schema, or none."""
+    """Read a model file. Raises DataError where it is damaged, of a later schema, or none.
+
+    >>> read_model("model.spm").kind
+    'hammerstein'
+    """
     return model_file.read_model(Path(path))
 
 
-def write_model(path: File, model: Model) -> str:
-    """Write a model to a file, by custom one ending in .spm, and return its hash."""
-    return model_file.write_model(Path(path), model)
+def write_model(path: File, model: "Model | Fit") -> str:
+    """Write a model to a file, by custom one ending in .spm, and return its hash.
+
+    >>> write_model("model.spm", model) == write_model("again.spm", model)
+    True
+    """
+    return model_file.write_model(Path(path), given_model(model))
+
+
+def given_model(given: "Model | Fit | File") -> Model:
+    """Return the model itself, that of a fit, or that of a file. Raises UsageError for no model."""
+    from springpot.trainer.models.fit import Fit
+
+    if isinstance(given, str | PathLike):
+        return read_model(given)
+    model = given.model if isinstance(given, Fit) else given
+    if not isinstance(model, Model):
+        raise UsageError(
+            f"model: {type(given).__name__} is none: give a Model, a Fit or a file; "
+            "springpot.from_ensemble makes a Model of a tree ensemble"
+        )
+    return model
 
 
 def read_scene(path: File) -> Scene:
-    """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
+    """Read a scene file. Raises UsageError that names the key, its value and what it may be.
+
+    >>> read_scene("scene.toml").name
+    'pad'
+    """
     from springpot.host.emission import scene_file
 
     return scene_file.read_scene(Path(path))
@@ -75,6 +118,10 @@ def write_scene(path: File, scene: Scene) -> None:
 
     The scene's `model`, where it is no absolute path, counts from the file's folder.
     Raises UsageError as `read_scene`.
+
+    >>> write_scene("scene.toml", Scene(1, "pad", "model.spm"))
+    >>> read_scene("scene.toml").model
+    'model.spm'
     """
     from springpot.host.emission import scene_file
 

@@ -21,6 +21,10 @@ def load(folder: File, *, accept_edited: bool = False) -> "LoadedScene":
 
     Raises DataError where the folder is none, of another version, or not as emitted, unless that is
     accepted: the result's `edited` names the files.
+
+    >>> force_n, notes = load("c").run(press.position_m)
+    >>> force_n.shape == notes.shape == press.position_m.shape
+    True
     """
     return LoadedScene(Path(folder), accept_edited)
 
@@ -29,6 +33,9 @@ class LoadedScene:
     """What `load` returns. manifest: of the emission, as in manifest.json.
 
     edited: files of the folder that are not as emitted, and were accepted.
+
+    >>> load("c")
+    LoadedScene('c', 1000 Hz)
     """
 
     def __init__(self, folder: Path, accept_edited: bool = False) -> None:

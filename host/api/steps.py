@@ -2,10 +2,10 @@
 
 import tempfile
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,14 +15,18 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.files import File, read_model, read_recordings, write_model
+from springpot.files import File, given_model, read_recordings, write_model
+from springpot.trainer.models.fit import Engine, Fit, FitOptions
+from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
     from springpot.host.stability.check import Stability
     from springpot.host.validation.validation import Validation
-    from springpot.trainer.models.fit import Fit, FitOptions
+
+_WARNING = "warning: "
 
 
 def record(
@@ -41,6 +45,10 @@ def record(
     simulated device's noise. object_name: what lies under a real device. max_force_n, N (by
     default 1.3 x the command), and max_depth_m, m: beyond them it stops.
     Raises UsageError where files would be overwritten, DeviceError where the device fails.
+
+    >>> presses = record("sim://ecoflex-00-30", "paper", "presses")
+    >>> len(presses)
+    27
     """
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
@@ -53,38 +61,81 @@ def record(
 
 
 def train(
-    recordings: Iterable[Recording],
+    recordings: Recordings,
     kind: str = "auto",
     name: str = "",
-    validation: Iterable[Recording] = (),
-    **options: Any,
-) -> "Fit":
+    validation: Recordings = (),
+    *,
+    seed: int = FitOptions.seed,
+    fraction: float | None = FitOptions.fraction,
+    window_s: float | None = FitOptions.window_s,
+    smooth_s: float = FitOptions.smooth_s,
+    trees: int = FitOptions.trees,
+    leaf: int = FitOptions.leaf,
+    n_centers: int = FitOptions.n_centers,
+    centers: Literal["farthest", "greedy"] = FitOptions.centers,
+    select: Literal["cv", "paper"] = FitOptions.select,
+    monotone: bool = FitOptions.monotone,
+    engine: Engine | None = FitOptions.engine,
+    round_features: bool = FitOptions.round_features,
+    orders: Sequence[float] | None = FitOptions.orders,
+    within: float | None = FitOptions.within,
+    poles: int = FitOptions.poles,
+) -> Fit:
     """Fit a model of a kind of `kind_names()`: the result's `model`.
 
-    name: of the model; by default its kind. validation: decides with select="paper" only.
-    options: fields of `FitOptions`, such as trees=50, engine="recursive", seed=1.
-    What is doubtful about the recordings is printed on standard error.
-    Raises UsageError for an unknown kind or option, DataError for recordings that cannot be
-    trusted or do not fit together.
+    kind: "auto" takes the one of lowest cross-validated error.
+    name: of the model; by default its kind.
+    validation: other recordings, which decide with select="paper" only.
+    seed: of the rows and trees that are drawn at random.
+    fraction: share of the rows that are used, above 0 to 1; None: 0.2 from 20 000 rows on.
+    window_s: how long the fractional filters remember, s; None: 171 samples, 1000 s if recursive.
+    smooth_s: zero-phase moving average of the training data, s; 0 for none.
+    trees: how many a forest has.
+    leaf: how many rows the smallest leaf of a tree holds.
+    n_centers: how many radial basis functions rbf-fd and rbf-pv have.
+    centers: how rbf-fd and rbf-pv choose them.
+    select: rbf-fd and `within` choose by cross-validation, or as the paper on `validation`.
+    monotone: of boosted, the force never falls as a derivative rises.
+    engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
+    are exact at any rate; None: taps, and the last where the window is long.
+    round_features: trees are fitted on features in 16-bit steps: faster C without search.
+    orders: of the fractional derivatives, each 0 to 1; None: the paper's ten.
+    within: the smallest rf-fd with an error at most this share above that of the size asked for.
+    poles: how many time constants hammerstein, and the passive part of every kind, may use.
+    Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
+    be trusted or do not fit together.
+
+    >>> train(recordings, "rf-fd", trees=5, seed=1).model.kind
+    'rf-fd'
     """
-    from springpot.host.console.quality import report_quality
+    options = _fit_options(locals())
+    from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.kinds import fit_model
 
-    checked, training = _fit_options(options), _some(recordings)
-    report_quality(training)
-    return fit_model(kind, name or kind, training, checked, list(validation))
+    training = _some(recordings)
+    said = {finding.text for finding in warn_of_quality(training).findings}
+    fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
+    for line in fit.warnings:
+        if line not in said:
+            warnings.warn(line, UserWarning, stacklevel=2)
+    return fit
 
 
-def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
+def predict(model: Model | Fit | File, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
     """Force of the model itself along positions (n,), m: (n,), N, in float64; >= 0 at a surface.
 
     dt_s: time between samples, s, where it is known: another one than the model's is a DataError,
     and so are positions ten times deeper than the training presses, as in millimetres. From 1.5
     times on a UserWarning says that the force is an extrapolation.
+
+    >>> predict(model, [0.0, 1e-3, 2e-3]).shape
+    (3,)
     """
     from springpot.trainer.models.compatibility import require_compatible, zero_of
     from springpot.trainer.models.limited import DEEP, limited_n, times_trained
 
+    model = given_model(model)
     positions = np.asarray(position_m, dtype=np.float64)
     step_s = model.dt_s if dt_s is None else dt_s
     still_n = np.zeros_like(positions)
@@ -101,16 +152,22 @@ def predict(model: Model, position_m: ArrayLike, dt_s: float | None = None) -> S
 def emit(
     folder: File,
     *,
-    model: Model | File | None = None,
+    model: Model | Fit | File | None = None,
     scene: Scene | File | None = None,
     accept_unsafe: bool = False,
+    single: bool = False,
 ) -> "Emission":
     """Write C into `folder`, build it and run its self-test; an earlier emission is replaced.
 
     model: itself or a file; by default the scene's. scene: itself or a file; by default all keys
-    have their defaults. Raises UsageError for either, UnsafeError where a hand would find the scene
-    unstable, unless that is accepted, BudgetError where the C does not fit the scene's budget,
-    MismatchError where it differs from its reference.
+    have their defaults. accept_unsafe: take a scene that a hand would find unstable, for replay.
+    single: as one source and one header.
+    Raises UsageError for either, UnsafeError where a hand would find the scene unstable, unless
+    that is accepted, BudgetError where the C does not fit the scene's budget, MismatchError where
+    it differs from its reference.
+
+    >>> emit("c", model=model).folder.name
+    'c'
     """
     from springpot.host.emission.emission import emit as emit_folder
 
@@ -118,12 +175,18 @@ def emit(
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
         write_model(file, chosen)
-        return emit_folder(stated, file, Path(folder), accept_unsafe)
+        emission = emit_folder(stated, file, Path(folder), accept_unsafe, single=single)
+    for line in emission.notices:
+        if line.startswith(_WARNING):
+            warnings.warn(line.removeprefix(_WARNING), UserWarning, stacklevel=2)
+        else:
+            notice(line)
+    return emission
 
 
 def validate(
     folder: File,
-    recordings: Iterable[Recording],
+    recordings: Recordings,
     *,
     paced_s: float = 3.0,
     device: str | None = None,
@@ -134,6 +197,9 @@ def validate(
     paced_s: how long ticks are timed at the scene's rate, s. device: URL of a board that renders
     the scene too. accept_edited: C that is not as emitted is no refusal; the result's `edited`
     names its files. Raises DataError for recordings of another rate or zero than the model's.
+
+    >>> validate("c", recordings).mismatches  # C and its reference: the same bits
+    0
     """
     from springpot.host.validation.validation import validate as validate_folder
 
@@ -141,11 +207,14 @@ def validate(
 
 
 def stability(
-    *, model: Model | File | None = None, scene: Scene | File | None = None
+    *, model: Model | Fit | File | None = None, scene: Scene | File | None = None
 ) -> "Stability":
     """Linear loop, small-signal maps, and a closed loop with three hands, through the C.
 
     model, scene: as of `emit`. `as_dict()["recommendation"]` of the result says it in words.
+
+    >>> "stable" in stability(model=model).recommendation
+    True
     """
     from springpot.codegen.plan.plan import make_plan
     from springpot.host.stability.check import stability as check
@@ -154,13 +223,9 @@ def stability(
     return check(make_plan(chosen, stated, accept_unsafe=True))
 
 
-def _fit_options(options: Mapping[str, Any]) -> "FitOptions":
-    """Fields of FitOptions, checked. Raises UsageError naming one that is not as it must be."""
-    from springpot.trainer.models.fit import FitOptions
-
-    known = [field.name for field in fields(FitOptions)]
-    if unknown := options.keys() - set(known):
-        raise UsageError(f"no option {min(unknown)!r}: known are {', '.join(known)}")
+def _fit_options(given: Mapping[str, object]) -> FitOptions:
+    """Check the fields of FitOptions among `given`. Raises UsageError that names a wrong one."""
+    options = {field.name: given[field.name] for field in fields(FitOptions)}
     try:
         return TypeAdapter(FitOptions).validate_python(options)
     except ValidationError as error:
@@ -169,16 +234,14 @@ def _fit_options(options: Mapping[str, Any]) -> "FitOptions":
         raise UsageError(f"option {key}: {first['msg']} (found {first['input']!r})") from None
 
 
-def _some(recordings: Iterable[Recording]) -> list[Recording]:
-    found = list(recordings)
-    if wrong := [item for item in found if not isinstance(item, Recording)]:
-        raise UsageError(f"{wrong[0]!r} is no recording: read_recordings reads files and folders")
+def _some(recordings: Recordings) -> list[Recording]:
+    found = given_recordings(recordings)
     if not found:
         raise UsageError("no recordings: give at least one")
     return found
 
 
-def _resolved(scene: Scene | File | None, model: Model | File | None) -> tuple[Scene, Model]:
+def _resolved(scene: Scene | File | None, model: Model | Fit | File | None) -> tuple[Scene, Model]:
     """Both, each from the other where it is not given."""
     from springpot.host.emission import scene_file
 
@@ -193,5 +256,5 @@ def _resolved(scene: Scene | File | None, model: Model | File | None) -> tuple[S
     if model is None:
         assert stated is not None
         model = folder / stated.model
-    chosen = model if isinstance(model, Model) else read_model(model)
+    chosen = given_model(model)
     return stated or scene_file.default_scene(chosen), chosen

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.scene import Target
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
 
 
@@ -22,6 +23,7 @@ class Board:
     emulator: str
     options: tuple[str, ...]
     counter_hz: float
+    __repr__ = short_repr
 
 
 _MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")

@@ -15,7 +15,11 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 from rich.table import Table
 from rich.text import Text
 
+from springpot.trainer.recordings.notices import NOTICES
+
 progress_console = Console(stderr=True)
+# Names of columns, and rows of as many cells.
+TextTable = tuple[Sequence[str], Sequence[Sequence[str]]]
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
@@ -34,6 +38,8 @@ class _ProgressLine(logging.Handler):
         self._task = progress.add_task(text, total=None)
 
     def emit(self, record: logging.LogRecord) -> None:
+        if not hasattr(record, "done"):
+            return
         steps = {
             "completed": getattr(record, "done", None),
             "total": getattr(record, "total", None),
@@ -43,6 +49,27 @@ class _ProgressLine(logging.Handler):
             description=f"{self._text}, {record.getMessage()}",
             **{name: value for name, value in steps.items() if value is not None},
         )
+
+
+class _SaidLine(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        say(f"springpot: {record.getMessage()}")
+
+
+@contextmanager
+def notices_said() -> Iterator[None]:
+    """Print what is noticed on standard error while this lasts."""
+    logger, handler = logging.getLogger(NOTICES), _SaidLine()
+    level, above = logger.level, logger.propagate
+    logger.addHandler(handler)
+    logger.setLevel(logging.INFO)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+        logger.propagate = above
 
 
 @contextmanager

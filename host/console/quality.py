@@ -1,20 +1,40 @@
 """The quality of recordings, before they are used: warnings as messages, a refusal as an error."""
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
 
 from springpot.host.console.output import say
+from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
 from springpot.trainer.recordings.recording import Recording
 
+_CALLER = 5  # frames above `warn`: of who called the public function that judges recordings
 
-def report_quality(recordings: Sequence[Recording]) -> QualityReport:
-    """Print the warnings and which way is in on standard error; raise DataError at a refusal."""
+
+def report_quality(
+    recordings: Sequence[Recording],
+    doubt: Callable[[str], None] = say,
+    good: Callable[[str], None] = say,
+) -> QualityReport:
+    """Say the warnings and which way is in, by default on standard error.
+
+    Raises DataError at a refusal.
+    """
     report = check_recordings(recordings)
     for kind in {finding.kind: None for finding in report.findings}:
         first, *others = (found for found in report.findings if found.kind == kind)
         if first.severity == "warning":
             also = f" (and {len(others)} more: springpot check)" if others else ""
-            say(first.line + also)
+            doubt(first.line + also)
     report.refuse()
-    say(report.sign_words)
+    good(report.sign_words)
     return report
+
+
+def warn_of_quality(recordings: Sequence[Recording]) -> QualityReport:
+    """Warn in Python's way, and log which way is in. Raises DataError at a refusal."""
+    return report_quality(recordings, _warn, notice)
+
+
+def _warn(line: str) -> None:
+    warnings.warn(line.removeprefix("warning: "), UserWarning, stacklevel=_CALLER)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.scene import Device
+from springpot.codegen.short_repr import short_repr
 
 if TYPE_CHECKING:
     from springpot.host.devices.serial_device import SerialDevice
@@ -54,6 +55,7 @@ class DeviceRequirements:
     nm_per_a: float | None = None
     effector_mass_kg: float | None = None
     weight_n: float = 0.0
+    __repr__ = short_repr
 
 
 def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:

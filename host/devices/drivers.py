@@ -8,6 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.short_repr import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.url import Address, parse_address
 
@@ -36,6 +37,7 @@ class Driver:
     echoes: bool = False
     links: tuple[Path, ...] = ()
     place: int = 100
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         """Raise TypeError for links that are no tuple; of a text each letter would be a file."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from urllib.parse import parse_qsl, unquote, urlsplit
 
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.short_repr import short_repr
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class Address:
     interface: str
     place: str
     settings: dict[str, str]
+    __repr__ = short_repr
 
     def number(self, key: str, default: float, minimum: float, maximum: float) -> float:
         """Return a setting as a number. Raises UsageError outside minimum .. maximum."""

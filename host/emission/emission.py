@@ -18,6 +18,7 @@ from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Scene
+from springpot.codegen.short_repr import short_repr
 from springpot.host.emission.checksums import (
     edited_hash,
     require_as_emitted,
@@ -80,6 +81,7 @@ class Emitted:
     model: Model
     edited: tuple[str, ...]
     hash: str
+    __repr__ = short_repr
 
 
 def require_emission(folder: Path) -> None:

@@ -11,6 +11,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Budget
 from springpot.host.native.footprint import Footprint
 from springpot.host.stability.check import Check
+from springpot.trainer.faces import Faces
 
 # Keys of `emit --json` that the manifest has too; instructions and forest of some scenes only.
 _OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "forest", "outside",
@@ -18,10 +19,14 @@ _OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "fore
 
 
 @dataclass(frozen=True)
-class Emission:
+class Emission(Faces):
     """What was emitted. footprint, compile_s, check: None without a compiler; notices say why.
 
     unmeasured: why there is no footprint, and what to install; empty where there is one.
+
+    >>> emission = emit("c", model=model)
+    >>> emission.ram_bytes < 1000
+    True
     """
 
     folder: Path

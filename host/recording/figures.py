@@ -6,6 +6,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
@@ -44,8 +45,12 @@ def time_series(recordings: Sequence[Recording], report: QualityReport) -> Figur
 def loops(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     """Force against position: a colour a rate, a line style an amplitude."""
     figure = Figure(figsize=(6.4, 4.6), layout="constrained")
-    axes = figure.subplots()
-    rates = [_rate_hz(metadata) for metadata in report.recordings]
+    draw_loops(figure.subplots(), recordings, [rate_hz(item) for item in report.recordings])
+    return figure
+
+
+def draw_loops(axes: Axes, recordings: Sequence[Recording], rates: Sequence[float]) -> None:
+    """Force against position; rates: of each recording, Hz."""
     travels = [float(np.ptp(recording.position_m)) for recording in recordings]
     distinct = sorted({round(np.log2(travel) * 2) for travel in travels if travel > 0})
     styles = ("-", "--", ":", "-.")
@@ -61,7 +66,6 @@ def loops(recordings: Sequence[Recording], report: QualityReport) -> Figure:
         )  # fmt: skip
     axes.set(xlabel="position, mm", ylabel="force, N")
     axes.legend(frameon=False, fontsize=7, loc="upper left")
-    return figure
 
 
 def spectra(recordings: Sequence[Recording], report: QualityReport) -> Figure:
@@ -134,7 +138,8 @@ FIGURES = {
 }  # fmt: skip
 
 
-def _rate_hz(metadata: dict[str, Any]) -> float:
+def rate_hz(metadata: dict[str, Any]) -> float:
+    """Frequency of a recording's cycles, or one over its duration."""
     cycles = metadata["cycles"]
     return float(cycles["frequency_hz"] if cycles else 1.0 / metadata["duration_s"])
 

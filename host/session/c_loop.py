@@ -7,6 +7,7 @@ from typing import Any
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.short_repr import short_repr
 from springpot.host.devices.device import OpenedDevice
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows, loop_library
@@ -29,6 +30,7 @@ class StepFunctions:
     state: int
     measured_n: int = 0  # where the state wants the measured force, or 0
     kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
+    __repr__ = short_repr
 
 
 def scene_step_functions(scene: SceneLibrary) -> StepFunctions:

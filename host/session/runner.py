@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
+from springpot.codegen.short_repr import short_repr
 from springpot.host.console.output import say
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import open_device
@@ -40,6 +41,7 @@ class Progress:
     force_n: float
     age_s: float
     state: LoopState
+    __repr__ = short_repr
 
 
 class RowTaker(Protocol):

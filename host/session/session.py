@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, Self
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.host.console.output import say
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
@@ -24,6 +23,7 @@ from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
 from springpot.host.session.runner import RowTaker, SessionRunner
 from springpot.trainer.recordings.journal_reader import MIN_SAMPLES
+from springpot.trainer.recordings.notices import caution, notice
 from springpot.trainer.recordings.recording import Zero
 
 # Results of `run --json` that the loop and its links count.
@@ -37,9 +37,15 @@ class Session:
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
     them the session ends. accept_edited: C that is not as emitted is no refusal, log and result
-    name its files. viewer: takes every row too, and never waits. alarm: takes the lines of live
-    warnings, and whether something began. Raises DeviceError where the device cannot be used as
-    the scene wants.
+    name its files. report: takes lines for people, by default a logger. viewer: takes every row
+    too, and never waits. alarm: takes the lines of live warnings, and whether something began.
+    Raises DeviceError where the device cannot be used as the scene wants.
+
+    >>> with Session("c", "sim://ecoflex-00-30", "felt.h5", seconds=0.1) as session:
+    ...     session.start()
+    ...     session.wait()
+    >>> session.result()["watchdog_trips"]
+    0
     """
 
     def __init__(
@@ -52,7 +58,7 @@ class Session:
         max_force_n: float | None = None,
         max_depth_m: float | None = None,
         reconnect_s: float = RECONNECT_S,
-        report: Callable[[str], None] = say,
+        report: Callable[[str], None] | None = None,
         accept_edited: bool = False,
         viewer: RowTaker | None = None,
         alarm: Alarm = lambda _line, _begins: None,
@@ -67,7 +73,8 @@ class Session:
             max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
             reversed=plan.scene.device.force_sign == -1,
         )
-        self._settings, self._report, self._url = settings, report, url
+        self._settings, self._url = settings, url
+        self._report, self._ended = report or caution, report or notice
         requirements = requirements_of(
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
@@ -83,7 +90,7 @@ class Session:
         steps = scene_step_functions(self._scene)
         self._open = partial(
             SessionRunner, steps, url, requirements, settings, viewer=viewer,
-            warnings=self._warnings, reconnect_s=reconnect_s, report=report,
+            warnings=self._warnings, reconnect_s=reconnect_s, report=self._report,
         )  # fmt: skip
         self._run: SessionRunner | None = None
         self._steal_ms = steal_ms()
@@ -117,7 +124,7 @@ class Session:
                 self.error = DeviceError(self.line)
             self._warned = self._warnings.finish()
             try:
-                self._report(self.line)
+                (self._report if self.error else self._ended)(self.line)
             finally:
                 self._close_log(run)
 

@@ -11,6 +11,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
@@ -34,6 +35,7 @@ class Scenario:
     push_n: Samples
     error_m: Samples
     dropped: NDArray[np.uint8]
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +63,7 @@ class Operator:
     hand: HandName
     device: LoopDevice = ASSUMED_DEVICE
     seed: int = 1
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ class LoopCalls:
     reset: int
     state: int
     kept: Any = field(default=None, repr=False)
+    __repr__ = short_repr
 
 
 class HandLoop:

@@ -11,6 +11,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import Hand
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.short_repr import short_repr
 from springpot.host.simulation.hand_loop import Scenario
 
 _FREE_M = 0.002  # start in free air, this far from the surface
@@ -53,6 +54,7 @@ class Workspace:
     max_mps: float
     max_n: float
     device: LoopDevice
+    __repr__ = short_repr
 
     @staticmethod
     def of(plan: Plan) -> "Workspace":

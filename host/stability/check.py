@@ -8,6 +8,7 @@ from typing import Any
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.hand_loop import HandLoop
@@ -22,6 +23,7 @@ from springpot.host.stability.linear import (
 )
 from springpot.host.stability.small_signal import Map, small_signal_map
 from springpot.host.stability.verdict import device_words, map_words, outcome_words, why_unbounded
+from springpot.trainer.faces import Faces
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +34,7 @@ class Check:
     spectral_radius: float
     model_map: Map
     scene_map: Map
+    __repr__ = short_repr
 
     @property
     def stable(self) -> bool:
@@ -51,8 +54,12 @@ class Check:
 
 
 @dataclass(frozen=True, eq=False)
-class Stability:
-    """The whole check. stiff: plan of the object ten times stiffer."""
+class Stability(Faces):
+    """The whole check. stiff: plan of the object ten times stiffer.
+
+    >>> stability(model=model).check.stable
+    True
+    """
 
     check: Check
     stiff: Plan

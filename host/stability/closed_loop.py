@@ -9,6 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.progress import at_step
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
@@ -46,6 +47,7 @@ class Outcome:
     vibration: Vibration = field(default_factory=Vibration)
     latched_s: float | None = None
     ended: bool = False
+    __repr__ = short_repr
 
     @property
     def case(self) -> str:
@@ -75,6 +77,7 @@ class Rendered:
     loop: HandLoop
     library: SceneLibrary
     model: SceneLibrary
+    __repr__ = short_repr
 
     def force(self, position_m: Samples) -> Samples:
         """The model alone's force on a motion from a fresh state, N."""

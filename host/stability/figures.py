@@ -21,22 +21,31 @@ _LEAST_MPS = 1e-5
 
 
 def map_figure(found: Map, title: str, most: float) -> str:
-    """sin(delta) of every cell, coloured from -most to most; those that give energy are bold."""
+    """The map as a picture of its own."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(4.6, 3.4), layout="constrained")
-        axes = figure.subplots()
-        image = axes.imshow(found.sin_delta, cmap="RdBu", vmin=-most, vmax=most, aspect="auto")
-        for (row, column), value in np.ndenumerate(found.sin_delta):
-            weight = "bold" if value < ACTIVE else "normal"
-            axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7,
-                      fontweight=weight, color=ink_on(value / most))  # fmt: skip
-        axes.set_xticks(range(len(found.frequency_hz)), [f"{f:.3g}" for f in found.frequency_hz])
-        axes.set_yticks(range(len(found.share)), [f"{100 * s:.0f} %" for s in found.share])
-        axes.axhline(float(np.sum(found.share <= 1.0)) - 0.5, color=MEASURED, lw=1.2)
-        axes.set(xlabel="frequency, Hz", ylabel="depth, of the trained one")
-        axes.set_title(title, loc="left", fontsize=9)
-        figure.colorbar(image, ax=axes, label="sin δ: below 0 gives energy", shrink=0.9)
+        draw_map(figure.subplots(), found, title, most)
         return svg_text(figure)
+
+
+def draw_map(axes: Axes, found: Map, title: str, most: float) -> None:
+    """sin(delta) of every cell, coloured from -most to most; those that give energy are bold."""
+    image = axes.imshow(found.sin_delta, cmap="RdBu", vmin=-most, vmax=most, aspect="auto")
+    for (row, column), value in np.ndenumerate(found.sin_delta):
+        weight = "bold" if value < ACTIVE else "normal"
+        axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7,
+                  fontweight=weight, color=ink_on(value / most))  # fmt: skip
+    axes.set_xticks(range(len(found.frequency_hz)), [f"{f:.3g}" for f in found.frequency_hz])
+    axes.set_yticks(range(len(found.share)), [f"{100 * s:.0f} %" for s in found.share])
+    axes.axhline(float(np.sum(found.share <= 1.0)) - 0.5, color=MEASURED, lw=1.2)
+    axes.set(xlabel="frequency, Hz", ylabel="depth, of the trained one")
+    axes.set_title(title, loc="left", fontsize=9)
+    axes.figure.colorbar(image, ax=axes, label="sin δ: below 0 gives energy", shrink=0.9)
+
+
+def scale_of(*maps: Map) -> float:
+    """What the colours of maps that are compared end at, either way."""
+    return max(0.05, *(float(abs(item.sin_delta).max()) for item in maps))
 
 
 def ink_on(share: float) -> str:

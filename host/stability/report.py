@@ -34,8 +34,7 @@ def stability_section(found: Stability) -> dict[str, Any]:
     """What any page on a check shows: the figures, the maps, and all cases, the worst first."""
     maps = {"the model alone": found.check.model_map, "the whole scene": found.check.scene_map}
     plan = found.check.plan
-    # What the colours of both maps end at, either way.
-    most = max(0.05, *(float(abs(item.sin_delta).max()) for item in maps.values()))
+    most = figures.scale_of(*maps.values())
     return {
         "stability": found.as_dict(),
         "device_words": plan.loop_device.words(plan.dt_s),

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.progress import counted
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.selection.small_signal import (
     ACTIVE,
@@ -29,6 +30,7 @@ class Map:
     share: NDArray[np.float64]
     frequency_hz: NDArray[np.float64]
     sin_delta: NDArray[np.float64]
+    __repr__ = short_repr
 
     def active(self, outside: bool) -> tuple[int, int]:
         """Cells that give energy, and all cells, inside or outside the trained depth."""

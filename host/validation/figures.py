@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from springpot.codegen.arrays import Samples
@@ -20,6 +21,17 @@ def typical_series(series: Sequence[Series]) -> Series:
     return ranked[len(ranked) // 2]
 
 
+def draw_prediction(axes: Axes, item: Series) -> None:
+    """Measured and predicted force against time."""
+    step = stride(len(item.measured_n))
+    time_s = np.arange(len(item.measured_n))[::step] * item.dt_s
+    axes.plot(time_s, item.measured_n[::step], color=MEASURED, lw=1.2, label="measured")
+    axes.plot(time_s, item.predicted_n[::step], color=PREDICTED, lw=1.0, ls="--", label="C")
+    axes.set_ylabel("force, N")
+    axes.legend(loc="upper right", frameon=False, ncols=2)
+    axes.set_title(item.name, loc="left", fontsize=9)
+
+
 def prediction_figure(item: Series) -> str:
     """Measured and predicted force, and their difference, against time (figure 7)."""
     with mpl.rc_context(STYLE):
@@ -27,11 +39,7 @@ def prediction_figure(item: Series) -> str:
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
         step = stride(len(item.measured_n))
         time_s = np.arange(len(item.measured_n))[::step] * item.dt_s
-        upper.plot(time_s, item.measured_n[::step], color=MEASURED, lw=1.2, label="measured")
-        upper.plot(time_s, item.predicted_n[::step], color=PREDICTED, lw=1.0, ls="--", label="C")
-        upper.set_ylabel("force, N")
-        upper.legend(loc="upper right", frameon=False, ncols=2)
-        upper.set_title(item.name, loc="left", fontsize=9)
+        draw_prediction(upper, item)
         lower.plot(time_s, (item.predicted_n - item.measured_n)[::step], color=ERROR, lw=0.8)
         lower.axhline(0.0, color=MUTED, lw=0.6)
         lower.set(ylabel="error, N", xlabel="time, s")

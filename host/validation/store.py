@@ -1,7 +1,6 @@
 """The last validation of an emitted folder, kept beside its C for the report."""
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 
 from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import DataError
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.machine import machine_metadata
 from springpot.host.validation.validation import Validation
-from springpot.trainer.recordings.recording import Recording
 
 _FOLDER = "validation"
 _METADATA = "result.json"
@@ -30,6 +29,7 @@ class Series:
     position_m: NDArray[np.float64]
     measured_n: NDArray[np.float64]
     predicted_n: NDArray[np.float64]
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,13 @@ class Stored:
     tick_ns: NDArray[np.float64]
 
 
-def store_validation(folder: Path, validation: Validation, recordings: Sequence[Recording]) -> None:
+def series_of(validation: Validation) -> list[Series]:
+    """Return each recording beside the forces of the C."""
+    pairs = zip(validation.recordings, validation.predicted_n, strict=True)
+    return [Series(r.name, r.dt_s, r.position_m, r.force_n, force_n) for r, force_n in pairs]
+
+
+def store_validation(folder: Path, validation: Validation) -> None:
     """Write folder/validation, replacing an earlier one."""
     target = folder / _FOLDER
     target.mkdir(exist_ok=True)
@@ -50,13 +56,12 @@ def store_validation(folder: Path, validation: Validation, recordings: Sequence[
         "machine": machine_metadata(),
         "recordings": [
             {"name": rec.name, "dt_s": rec.dt_s, "source": rec.source, "hash": rec.content_hash}
-            for rec in recordings
+            for rec in validation.recordings
         ],
     }
     arrays = {"tick_ns": validation.ticks.paced_ns}
-    for i, (rec, predicted_n) in enumerate(zip(recordings, validation.predicted_n, strict=True)):
-        samples = (rec.position_m, rec.force_n, predicted_n)
-        arrays |= {f"{name}_{i}": values for name, values in zip(_ARRAYS, samples, strict=True)}
+    for i, series in enumerate(series_of(validation)):
+        arrays |= {f"{name}_{i}": getattr(series, name) for name in _ARRAYS}
     with written_aside(target / _SERIES) as aside, aside.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())

@@ -26,9 +26,10 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.note_words import NOTE_NAMES
 from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
 from springpot.host.validation.seen import seen_by
+from springpot.trainer.faces import Faces
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.limited import limited_each_n
-from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.recording import Recording
 
@@ -39,14 +40,18 @@ PACED_S = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Validation:
-    """Result over all recordings; predicted_n: forces of the C, one array a recording.
+class Validation(Faces):
+    """Result over all `recordings`; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
     bit. floor: of the recordings, logs of sessions apart. model_rmse_n: error of the model itself;
     rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone. edited:
     files of the folder that are not as emitted, and were accepted. seen: how many recordings the
     model was trained on, None where it does not say.
+
+    >>> found = validate("c", recordings)
+    >>> found.accuracy.rmse_n < 0.2
+    True
     """
 
     accuracy: Accuracy
@@ -56,6 +61,7 @@ class Validation:
     predicted_n: tuple[NDArray[np.float64], ...]
     manifest: dict[str, Any]
     floor: NoiseFloor
+    recordings: tuple[Recording, ...]
     slopes: SlopeErrors | None = None
     model_rmse_n: float | None = None
     rendering_n: float | None = None
@@ -68,6 +74,11 @@ class Validation:
             f"Validation(RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, "
             f"{len(self.predicted_n)} recordings, {self.mismatches} ticks differ)"
         )
+
+    @property
+    def felt(self) -> list[str]:
+        """Names of the recordings that are logs of sessions of this scene."""
+        return [item.name for item in self.recordings if is_log_of(item, self.manifest["hash"])]
 
     def as_dict(self) -> dict[str, Any]:
         """Keys of `validate --json`."""
@@ -210,6 +221,7 @@ def _validated(
         predicted_n=in_order,
         manifest=library.manifest,
         floor=find_noise_floor([r for i, r in enumerate(recordings) if i not in logs]),
+        recordings=tuple(recordings),
         slopes=slope_errors(recordings, in_order, list(ramps.values())),
     )
 
@@ -229,7 +241,7 @@ def repeat_session(
     """
     if not is_log_of(recording, scene_hash):
         if recording.channels and (session := recording.details.get("session")):
-            notice(
+            caution(
                 f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces "
                 "are compared as a recording's"
             )

@@ -135,7 +135,7 @@ def emitted(name: str, folder: Path) -> Path:
 
 def compare(folder: Path, recordings: list[Recording]) -> None:
     """Validate with the first recording: the page shows it."""
-    store_validation(folder, validate(folder, recordings[:1], paced_s=0.1), recordings[:1])
+    store_validation(folder, validate(folder, recordings[:1], paced_s=0.1))
 
 
 def draw_picture(place: Path) -> None:

@@ -16,15 +16,15 @@ FITS = {"sklearn", "scipy", "joblib"}
 # Folders and files of a floor, lowest first. Lazy imports, and those for checkers, count too.
 ROOMS = {
     "runtime_c": ["paths"],
-    "codegen": ["errors", "entry_points", "arrays", "progress", "regular_file", "atomic_write",
-                "scene", "literals", "model", "forest", "stages", "coupling", "plan", "reference",
-                "emit"],
-    "trainer": ["paper", "recordings", "features", "models", "kinds", "selection", "ensemble",
-                "estimator"],
+    "codegen": ["errors", "entry_points", "short_repr", "arrays", "progress", "regular_file",
+                "atomic_write", "scene", "literals", "model", "forest", "stages", "coupling",
+                "plan", "reference", "emit"],
+    "trainer": ["paper", "faces", "recordings", "features", "models", "kinds", "selection",
+                "ensemble", "estimator"],
     "host": ["console", "pages", "plot_style", "metrics", "stiffness", "native", "simulation",
              "stability",
              "emission", "devices", "session", "recording", "doctor", "boards", "validation",
-             "demo", "api", "commands", "cli", "wings"],
+             "demo", "api", "commands", "faces", "cli", "wings"],
 }  # fmt: skip
 WINGS = ROOT / "host" / "wings"
 MAX_FILES = 15  # of a folder, __init__.py apart

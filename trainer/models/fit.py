@@ -12,6 +12,8 @@ from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
+from springpot.codegen.short_repr import short_repr
+from springpot.trainer.faces import Faces
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -27,15 +29,10 @@ Engine = Literal["fir", "fir-fast", "recursive"]
 
 @dataclass(frozen=True)
 class FitOptions:
-    """Options of a fit. None: the kind's default.
+    """Options of a fit, as `springpot.train` describes each. None: the kind's default.
 
-    fraction: share of rows. window_s: length of the filters. trees, leaf: of forests.
-    centers: number and choice of radial basis functions. select: how orders are chosen.
-    engine: of the fractional filters; by default taps, and exponentials where the window is long.
-    round_features: trees are fitted on features quantised to 16 bits.
-    orders: fractional orders; the paper's ten by default.
-    poles: time constants that hammerstein, and every kind's passive part, may use.
-    within: the smallest forest whose error is at most this share above that of the one asked for.
+    >>> FitOptions(trees=50, seed=1)
+    FitOptions(seed=1, trees=50)
     """
 
     seed: Annotated[int, Interval(ge=0, lt=2**32)] = 0
@@ -53,11 +50,16 @@ class FitOptions:
     orders: tuple[Annotated[float, Interval(ge=0, le=1)], ...] | None = None
     within: Annotated[float, Interval(ge=0, lt=inf)] | None = None
     poles: Annotated[int, Ge(1)] = PASSIVE_POLES
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
-    """A fitted model and what it took: seconds for features, fit and search; further metadata."""
+class Fit(Faces):
+    """A fitted model and what it took: seconds for features, fit and search; further metadata.
+
+    >>> train(recordings, "hammerstein", "pad").model.name
+    'pad'
+    """
 
     model: Model
     rows: int

@@ -13,6 +13,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
 from springpot.trainer.models.motion import DepthMotion, motions, rows_in
@@ -39,6 +40,7 @@ class TrainingSet:
     trained: TrainedRange
     warnings: tuple[str, ...] = ()
     _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
+    __repr__ = short_repr
 
     def once(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
         """Result of `work` and the seconds that it took, done once for a key.

@@ -28,6 +28,9 @@ class Conditioning:
     tare: force without contact, N, or "auto": found out of contact.
     contact_force: force above the tare that marks the surface, N, or "auto": just above the noise.
     accept_signs: signs that the data speak against are those of the rig; said wherever it is used.
+
+    >>> Conditioning(tare="auto", mass_kg=0.02).mass_kg
+    0.02
     """
 
     position_delay_s: float = 0.0

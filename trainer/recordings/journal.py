@@ -34,7 +34,7 @@ from springpot.trainer.recordings.journal_reader import (
     journal_of,
     read_journal,
 )
-from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.recording import Zero
 from springpot.trainer.recordings.recording_file import write_recording
 from springpot.trainer.recordings.recording_name import require_recording_name
@@ -181,7 +181,7 @@ class JournalWriter:
             self.discard()
         else:
             self._close()
-            notice(f"{self.journal}: what was recorded until now is kept there and can be read")
+            caution(f"{self.journal}: what was recorded until now is kept there and can be read")
 
     def _create(self) -> int:
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC

@@ -3,17 +3,23 @@
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.recording_name import require_recording_name
+
+if TYPE_CHECKING:
+    from springpot.trainer.recordings.formats.units import Quantity
 
 Zero = Literal["none", "first", "min"]
 
 RECORDING_SUFFIX = ".h5"
+_FRAME = "frame"  # source of what a table held
+_MOST_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
     "force: positive pushes the tool out of the object"
@@ -21,11 +27,11 @@ SIGN_RULE = (
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
+class Recording(Faces):
     """Uniform samples of position and force.
 
     name: also a file name, see `require_recording_name`.
-    position_m, force_n: shape (n,), float64, finite; signs as in `SIGN_RULE`.
+    position_m, force_n: shape (n,), finite, lists too; kept as float64; signs as in `SIGN_RULE`.
     dt_s: time between samples.
     zero: what the importer subtracted from both channels; "none": position 0 is the surface.
     position_delay_s, force_delay_s: how much later than the truth each channel was sampled.
@@ -36,7 +42,11 @@ class Recording:
     session: the same word in recordings of one object, one after another; "" if that is not known.
     start_s: time of the first sample on the clock that they share; None if it is not known.
 
-    Raises DataError where the channels cannot be a recording, or the name no file's.
+    Raises DataError where the channels cannot be a recording, or the name no file's, and where
+    positions without a source span more than 1 m, as millimetres do.
+
+    >>> Recording("pad", [0.0, 1e-3, 2e-3], [0.0, 0.4, 0.9], dt_s=1e-3)
+    Recording('pad', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 0.9 N)
     """
 
     name: str
@@ -61,6 +71,8 @@ class Recording:
 
     def __post_init__(self) -> None:
         require_recording_name(self.name)
+        for channel in ("position_m", "force_n"):
+            object.__setattr__(self, channel, _numbers(getattr(self, channel), channel))
         if self.position_m.ndim != 1 or self.position_m.shape != self.force_n.shape:
             raise DataError(
                 f"{self.name}: position has {self.position_m.shape} samples and force "
@@ -83,6 +95,50 @@ class Recording:
                     f"{self.name}: {channel} is not finite at row {bad[0]} "
                     f"({len(bad)} rows in all): cut or repair those rows in the source"
                 )
+        low_m, high_m = np.quantile(self.position_m, (0.01, 0.99))  # a spike is held, not refused
+        travel_m = float(high_m - low_m)
+        if travel_m > _MOST_M and self.source in ("", _FRAME):
+            raise DataError(
+                f"{self.name}: position_m spans {travel_m:.4g} m: are these mm? give positions in "
+                "metres"
+            )
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: Any,
+        name: str = _FRAME,
+        *,
+        time: str = "time_s",
+        position: str = "position_m",
+        force: str = "force_n",
+        zero: Zero = "none",
+        resample_hz: float | None = None,
+    ) -> "Recording":
+        """Take three columns of a table of pandas or polars, or of anything else with names.
+
+        time, position, force: names of columns, with the unit in it ("Load [N]", "x_mm") or behind
+        a colon ("x:mm"), as for `import_recordings`; stamps of date or duration need no unit.
+        zero, resample_hz: as there. Raises UsageError for a column that is not there, DataError
+        for a unit and for what no import would take.
+        """
+        from springpot.trainer.recordings.formats.raw_channels import RawChannels
+        from springpot.trainer.recordings.formats.sampling import to_recording
+
+        names: dict[Quantity, str] = {"time": time, "position": position, "force": force}
+        time_s, position_m, force_n = (_column_si(frame, names[q], q) for q in names)
+        raw = RawChannels(name, time_s, position_m, force_n, 0.0, _FRAME, lambda row: row)
+        return to_recording(raw, name, zero, resample_hz)
+
+    def to_frame(self) -> Any:
+        """Make a pandas table of time_s, position_m, force_n and the further channels."""
+        try:
+            from pandas import DataFrame
+        except ModuleNotFoundError:
+            raise UsageError("to_frame needs pandas: pip install pandas") from None
+        time_s = self.dt_s * np.arange(len(self.force_n))
+        columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
+        return DataFrame({**columns, **{k: v for k, v in self.channels.items() if k != "time_s"}})
 
     @property
     def signs_accepted(self) -> bool:
@@ -119,3 +175,30 @@ class Recording:
         for values in (np.float64(self.dt_s), self.position_m, self.force_n):
             digest.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
         return digest.hexdigest()
+
+
+def _numbers(values: Any, argument: str) -> Samples:
+    """Float64 of an argument. Raises DataError that names it."""
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise DataError(f"{argument}: holds more than numbers: give one number a sample") from None
+
+
+def _column_si(frame: Any, column: str, quantity: "Quantity") -> Samples:
+    """One column of a table, (n,), in s, m or N."""
+    from springpot.trainer.recordings.formats.column_map import split_unit
+    from springpot.trainer.recordings.formats.units import factor_to_si
+
+    where = f"{quantity}={column!r}"
+    bare, _, stated = column.rpartition(":")
+    for label, unit in ((column, split_unit(column, quantity)[1]), (bare, stated)):
+        try:
+            values = np.asarray(frame[label])
+        except Exception:  # each kind of table has an error of its own
+            continue
+        if values.dtype.kind in "mM":  # duration, date
+            return _numbers((values - values[0]) / np.timedelta64(1, "s"), where)
+        return _numbers(values, where) * factor_to_si(unit or "", quantity, where)
+    has = ", ".join(repr(str(label)) for label in getattr(frame, "columns", frame))[:200]
+    raise UsageError(f"{where}: no such column: the table has {has}")

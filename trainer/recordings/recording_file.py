@@ -3,10 +3,11 @@
 import hashlib
 from collections.abc import Iterable
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 
 from springpot.codegen.atomic_write import written_aside
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
@@ -14,7 +15,7 @@ from springpot.trainer.recordings.journal_reader import (
     journal_of,
     read_journal,
 )
-from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_hdf5 import as_hdf5, read_hdf5
 from springpot.trainer.recordings.recording_process import read_unsealed
@@ -23,6 +24,26 @@ from springpot.trainer.recordings.recording_process import read_unsealed
 # flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
 _CHECKSUM = b"springpot sha256"
 _CHECKSUM_BYTES = len(_CHECKSUM) + hashlib.sha256().digest_size
+
+
+File = str | PathLike[str]
+Recordings = Recording | File | Iterable[Recording | File]  # what a person may give
+
+
+def given_recordings(given: Recordings) -> list[Recording]:
+    """One recording or several; text and paths are files or folders of them. Raises UsageError."""
+    several = [given] if isinstance(given, Recording | str | PathLike) else given
+    if not isinstance(several, Iterable):
+        raise UsageError(f"{given!r} is no recording: read_recordings reads files and folders")
+    found: list[Recording] = []
+    for one in several:
+        if isinstance(one, Recording):
+            found.append(one)
+        elif isinstance(one, str | PathLike):
+            found += read_recordings([Path(one)])
+        else:
+            raise UsageError(f"{one!r} is no recording: read_recordings reads files and folders")
+    return found
 
 
 def write_recording(path: Path, recording: Recording, *, overwrite: bool = True) -> None:
@@ -61,7 +82,7 @@ def _recovered(journal: Path) -> Recording:
         f"recovered {found.recording.duration_s:.3f} s from the journal of a recording that was "
         f"interrupted{found.lost}"
     )
-    notice(f"{journal}: {message}")
+    caution(f"{journal}: {message}")
     return replace(found.recording, details={**found.recording.details, "recovered": message})
 
 
@@ -127,7 +148,9 @@ def _in_folder(folder: Path) -> list[Path]:
     for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
         finished = journal.with_name(journal.name.removesuffix(JOURNAL_SUFFIX) + RECORDING_SUFFIX)
         if finished in files:
-            notice(f"{journal}: left out, its recording was finished in {finished.name}: remove it")
+            caution(
+                f"{journal}: left out, its recording was finished in {finished.name}: remove it"
+            )
         else:
             files.append(journal)
     if not files:

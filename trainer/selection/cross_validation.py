@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.features import Features
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.contact import contact_of
 from springpot.trainer.models.fit import FitOptions
@@ -35,6 +36,7 @@ class Split:
 
     data: TrainingSet
     held: tuple[Recording, ...]
+    __repr__ = short_repr
 
 
 def recording_splits(

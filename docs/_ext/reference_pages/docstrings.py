@@ -7,8 +7,11 @@ _CODE = re.compile(r"(?<![`\w])`([^`\n]+)`(?!`)")
 
 
 def as_rst(_app: Any, _what: str, _name: str, _of: Any, _options: Any, lines: list[str]) -> None:
-    """Sphinx's autodoc-process-docstring: single backticks are code, other marks themselves."""
-    lines[:] = [_line(line) for line in lines]
+    """Sphinx's autodoc-process-docstring: `this` is code, other marks and examples themselves."""
+    example = False
+    for number, line in enumerate(lines):
+        example = bool(line.strip()) and (example or line.lstrip().startswith(">>>"))
+        lines[number] = line if example else _line(line)
 
 
 def _line(line: str) -> str:

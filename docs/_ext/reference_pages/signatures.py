@@ -44,6 +44,13 @@ def _of_function(found: Any) -> tuple[str, str | None]:
         (arguments.posonlyargs or arguments.args).pop(0)
     for argument in (*positional, *arguments.kwonlyargs):
         argument.annotation = _bare(argument.annotation)
+    values = inspect.signature(found).parameters
+    arguments.kw_defaults = [  # FitOptions.seed is shown as 0
+        ast.Constant(values[argument.arg].default)
+        if isinstance(default, ast.Attribute)
+        else default
+        for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+    ]
     returns = _bare(node.returns)
     return f"({ast.unparse(arguments)})", ast.unparse(returns) if returns else None
 

@@ -10,15 +10,15 @@ from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
-    from springpot.trainer.models.fit import Fit, FitOptions
+    from springpot.trainer.models.fit import Fit
 
 
-def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
+def training_result(fit: "Fit") -> dict[str, Any]:
     """Keys of `train --json` that the fit knows."""
     model = fit.model
     return {
         "model": model.kind,
-        "seed": options.seed,
+        "seed": model.provenance["seed"],
         "rows_total": model.provenance["rows_total"],
         **{name: getattr(fit, name) for name in ("rows", "feature_s", "fit_s", "search_s")},
         "orders": list(model.orders),
@@ -29,15 +29,22 @@ def training_result(fit: "Fit", options: "FitOptions") -> dict[str, Any]:
 
 
 def training_rows(
-    fit: "Fit", out: Path, result: dict[str, Any], found: Accuracy | None, tested: int
+    fit: "Fit",
+    result: dict[str, Any],
+    out: Path | None = None,
+    found: Accuracy | None = None,
+    tested: int = 0,
 ) -> dict[str, str]:
-    """A person's view of a fit."""
+    """A person's view of a fit, of the keys of `training_result` and the model's hash.
+
+    out: file of the model. found: error on `tested` recordings.
+    """
     sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
              if key in result]  # fmt: skip
     told = seen_line(result["seen"], tested) if found is not None else ""
     rows = {
         **({"training data": told} if told else {}),
-        "model": ", ".join([fit.model.kind, *sizes, str(out)]),
+        "model": ", ".join([fit.model.kind, *sizes, *([str(out)] if out else [])]),
         "rows": f"{fit.rows} of {result['rows_total']}",
         "memory": f"{result['window_s']:.4g} s",
         "time": f"features {fit.feature_s:.2f} s, fit {fit.fit_s:.2f} s, "

@@ -150,13 +150,13 @@ def train(
     for line in fit.warnings:
         if line not in said:
             say(f"warning: {line}")
-    result = training_result(fit, options) | _written(fit, out)
+    result = training_result(fit) | _written(fit, out)
     compared_s = smooth_s if smooth_validation else 0.0
     found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
     result |= figures
     if figures.get("seen"):
         say(seen_line(figures["seen"], len(testing)))
-    rows = training_rows(fit, out, result, found, len(testing))
+    rows = training_rows(fit, result, out, found, len(testing))
     result["next_presses"], rows["record next"] = _next_presses(training, fit, next_file)
     print_result(result, as_json, rows)
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from springpot.host.console.output import (
+    TextTable,
     json_option,
     paths_argument,
     print_json,
@@ -32,50 +34,54 @@ def check_(recordings: tuple[str, ...], as_json: bool) -> None:
     if as_json:
         print_json(report.as_dict())
     else:
-        _print(report)
+        for part in check_parts(report):
+            if isinstance(part, str):
+                click.echo(part)
+            else:
+                print_table(*part, width=140)
     report.refuse()
 
 
-def _print(report: QualityReport) -> None:
+def check_parts(report: QualityReport) -> Iterator[str | TextTable]:
+    """A person's view of a report: lines, and two tables."""
     columns = ("recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad")
-    print_table(columns, map(_row, report.recordings), width=140)
-    click.echo(report.figures["signs"])
-    _print_coverage(report.figures["coverage"])
+    yield columns, [_row(figures) for figures in report.recordings]
+    yield report.figures["signs"]
+    yield from _coverage_parts(report.figures["coverage"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
     known = next((f"{floor_n:.3g} N" for floor_n in known_n if floor_n is not None), "not known")
-    click.echo(f"noise floor: {known}, {report.figures['noise_floor']}")
+    yield f"noise floor: {known}, {report.figures['noise_floor']}"
     skew_s, doubt_s = report.figures["skew_s"], report.figures["skew_uncertainty_s"]
     if skew_s is None:
-        click.echo(
+        yield (
             "delay of force behind position: not measured, for these cycles do not separate it "
             "from loss: record one amplitude at five frequencies or more, the highest four times "
             "the lowest; loss not quoted"
         )
     else:
-        click.echo(
+        yield (
             f"delay of force behind position: {skew_s * 1e3:.2g} +- {doubt_s * 1e3:.2g} ms, if the "
             "loss angle goes with the logarithm of frequency"
         )
     for finding in report.findings:
-        click.echo(finding.line)
+        yield finding.line
 
 
-def _print_coverage(coverage: dict[str, Any]) -> None:
+def _coverage_parts(coverage: dict[str, Any]) -> Iterator[str | TextTable]:
     """Strokes by depth and speed, and the longest hold at each depth; what to record next."""
     speeds = [f"{1e3 * speed:.3g}" for speed in coverage["speeds_mps"]]
-    click.echo("your recordings cover (strokes, by how deep they go and how fast they are):")
-    rows = (
+    yield "your recordings cover (strokes, by how deep they go and how fast they are):"
+    rows = [
         (
             "{:.3g} .. {:.3g}".format(*(1e3 * edge_m for edge_m in row["depth_m"])),
             *(str(count or "-") for count in row["strokes"]),
             f"{held_s:.3g} s" if (held_s := row["longest_hold_s"]) else "-",
         )
         for row in coverage["table"]
-    )
-    columns = ("mm deep", *(f"from {speed} mm/s" for speed in speeds), "longest hold")
-    print_table(columns, rows, width=140)
+    ]
+    yield ("mm deep", *(f"from {speed} mm/s" for speed in speeds), "longest hold"), rows
     for line in coverage["record_next"]:
-        click.echo(f"record next: {line}")
+        yield f"record next: {line}"
 
 
 def _row(figures: dict[str, Any]) -> list[str]:

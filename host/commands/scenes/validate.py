@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,17 +35,17 @@ def validate_(
 ) -> None:
     """Replay recordings through the C of an emitted FOLDER."""
     from springpot.host.validation.store import store_validation
-    from springpot.host.validation.validation import fail_on_mismatch, is_log_of, validate
+    from springpot.host.validation.validation import fail_on_mismatch, validate
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, recordings))
     with progress_bar(f"{len(found)} recordings"):
         validation = validate(folder, found, device=url, accept_edited=accept_edited)
-    scene_hash = validation.manifest["hash"]
-    felt = [recording.name for recording in found if is_log_of(recording, scene_hash)]
-    if len(felt) < len(found):  # a log says nothing of the object: the page keeps what does
-        store_validation(folder, validation, found)
-    print_result(validation.as_dict(), as_json, validation_rows(validation, felt))
+    if len(validation.felt) < len(
+        found
+    ):  # a log says nothing of the object: the page keeps what does
+        store_validation(folder, validation)
+    print_result(validation.as_dict(), as_json, validation_rows(validation))
     fail_on_mismatch(folder, validation)
 
 
@@ -63,14 +62,14 @@ def _parts(validation: Validation) -> str:
     return words
 
 
-def validation_rows(validation: Validation, felt: Sequence[str] = ()) -> dict[str, str]:
-    """A person's view of a validation. felt: recordings that are logs of sessions."""
+def validation_rows(validation: Validation) -> dict[str, str]:
+    """A person's view of a validation."""
     from springpot.host.metrics import error_ratios, ratio_rows
     from springpot.host.session.note_words import notes_in_words
     from springpot.host.stiffness import slope_keys, slope_words
     from springpot.host.validation.seen import accepted_words, seen_line
 
-    found, ticks = validation.accuracy, validation.ticks
+    found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
     told = seen_line(validation.seen, len(validation.predicted_n))
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""

@@ -1,12 +1,25 @@
 """Calls of `import springpot`: the same results as the rooms below, and refusals of one line."""
 
+import inspect
 import json
-from dataclasses import replace
+import logging
+import sys
+from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from support.in_process import spring
-from support.small import DT_S, model_file, passive_model, press, recording, scene, training
+from support.small import (
+    DT_S,
+    model_file,
+    passive_model,
+    press,
+    recording,
+    scene,
+    small_fit,
+    training,
+)
 
 import springpot
 from springpot.codegen.model.model_file import model_hash
@@ -44,24 +57,6 @@ def test_a_model_alone_is_a_scene_of_defaults(tmp_path):
         refused = spring(command, *out)
         assert refused.returncode == 2
         assert "give --model, --scene" in refused.stderr
-
-
-def test_every_result_is_one_line(tmp_path, folder):
-    recordings = list(training()[:3])
-    shown = [
-        recordings[0],
-        springpot.check_recordings(recordings),
-        springpot.train(recordings, "springpot"),
-        passive_model(),
-        springpot.emit(tmp_path / "c", model=passive_model()),
-        springpot.load(folder),
-        springpot.validate(folder, recordings, paced_s=0.01),
-    ]
-    for each in shown:
-        assert repr(each).startswith(type(each).__name__)
-        assert len(repr(each)) <= 200
-        assert "\n" not in repr(each)
-    assert "2000 samples at 1000 Hz, 0 to 3.6 mm" in repr(recordings[0])
 
 
 def test_run_is_what_validate_replays(folder):
@@ -115,6 +110,14 @@ def test_options_are_those_of_the_fit():
     assert model_hash(again.model) == model_hash(fit.model)
 
 
+def test_train_names_and_describes_every_option_of_a_fit():
+    shown = inspect.signature(springpot.train).parameters
+    of_fit = {field.name: field.default for field in fields(springpot.FitOptions)}
+    assert {name: shown[name].default for name in list(shown)[4:]} == of_fit
+    said = inspect.getdoc(springpot.train)
+    assert all(f"\n{name}: " in said for name in list(shown)[1:])
+
+
 def test_files_go_round(tmp_path):
     springpot.write_model(str(tmp_path / "a.spm"), passive_model())
     assert model_hash(springpot.read_model(str(tmp_path / "a.spm"))) == model_hash(passive_model())
@@ -123,14 +126,57 @@ def test_files_go_round(tmp_path):
     np.testing.assert_array_equal(read.force_n, training()[0].force_n)
 
 
-def test_an_import_says_how_it_was_understood(tmp_path, capsys):
-    rec = recording("press", press(1.0))
+def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
+    caplog.set_level(logging.INFO, "springpot")
+    rec = recording("press", np.concatenate([press(hz) for hz in (0.5, 1.6, 5.0)]))
     rows = np.column_stack([np.arange(len(rec.force_n)) * DT_S, 1e3 * rec.position_m, rec.force_n])
     file = tmp_path / "press.csv"
     np.savetxt(file, rows, "%.9g", ",", header="t,x,f", comments="")
     (found,) = springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
     np.testing.assert_allclose(found.position_m, rec.position_m, atol=1e-9)
-    assert str(file) in capsys.readouterr().err
+    assert str(file) in caplog.text
+    assert springpot.check_recordings(found).sign_words in caplog.text
+    np.savetxt(file, rows[:2000], "%.9g", ",", header="t,x,f", comments="")
+    with pytest.warns(UserWarning, match="one speed") as warned:
+        springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
+    assert {each.filename for each in warned} == {__file__}
+    assert capsys.readouterr().err == ""
+    done = spring("import", file, "--map", "time=t:s,position=x:mm,force=f:N", "--out", tmp_path)
+    assert "clockwise" in done.stderr
+
+
+def test_a_table_gives_the_recording_of_its_units(monkeypatch):
+    found = springpot.Recording.from_frame(TABLE, "pad", **X, force="Load:mN")
+    assert (found.name, found.dt_s) == ("pad", pytest.approx(0.1))
+    np.testing.assert_allclose(found.position_m, [0.0, 1e-3, 2e-3, 3e-3])
+    np.testing.assert_allclose(found.force_n, [0.0, 5e-3, 9e-3, 12e-3])
+    stamps = np.datetime64("2026-01-01") + np.arange(4) * np.timedelta64(100, "ms")
+    dated = springpot.Recording.from_frame(
+        TABLE | {"when": stamps}, time="when", **X, force="Load:mN"
+    )
+    assert dated.dt_s == pytest.approx(0.1)
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
+    again = springpot.Recording.from_frame(found.to_frame(), "pad")
+    assert again.content_hash == found.content_hash
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(springpot.UsageError, match="pip install pandas"):
+        found.to_frame()
+
+
+def test_lists_and_single_ones_are_taken(tmp_path, folder):
+    one = training()[-1]
+    lists = springpot.Recording("a", list(one.position_m), one.force_n.tolist(), DT_S)
+    assert lists.content_hash == one.content_hash
+    springpot.write_recording(tmp_path / "a.h5", one)
+    for given in (one, str(tmp_path), [tmp_path], [one]):
+        (checked,) = springpot.check_recordings(given).checked
+        assert checked.content_hash == one.content_hash
+    fit = small_fit()
+    springpot.write_model(tmp_path / "a.spm", fit)
+    for given in (fit, tmp_path / "a.spm"):
+        force_n = springpot.predict(given, one.position_m)
+        np.testing.assert_array_equal(force_n, springpot.predict(fit.model, one.position_m))
+    assert springpot.validate(folder, one, paced_s=0.01).mismatches == 0
 
 
 def test_stability_is_that_of_the_command():
@@ -143,6 +189,8 @@ def bad(**keys):
     return replace(scene(), **keys)
 
 
+TABLE = {"time_s": [0.0, 0.1, 0.2, 0.3], "x (mm)": [0, 1, 2, 3], "Load": [0.0, 5.0, 9.0, 12.0]}
+X = {"position": "x (mm)"}
 REFUSED = {
     "no file of a recording": ("DataError", lambda: springpot.read_recordings("none.h5")),
     "no file of a model": ("DataError", lambda: springpot.read_model("none.spm")),
@@ -152,9 +200,19 @@ REFUSED = {
     "no protocol": ("UsageError", lambda: springpot.record("sim://ecoflex-00-30", "x", "out")),
     "no object": ("UsageError", lambda: springpot.record("sim://jelly", "paper", "out")),
     "no recordings": ("UsageError", lambda: springpot.train([])),
-    "a file name": ("UsageError", lambda: springpot.train("training")),
+    "a folder that is none": ("DataError", lambda: springpot.train("training")),
+    "no iterable": ("UsageError", lambda: springpot.check_recordings(5)),
+    "other items": ("UsageError", lambda: springpot.train([5])),
+    "another library's model": ("UsageError", lambda: springpot.emit("c", model=np.zeros(2))),
+    "text for numbers": ("DataError", lambda: springpot.Recording("x", ["a"], [1.0], 1e-3)),
+    "millimetres": ("DataError", lambda: springpot.Recording("x", [0, 14], [0, 1], 1e-3)),
+    "a table's column": ("UsageError", lambda: springpot.Recording.from_frame(TABLE, time="t")),
+    "no unit": ("DataError", lambda: springpot.Recording.from_frame(TABLE, **X, force="Load")),
+    "another's unit": (
+        "DataError",
+        lambda: springpot.Recording.from_frame(TABLE, **X, force="Load:mm"),
+    ),
     "no kind": ("UsageError", lambda: springpot.train(training(), "forest")),
-    "no option": ("UsageError", lambda: springpot.train(training(), "rf-fd", tree=3)),
     "an option's value": ("UsageError", lambda: springpot.train(training(), trees=0)),
     "an option's word": ("UsageError", lambda: springpot.train(training(), engine="fast")),
     "an order": ("UsageError", lambda: springpot.train(training(), orders=(0.1, 9.0))),

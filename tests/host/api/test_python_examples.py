@@ -1,10 +1,15 @@
-"""The code of README.md and docs/how-to/python.md, run as it stands there."""
+"""The code of README.md, docs/how-to/python.md and every docstring, run as it stands there."""
 
+import doctest
 import re
 
 import numpy as np
 import pytest
+from sklearn.ensemble import RandomForestRegressor
 from support.paths import ROOT
+from support.small import passive_model, training
+
+import springpot
 
 
 def example(file: str) -> str:
@@ -36,3 +41,44 @@ def test_from_a_recording_to_a_felt_session(capsys):
     assert names["session"].error is None
     assert names["session"].result()["ticks"] == len(names["felt"][0].force_n)
     assert names["felt"][0].force_n.max() > 0.5
+
+
+@pytest.fixture(scope="module")
+def around(tmp_path_factory):
+    """What the examples of docstrings find: a folder with files, and names."""
+    folder = tmp_path_factory.mktemp("around")
+    recordings, model = list(training()[:3]), passive_model()
+    (folder / "training").mkdir()
+    for number, each in enumerate(recordings):
+        springpot.write_recording(folder / "training" / f"{number}.h5", each)
+    press = recordings[0]
+    time_s = np.arange(len(press.force_n)) * press.dt_s
+    rows = np.column_stack([time_s, 1e3 * press.position_m, press.force_n])
+    np.savetxt(folder / "press.csv", rows, delimiter=",", header="t,x,f", comments="")
+    springpot.write_model(folder / "model.spm", model)
+    springpot.write_scene(folder / "scene.toml", springpot.Scene(1, "pad", "model.spm"))
+    springpot.emit(folder / "c", model=model)
+    names = {name: getattr(springpot, name) for name in springpot.__all__}
+    names |= {"recordings": recordings, "press": press, "model": model}
+    return folder, names | {"RandomForestRegressor": RandomForestRegressor}
+
+
+def examples(name, names):
+    docstring = getattr(springpot, name).__doc__
+    return doctest.DocTestParser().get_doctest(docstring, names, name, None, 0)
+
+
+def test_every_docstring_has_a_short_example():
+    for name in springpot.__all__:
+        lines = sum(each.source.count("\n") for each in examples(name, {}).examples)
+        assert 1 <= lines <= 4, name
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::UserWarning")  # three recordings: few speeds, few holds
+@pytest.mark.parametrize("name", springpot.__all__)
+def test_the_example_of_a_docstring_runs(name, around, monkeypatch):
+    folder, names = around
+    monkeypatch.chdir(folder)
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    assert runner.run(examples(name, names)).failed == 0

@@ -46,7 +46,7 @@ def test_deeper_presses_are_said_and_millimetres_refused(job: Path) -> None:
     write_recording(job / "deep.h5", recording("deep", deep))
     status, _, err = predicted(job, str(job / "deep.h5"))
     assert status == 0 and "deep: goes to 2 times the trained depth" in err
-    write_recording(job / "mm.h5", recording("mm", 50.0 * deep))
+    write_recording(job / "mm.h5", recording("mm", 20.0 * deep))
     status, _, err = predicted(job, str(job / "mm.h5"))
     assert status == 3 and "give positions in metres" in err
 

@@ -212,7 +212,7 @@ def test_damage_on_the_line_is_never_a_force(tmp_path, folder):
     assert read.position_m.max() < 0.03
 
 
-def test_the_log_of_another_scene_is_a_recording(tmp_path, folders, capsys):
+def test_the_log_of_another_scene_is_a_recording(tmp_path, folders, caplog):
     log = tmp_path / "a.h5"
     with Session(
         folders["float32"], "sim://ecoflex-00-30", log, seconds=0.2, report=list
@@ -221,7 +221,7 @@ def test_the_log_of_another_scene_is_a_recording(tmp_path, folders, capsys):
         finish(session)
     validation = validate(folders["float64"], [read_recording(log)], paced_s=0.01)
     assert validation.mismatches == 0
-    assert "another scene" in capsys.readouterr().err
+    assert "another scene" in caplog.text
 
 
 def test_a_log_is_not_overwritten(tmp_path, folder):

@@ -46,7 +46,7 @@ def pages(emitted: Path) -> dict[str, str]:
     """The joint page and that of the stability check; the check runs once for both."""
     held = np.concatenate([press(1.0)[:300], np.full(1500, press(1.0)[299])])
     recordings = [recording("press", press(0.9)), recording("held", held)]
-    store_validation(emitted, validate(emitted, recordings, paced_s=0.1), recordings)
+    store_validation(emitted, validate(emitted, recordings, paced_s=0.1))
     kept: list[Stability] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(report, "stability", lambda plan: kept.append(whole_check(plan)) or kept[0])

@@ -112,7 +112,7 @@ def test_attributes_of_a_recording(tmp_path: Path, wrong: dict[str, Any]) -> Non
 
 def test_hdf5_without_our_checksum_is_read_in_a_process_of_its_own(tmp_path: Path) -> None:
     """The library hangs on some flipped bytes: only what springpot wrote is shown to it here."""
-    samples = np.arange(20.0)
+    samples = np.arange(20.0) * 1e-3
     whole = Recording("a", samples, 2 * samples, 1e-3, details={"k": [1]}, channels={"c": samples})
     file = tmp_path / "a.h5"
     write_recording(file, whole)

@@ -93,7 +93,7 @@ def write_journal(file: Path, samples: int = N) -> Path:
 @pytest.mark.parametrize("share", ["0", "0.5", "1"])
 @pytest.mark.parametrize("block", [2, 5, 9])
 def test_killed_in_a_block(
-    tmp_path: Path, block: int, share: str, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, block: int, share: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     assert child(tmp_path / "a.h5", "block", str(block), share).returncode == -signal.SIGKILL
     assert [file.name for file in tmp_path.iterdir()] == ["a.journal"]
@@ -106,7 +106,7 @@ def test_killed_in_a_block(
     (recording,) = read_recordings([tmp_path])
     assert len(recording.position_m) == whole
     assert "recovered" in recording.details
-    assert "a.journal: recovered" in capsys.readouterr().err
+    assert "a.journal: recovered" in caplog.text
 
 
 @pytest.mark.parametrize(
@@ -119,13 +119,13 @@ def test_killed_in_a_block(
     ],
 )
 def test_killed_around_the_rename(
-    tmp_path: Path, when: str, call: str, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, when: str, call: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     assert child(tmp_path / "a.h5", when, call).returncode == -signal.SIGKILL
     (recording,) = read_recordings([tmp_path])
     assert len(recording.position_m) == N
     assert_prefix(tmp_path / "a.h5", N)
-    assert "a.journal" in capsys.readouterr().err
+    assert "a.journal" in caplog.text
 
 
 def test_killed_while_recording(tmp_path: Path) -> None:
@@ -148,9 +148,9 @@ def test_killed_while_recording(tmp_path: Path) -> None:
     assert len(read_recordings(out.glob("*.h5"))) >= 2
 
 
-def test_interrupted_by_the_keyboard(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_interrupted_by_the_keyboard(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     journal = write_journal(tmp_path / "a.h5", 1100)
-    assert "a.journal: what was recorded until now is kept there" in capsys.readouterr().err
+    assert "a.journal: what was recorded until now is kept there" in caplog.text
     assert_prefix(journal, 1100)
     (part,) = import_file(journal, None, "none", None).recordings
     assert "recovered" in part.details
@@ -159,11 +159,11 @@ def test_interrupted_by_the_keyboard(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 def test_where_nothing_was_recorded_nothing_is_left(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     write_journal(tmp_path / "a.h5", 1)
     assert not [*tmp_path.iterdir()]
-    assert not capsys.readouterr().err
+    assert not caplog.text
 
 
 @pytest.mark.parametrize("room", [BLOCK_BYTES * 3, BLOCK_BYTES * 5 + 1000])

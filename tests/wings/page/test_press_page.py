@@ -55,7 +55,7 @@ def emitted(
 
 def validated(folder: Path, *recordings: Recording) -> Path:
     found = validate(folder, recordings, paced_s=0.1)
-    store_validation(folder, found, recordings)
+    store_validation(folder, found)
     return folder
 
 

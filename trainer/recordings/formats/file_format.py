@@ -8,6 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DataError
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
@@ -33,6 +34,7 @@ class FileRequest:
     decimal: DecimalMark | None = None
     resampled: bool = False
     specimen: Specimen | None = None
+    __repr__ = short_repr
 
 
 Reader = Callable[[Path, FileRequest], tuple[list[RawChannels], str]]
@@ -52,6 +54,7 @@ class FileFormat:
     begins: Callable[[bytes], bool]
     reads: str | Reader
     place: int = 100
+    __repr__ = short_repr
 
     def fits(self, path: Path, start: bytes) -> bool:
         """Return whether a file begins as this format does. Raises DataError if asking fails."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
@@ -35,6 +36,9 @@ class ImportOptions:
     decimal: what marks decimals in a CSV file, None: guessed.
     specimen: sizes, if a CSV file has stress and strain in place of force and position.
     conditioning: delays, mass, tare and contact point.
+
+    >>> ImportOptions(decimal="comma")
+    ImportOptions(decimal='comma')
     """
 
     dbc: Path | None = None
@@ -42,6 +46,7 @@ class ImportOptions:
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
     specimen: Specimen | None = None
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.short_repr import short_repr
 
 _MANY_STEPS = 20
 
@@ -29,6 +30,7 @@ class RawChannels:
     source: str
     line_of: Callable[[int], int]
     details: Mapping[str, Any] = field(default_factory=dict)
+    __repr__ = short_repr
 
 
 def without_odd_first(raw: RawChannels, slack_s: float) -> RawChannels:

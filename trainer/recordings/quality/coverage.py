@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.quality.motion import find_strokes
 from springpot.trainer.recordings.recording import Recording
 
@@ -34,6 +35,7 @@ class Coverage:
     low_m: float
     high_m: float
     band_hz: tuple[float, float]
+    __repr__ = short_repr
 
     @property
     def longest_stroke_s(self) -> float:

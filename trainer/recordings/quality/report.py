@@ -9,6 +9,7 @@ import numpy as np
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
+from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.quality.alignment import (
     Skew,
     estimate_skew,
@@ -40,14 +41,18 @@ from springpot.trainer.recordings.quality.signs import (
 )
 from springpot.trainer.recordings.quality.snap import snap_findings
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 from springpot.trainer.recordings.spikes import hold_spikes
 
 
 @dataclass(frozen=True, eq=False)
-class QualityReport:
+class QualityReport(Faces):
     """Findings of a set of recordings; figures, as JSON values, are computed when they are read.
 
     cycles, signs: of each recording. repeats, skew: of the set.
+
+    >>> check_recordings(recordings)
+    QualityReport(3 recordings, findings: none)
     """
 
     checked: Sequence[Recording]
@@ -117,10 +122,14 @@ class QualityReport:
             raise DataError(refusals[0].text + more)
 
 
-def check_recordings(recordings: Sequence[Recording]) -> QualityReport:
-    """Check each recording by itself, and all together: speeds, repeats, alignment."""
+def check_recordings(given: Recordings) -> QualityReport:
+    """Check each recording by itself, and all together: speeds, repeats, alignment.
+
+    >>> check_recordings(recordings).refused
+    False
+    """
     findings: list[Finding] = []
-    whole, recordings = recordings, []
+    whole, recordings = given_recordings(given), []
     for recording in whole:  # what follows is judged without spikes, as a fit does
         held, spikes = hold_spikes(recording)
         recordings.append(held)
