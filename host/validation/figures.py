@@ -1,6 +1,7 @@
 """Figures of a validation, as SVG text. The paper's figures 7, 8, 11 and 17, on one's own data."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
@@ -14,21 +15,54 @@ from springpot.host.validation.frequency_loops import LoopRow, frequency_loops
 from springpot.host.validation.relaxation import Hold
 from springpot.host.validation.store import Series
 
+_POINTS = 2000  # of a curve against time: three for each pixel
+_MAX_PICKED = 12  # recordings in a page
+
+
+def ranked_series(series: Sequence[Series]) -> list[Series]:
+    """Return the recordings in the order of their RMSE."""
+    return sorted(series, key=lambda item: rms(item.predicted_n - item.measured_n))
+
 
 def typical_series(series: Sequence[Series]) -> Series:
     """Return the recording whose RMSE is the median one."""
-    ranked = sorted(series, key=lambda item: rms(item.predicted_n - item.measured_n))
-    return ranked[len(ranked) // 2]
+    return ranked_series(series)[len(series) // 2]
+
+
+@dataclass(frozen=True)
+class Picked:
+    """A recording's figure, which the page's reader picks by its name and error."""
+
+    name: str
+    rmse_n: float
+    figure: str
+    typical: bool
+
+
+def prediction_figures(series: Sequence[Series]) -> list[Picked]:
+    """Figures of all recordings, or of `_MAX_PICKED` evenly along their RMSE; the best first."""
+    ranked, typical = ranked_series(series), typical_series(series)
+    shown = np.linspace(0, len(ranked) - 1, min(len(ranked), _MAX_PICKED)).round().astype(int)
+    chosen = [item for k, item in enumerate(ranked) if k in shown or item is typical]
+    return [
+        Picked(
+            name=item.name,
+            rmse_n=rms(item.predicted_n - item.measured_n),
+            figure=prediction_figure(item),
+            typical=item is typical,
+        )
+        for item in chosen
+    ]
 
 
 def draw_prediction(axes: Axes, item: Series) -> None:
     """Measured and predicted force against time."""
-    step = stride(len(item.measured_n))
+    step = stride(len(item.measured_n), _POINTS)
     time_s = np.arange(len(item.measured_n))[::step] * item.dt_s
     axes.plot(time_s, item.measured_n[::step], color=MEASURED, lw=1.2, label="measured")
     axes.plot(time_s, item.predicted_n[::step], color=PREDICTED, lw=1.0, ls="--", label="C")
     axes.set_ylabel("force, N")
-    axes.legend(loc="upper right", frameon=False, ncols=2)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2, borderpad=0.0)
     axes.set_title(item.name, loc="left", fontsize=9)
 
 
@@ -37,7 +71,7 @@ def prediction_figure(item: Series) -> str:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 4.2), layout="constrained")
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
-        step = stride(len(item.measured_n))
+        step = stride(len(item.measured_n), _POINTS)
         time_s = np.arange(len(item.measured_n))[::step] * item.dt_s
         draw_prediction(upper, item)
         lower.plot(time_s, (item.predicted_n - item.measured_n)[::step], color=ERROR, lw=0.8)
@@ -95,13 +129,14 @@ def held_forces(scene: Hold, recorded: Hold | None) -> str:
             depth = f"{1e3 * recorded.depth_m:.3g} mm"
             curves += [(recorded.measured_n, recorded, MEASURED, "-", f"measured, {depth}"),
                        (recorded.force_n, recorded, ERROR, ":", f"C on it, {depth}")]  # fmt: skip
+        lowest = min(100.0 * float(np.min(force_n)) / force_n[0] for force_n, *_ in curves)
         for force_n, hold, colour, dashes, name in curves:
             kept = np.unique(np.geomspace(1, len(force_n), 600).astype(int)) - 1
             axes.plot((kept + 1) * hold.dt_s, 100.0 * force_n[kept] / force_n[0], color=colour,
                       ls=dashes, lw=1.3, label=name)  # fmt: skip
         axes.set(
             xscale="log",
-            ylim=(0.0, 110.0),
+            ylim=(max(0.0, 20.0 * np.floor((lowest - 5.0) / 20.0)), 102.0),
             xlabel="time held still, s",
             ylabel="force, % of the first",
         )
@@ -131,7 +166,7 @@ def percentage_error(series: Sequence[Series]) -> str:
         axes.set(
             xlabel="measured force, N (scored right of the dotted line)", ylabel="absolute error, %"
         )
-        axes.legend(loc="upper right", frameon=False)
+        axes.legend(loc="upper right", frameon=False, markerscale=4)
         return svg_text(figure)
 
 

@@ -79,7 +79,7 @@ def write_report(folder: Path) -> Path:
         "slopes": slope_words(result),
         "jnd_words": JND_WORDS,
         "speeds": speeds,
-        "prediction": figures.prediction_figure(typical),
+        "predictions": figures.prediction_figures(stored.series),
         "loops": loops,
         "loop_rows": loop_rows,
         "held": figures.held_forces(hold, recorded),

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.browser import A4_PIXELS, CHROMIUM, as_printed, layout_faults
+from support.driven_browser import driven_browser
 from support.small import DT_S, model_file, press, recording, scene, small_model
 
 from springpot.codegen.plan.plan import make_plan
@@ -166,6 +167,21 @@ def test_an_error_stands_beside_the_noise_floor_and_what_a_hand_can_tell(
     page = " ".join(pages["report"].split())
     assert "noise floor not known: no press is repeated, and the force shows no noise" in page
     assert "times the just noticeable difference" in page
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+def test_a_reader_picks_a_recording(pages: dict[str, str], tmp_path: Path) -> None:
+    (tmp_path / "page.html").write_text(pages["report"])
+    shown = "[...document.querySelectorAll('.pick')].map((figure) => figure.hidden)"
+    with driven_browser(tmp_path) as browser:
+        browser.open((tmp_path / "page.html").as_uri())
+        browser.until("document.getElementById('picked')?.options.length === 2")
+        typical = browser.value("document.getElementById('picked').selectedIndex")
+        assert browser.value(shown) == [typical != 0, typical != 1]
+        browser.value(
+            f"picked.value = '{1 - typical}'; picked.dispatchEvent(new Event('change')); 0"
+        )
+        assert browser.value(shown) == [typical == 0, typical == 1]
 
 
 def test_every_grade_is_told_in_words(pages: dict[str, str]) -> None:
