@@ -30,6 +30,7 @@ def moduli_figure(
     extrapolated: NDArray[np.bool_],
     relaxation: tuple[Samples, Samples],
     unit: str,
+    unidentified: Sequence[str],
 ) -> str:
     """Draw as SVG. law, prony: dynamic values at the frequencies, of which some are extrapolated;
     measured: frequency and value of each cyclic recording; relaxation: times (s), values."""
@@ -51,14 +52,24 @@ def moduli_figure(
         left.set_xlabel("frequency, Hz (dotted: no recording reaches it)")
         left.set_ylabel(_LABELS[unit])
         left.legend(frameon=False, fontsize=7)
+        if unidentified:
+            figure.text(
+                0.5, 0.5, f"not identified: {', '.join(unidentified)}", ha="center", va="center",
+                rotation=20, fontsize=22, color=MUTED, alpha=0.5,
+            )  # fmt: skip
         right.semilogx(*relaxation, color=PREDICTED)
         right.set_xlabel("time after a step, s")
         right.set_ylabel(f"relaxation, {_LABELS[unit]}")
         return svg_text(figure)
 
 
-def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, Any]:
-    """Return keys of `material --json`; moduli (Pa) if a scale (1/m) is known, else stiffness."""
+def material_result(
+    law: Law, prony: Prony, scale: float | None, accept_unidentified: bool = False
+) -> dict[str, Any]:
+    """Return keys of `material --json`; moduli (Pa) if a scale (1/m) is known, else stiffness.
+
+    The shear modulus is left out if the recordings do not show it, unless that is accepted.
+    """
     by, unit = (1.0, "n_per_m") if scale is None else (scale, "pa")
     dynamic = law.dynamic_npm(_FREQUENCIES_HZ)
     low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
@@ -100,8 +111,10 @@ def material_result(law: Law, prony: Prony, scale: float | None) -> dict[str, An
             "max_error": float(np.max(np.abs(ratio - 1.0))),
         },
     }
-    if scale is not None:
+    width_npm = law.intervals["stiffness_npm"]
+    if scale is not None and (width_npm is not None or accept_unidentified):
         result["shear_modulus_pa"] = scale * law.stiffness_npm
+        result["shear_modulus_interval_pa"] = None if width_npm is None else scale * width_npm
     return result
 
 
@@ -110,6 +123,15 @@ def extrapolated(law: Law) -> NDArray[np.bool_]:
     low_hz, high_hz = law.covered_hz or (0.0, np.inf)
     beyond: NDArray[np.bool_] = (low_hz > _FREQUENCIES_HZ) | (high_hz < _FREQUENCIES_HZ)
     return beyond
+
+
+def require_identified(law: Law) -> None:
+    """Raise DataError where the recordings do not show a number of the law."""
+    for name, why in law.not_identified.items():
+        raise DataError(
+            f"no table or figure of a law that is not identified: {name}: {why}; or accept it, "
+            "--accept-unidentified, and the figure says so"
+        )
 
 
 def require_prony(result: dict[str, Any], limit: float) -> None:
@@ -148,7 +170,14 @@ def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> li
         for point in law.measured
     ]
     figure = moduli_figure(
-        _FREQUENCIES_HZ, dynamic, discretised, measured, beyond, (time_s, relaxing), unit
+        _FREQUENCIES_HZ,
+        dynamic,
+        discretised,
+        measured,
+        beyond,
+        (time_s, relaxing),
+        unit,
+        tuple(law.not_identified),
     )
     write_file(out / "moduli.svg", figure.encode())
     return ["moduli.csv", "relaxation.csv", "prony.csv", "moduli.svg"]

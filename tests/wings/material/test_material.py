@@ -131,14 +131,26 @@ def test_a_preloaded_solid_has_a_bias_and_the_order_of_its_loops() -> None:
     assert np.abs(predicted_n - recordings[0].force_n).max() < 0.02
 
 
-def test_one_speed_identifies_no_order() -> None:
+def test_one_speed_identifies_no_order(tmp_path: Path) -> None:
     """A stiffening object, pressed at one speed: the fit is a number, and says nothing."""
     x = np.abs((np.arange(4000) / 1000.0 + 1.0) % 2.0 - 1.0) * 0.01
     recording = Recording("ramps", x, 2e6 * x**2, DT_S)
-    law = law_of(fit_model("springpot", "x", [recording], FitOptions()).model)
+    model = fit_model("springpot", "x", [recording], FitOptions()).model
+    law = law_of(model)
     assert set(law.not_identified) == {"stiffness_npm", "coefficient", "order"}
     assert "one speed of pressing only: press at three speeds" in law.not_identified["order"]
     assert all(width is None for width in law.intervals.values())
+    write_model(tmp_path / "m.spm", model)
+    given = [str(tmp_path / "m.spm"), "--tip-mm", "6", "--prony-error", "99%"]
+    plain = CliRunner().invoke(material, [*given, "--json"])
+    assert "shear_modulus_pa" not in json.loads(plain.stdout)
+    out = ["--out", str(tmp_path / "out")]
+    refused = CliRunner().invoke(material, [*given, *out])
+    assert "--accept-unidentified" in str(refused.exception)
+    assert not (tmp_path / "out").exists()
+    accepted = CliRunner().invoke(material, [*given, *out, "--accept-unidentified"])
+    assert "kPa (not identified" in accepted.stdout
+    assert (tmp_path / "out" / "moduli.svg").exists()
 
 
 def test_real_recordings_at_a_preload(mach1_file: Path) -> None:

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
     metavar="P%",
     help="What the Prony series may miss; default 5%.",
 )
+@click.option(
+    "--accept-unidentified",
+    is_flag=True,
+    help="Quote moduli, and write a marked figure, of a law that the recordings do not show.",
+)
 @json_option
 def material(
     model: Path,
@@ -33,12 +38,18 @@ def material(
     height_mm: float | None,
     out: Path | None,
     prony_error: float,
+    accept_unidentified: bool,
     as_json: bool,
 ) -> None:
     """Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."""
     from springpot import read_model
     from springpot.host.wings.material.law.material import law_of, prony_of, shear_pa_per_npm
-    from springpot.host.wings.material.result import material_result, require_prony, write_material
+    from springpot.host.wings.material.result import (
+        material_result,
+        require_identified,
+        require_prony,
+        write_material,
+    )
 
     if height_mm is not None and tip_mm is None:
         raise UsageError("--height-mm: give --tip-mm as well")
@@ -47,7 +58,9 @@ def material(
     scale = None
     if tip_mm is not None:
         scale = shear_pa_per_npm(1e-3 * tip_mm, None if height_mm is None else 1e-3 * height_mm)
-    result = material_result(law, prony, scale)
+    result = material_result(law, prony, scale, accept_unidentified)
+    if out is not None and not accept_unidentified:
+        require_identified(law)
     require_prony(result, prony_error)
     files = [] if out is None else write_material(out, law, prony, scale)
     print_result(result | {"files": files}, as_json, material_rows(result, law, out))
@@ -64,7 +77,12 @@ def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[st
     if law.instant_npm is not None:
         rows["instant stiffness"] = _quoted(law, "instant_npm", "N/m")
     if "shear_modulus_pa" in result:
-        rows["shear modulus"] = f"{result['shear_modulus_pa'] / 1e3:.4g} kPa (small depths)"
+        width_pa = result["shear_modulus_interval_pa"]
+        width = "" if width_pa is None else f" +- {width_pa / 1e3:.2g}"
+        sure = "not identified" if width_pa is None else "95 %"
+        rows["shear modulus"] = (
+            f"{result['shear_modulus_pa'] / 1e3:.4g}{width} kPa ({sure}; small depths)"
+        )
     if law.residual_percent is not None:
         rows["missed"] = f"{law.residual_percent:.3g} % of the force that varies, rms"
     low_hz, high_hz = law.covered_hz or (0.0, float("inf"))
