@@ -37,8 +37,13 @@ def check_(recordings: tuple[str, ...], as_json: bool) -> None:
 
 
 def _print(report: QualityReport) -> None:
-    columns = ("recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad")
-    print_table(columns, map(_row, report.recordings), width=140)
+    columns = ["recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad"]
+    rows = [_row(figures) for figures in report.recordings]
+    if any("place_m" in figures for figures in report.recordings):
+        columns.insert(1, "place mm")
+        for row, figures in zip(rows, report.recordings, strict=True):
+            row.insert(1, _place(figures))
+    print_table(columns, rows, width=140)
     click.echo(report.figures["signs"])
     _print_coverage(report.figures["coverage"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
@@ -76,6 +81,10 @@ def _print_coverage(coverage: dict[str, Any]) -> None:
     print_table(columns, rows, width=140)
     for line in coverage["record_next"]:
         click.echo(f"record next: {line}")
+
+
+def _place(figures: dict[str, Any]) -> str:
+    return ", ".join(f"{1e3 * at:.4g}" for at in figures.get("place_m", ())) or "-"
 
 
 def _row(figures: dict[str, Any]) -> list[str]:
