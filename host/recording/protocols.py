@@ -31,6 +31,7 @@ class Profile:
     command_n: shape (n,), N, one value each ms, from 0.
     lead: of so many values at its beginning, which bring the tool into a preload, nothing is kept.
     part: "training" or "test" where a protocol has both; they become folders.
+    place_m: where the object is pressed, x and y; None: where it lies.
     metadata: how the command was made (amplitude_n, frequency_hz, ...); JSON values.
     """
 
@@ -39,6 +40,7 @@ class Profile:
     metadata: Mapping[str, Any] = field(default_factory=dict)
     lead: int = 0
     part: str = ""
+    place_m: tuple[float, float] | None = None
 
 
 def inverted_cosine(t_s: Command, amplitude_n: float, frequency_hz: float) -> Command:
