@@ -103,6 +103,8 @@ class SimulatedBench:
                 f"sim://{self.object_name}: is the same everywhere: give sim://lump to a protocol "
                 "of places"
             )
+        if place_m == self.place_m:
+            return
         x_m, y_m = place_m
         self.simulated, self._state = replace(self.simulated, x_m=x_m, y_m=y_m), None
 

@@ -8,19 +8,19 @@ static const double pitch_m = 0.0005;
 static const double stiffening_pm = 80.0; /* a column of 20 mm, squeezed by a quarter: + 40 % */
 
 static const double foundation_npm3 = 9e6; /* 10 N at 6 mm, on the plain ground */
-static const double branch_share = 0.3;    /* of the slow stiffness, each */
+static const double branch_share = 0.25;   /* of the slow stiffness, each */
 static const double branch_s[SIM_LUMP_BRANCHES] = {0.02, 0.2, 2.0};
 
 /* The ground itself is uneven by so much, in hills of 10 mm. */
-static const double uneven = 0.08;
+static const double uneven = 0.03;
 static const double hill_m = 0.020;
 
 /* Within its radius a lump is so many times as stiff, and relaxes so many times as slowly. */
 static const struct {
     double x_m, y_m, radius_m, stiffer, slower;
 } lumps[] = {
-    {0.010, 0.011, 0.0040, 3.0, 3.0},
-    {0.021, 0.019, 0.0065, 2.0, 2.0},
+    {0.010, 0.011, 0.0040, 2.5, 2.0},
+    {0.021, 0.019, 0.0065, 1.7, 1.5},
 };
 enum { LUMPS = sizeof lumps / sizeof lumps[0] };
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import dist
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,7 +18,7 @@ from springpot.simulation import Profile, load_protocol
 _SHORT_HZ = (0.5, 5.0)  # of the presses to the deepest force: enough for the amount of a place
 _Metre = Annotated[float, Interval(ge=-1, le=1)]
 _Length = Annotated[float, Interval(gt=0, le=1)]
-Site = tuple[float, float]
+_Site = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ _ADAPTER = TypeAdapter(PlacesTable)
 
 
 def places_protocol(content: dict[str, Any], path: Path, seed: int) -> list[Profile]:
-    """One recording a site: the paper's presses one after another, or two of them.
+    """The paper's presses at some sites, and two of them at the others.
 
     The first sites lie far apart, and are pressed fully. Raises UsageError naming what is wrong.
     """
@@ -56,20 +56,14 @@ def places_protocol(content: dict[str, Any], path: Path, seed: int) -> list[Prof
         if press.metadata["amplitude_n"] == deepest_n
         and press.metadata["frequency_hz"] in _SHORT_HZ
     ]  # fmt: skip
-    kinds = [("full", presses)] * table.full + [("short", few)] * len(sites)
-    return [
-        _at_site(number, site, kind, its)
-        for number, (site, (kind, its)) in enumerate(zip(sites, kinds, strict=False), start=1)
-    ]
+    found = []
+    for number, site in enumerate(sites, start=1):
+        its = presses if number <= table.full else few
+        found += [replace(press, name=f"{number:03d}-{press.name}", place_m=site) for press in its]
+    return found
 
 
-def _at_site(number: int, site: Site, kind: str, presses: Sequence[Profile]) -> Profile:
-    command_n = np.concatenate([press.command_n for press in presses])
-    metadata = {"kind": f"{kind} site", "presses": [dict(press.metadata) for press in presses]}
-    return Profile(f"{number:03d}-{kind}", command_n, metadata, place_m=site)
-
-
-def _sites(table: PlacesTable, path: Path) -> list[Site]:
+def _sites(table: PlacesTable, path: Path) -> list[_Site]:
     """The sites of a table, (x, y), m, each once."""
     if table.sites != "spread":
         if table.span_m is not None or table.short is not None:
@@ -83,7 +77,7 @@ def _sites(table: PlacesTable, path: Path) -> list[Site]:
     return _rows(count, *table.span_m)
 
 
-def _rows(count: int, wide_m: float, high_m: float) -> list[Site]:
+def _rows(count: int, wide_m: float, high_m: float) -> list[_Site]:
     """Sites in rows, as square a grid as there is for so many."""
     rows = max(2, round(np.sqrt(count * high_m / wide_m)))
     found = []
@@ -93,7 +87,7 @@ def _rows(count: int, wide_m: float, high_m: float) -> list[Site]:
     return found
 
 
-def _far_first(sites: Sequence[Site]) -> list[Site]:
+def _far_first(sites: Sequence[_Site]) -> list[_Site]:
     """The sites, the middle one first, and each next one farthest from those before."""
     middle = tuple(np.mean(sites, axis=0).tolist())
     order = [min(sites, key=lambda site: dist(site, middle))]
