@@ -45,8 +45,8 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
     sites = sites_of(data.recordings)
     if len(sites) < FEWEST_SITES or data.contact != "surface":
         raise DataError(
-            f"{data.recordings[0].name}: a map needs presses from the surface at {FEWEST_SITES} places, "
-            f"these are of {len(sites)}: record more places, or leave the places out"
+            f"{data.recordings[0].name}: a map needs presses from the surface at {FEWEST_SITES} "
+            f"places, these are of {len(sites)}: record more places, or leave the places out"
         )
     of_sites = [_part(data, numbers) for numbers in sites.values()]
     longest_s = max(part.rows_total for part in of_sites)
