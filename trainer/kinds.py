@@ -102,7 +102,7 @@ def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
         raise DataError("some recordings have a place and others none: see springpot check")
     if kind not in (AUTO, HAMMERSTEIN.name):
         raise UsageError(
-            f"{kind}: has no map, and these recordings are of {len(sites)} places: give --kind "
+            f"{kind}: has no map, and these recordings are of {len(sites)} places: give --model "
             f"{HAMMERSTEIN.name}, or recordings of one place"
         )
     return HAMMERSTEIN.name
