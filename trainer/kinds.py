@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
@@ -87,10 +87,31 @@ def fit_model(
     from springpot.trainer.recordings.quality.signs import require_signs
 
     require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
+    kind = _kind_of_places(kind, recordings)
     options, warnings = _default_smoothing(recordings, options)
     data = training_set(recordings, options.smooth_s)
     data = replace(data, warnings=(*data.warnings, *warnings))
     return fit_kind(kind, name, data, options, validation)
+
+
+def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
+    """Kind that is fitted: of several places hammerstein alone, which auto then takes.
+
+    Raises UsageError for another one, DataError if only some recordings have a place.
+    """
+    from springpot.trainer.recordings.quality.places import sites_of
+
+    sites = sites_of(recordings)
+    if len(sites) < 2:
+        return kind
+    if any(recording.place_m is None for recording in recordings):
+        raise DataError("some recordings have a place and others none: see springpot check")
+    if kind not in (AUTO, HAMMERSTEIN.name):
+        raise UsageError(
+            f"{kind}: has no map, and these recordings are of {len(sites)} places: give --model "
+            f"{HAMMERSTEIN.name}, or recordings of one place"
+        )
+    return HAMMERSTEIN.name
 
 
 def _default_smoothing(

@@ -87,6 +87,7 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
         "energy": plan.scene.guard.energy,
         "accept_unsafe": plan.accept_unsafe,
         **_model_metadata(plan),
+        **_places(plan),
         **facts,
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
@@ -123,6 +124,22 @@ def _model_metadata(plan: Plan) -> dict[str, Any]:
         "orders": list(getattr(features, "orders", ())),
         "window_s": plan.model.memory_s,
         **({} if regressor is None else regressor.manifest()),
+    }
+
+
+def _places(plan: Plan) -> dict[str, Any]:
+    """Extent of the map, m, of a scene with places."""
+    hammerstein = plan.model.hammerstein
+    if hammerstein is None or (places := hammerstein.places) is None:
+        return {}
+    return {
+        "places": {
+            "x_m": [float(places.first_m[0]), float(places.last_m[0])],
+            "y_m": [float(places.first_m[1]), float(places.last_m[1])],
+            "nodes": list(places.nodes),
+            "materials": len(places.slopes_n),
+            "start_m": list(places.stiffest_m),
+        }
     }
 
 

@@ -4,7 +4,7 @@ import re
 
 from springpot.codegen.emit.project import filled, prefixed
 from springpot.codegen.emit.step import hold, make_up, step, step_dt
-from springpot.codegen.emit.tick import restart, tick, tick_dt
+from springpot.codegen.emit.tick import restart, take_place, tick, tick_dt
 from springpot.codegen.literals import literal, struct_text
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
@@ -18,16 +18,17 @@ def public_header(plan: Plan) -> str:
     """sp.h with the scene's prefix and number type: it needs no other header but sp_notes.h."""
     prefix = plan.scene.runtime.prefix
     text = (INCLUDE / "sp.h").read_text()
-    text = _any_rate_part(text, plan.any_rate)
+    text = _part(text, "any rate", plan.any_rate)
+    text = _part(text, "places", plan.has_places)
     text = text.replace('#include "sp_real.h"\n', "").replace("sp_scene.h", f"{prefix}_scene.h")
     text = re.sub(r"\bsp_real\b", plan.real, text)
     text = re.sub(r"\bSP_H\b", f"{prefix.upper()}_H", text)
     return prefixed(text, prefix)
 
 
-def _any_rate_part(text: str, kept: bool) -> str:
-    """The header with or without what only scenes that are exact at any rate have."""
-    begin, end = "/* springpot any rate begin */\n", "/* springpot any rate end */\n"
+def _part(text: str, name: str, kept: bool) -> str:
+    """The header with or without a part that only some scenes have."""
+    begin, end = f"/* springpot {name} begin */\n", f"/* springpot {name} end */\n"
     before, _, rest = text.partition(begin)
     inside, _, after = rest.partition(end)
     return before + (inside if kept else "") + after
@@ -86,12 +87,14 @@ def functions(plan: Plan, manifest: str) -> list[str]:
     """All functions of a scene, those of the loop first; manifest: JSON that the image holds."""
     return [
         restart(plan),
+        *([take_place(plan)] if plan.has_places else []),
         tick(plan),
         *([tick_dt(plan)] if plan.any_rate else []),
         hold(plan),
         make_up(plan),
         step(plan),
         *([step_dt(plan)] if plan.any_rate else []),
+        *([_place(plan)] if plan.has_places else []),
         _api(plan, manifest),
     ]
 
@@ -124,9 +127,30 @@ def constants(plan: Plan) -> str:
     return "\n".join(parts)
 
 
+def _place(plan: Plan) -> str:
+    """C function sp_place."""
+    assert plan.passive is not None
+    lines = [
+        "void sp_place(sp_state *state, sp_real x_m, sp_real y_m)",
+        "{",
+        "    if (state != NULL) {",
+        f"        sp_map_place(&place_map, &state->{plan.passive.follows}_map, x_m, y_m);",
+        "    }",
+        "}",
+    ]
+    return "\n".join(lines)
+
+
 def _api(plan: Plan, manifest: str) -> str:
     needs = plan.needs_device_velocity
     init = plan.regressor.init() if plan.regressor is not None else []
+    kept, again = [], []
+    if plan.passive is not None and plan.passive.placed is not None:
+        start = ", ".join(literal(plan.dtype(at)) for at in plan.passive.placed.start_m)
+        of_map = f"state->{plan.passive.follows}_map"
+        init = [f"sp_map_place(&place_map, &{of_map}, {start});", f"{of_map}.waits = 1u;"]
+        kept = ["sp_map_state place = {0};", "if (state != NULL) {", f"    place = {of_map};", "}"]
+        again = ["if (state != NULL) {", f"    {of_map} = place;", f"    {of_map}.waits = 1u;", "}"]
     return filled(
         "api.c",
         plan,
@@ -135,5 +159,7 @@ def _api(plan: Plan, manifest: str) -> str:
         VELOCITY="velocity_mps[i]" if needs else "(sp_real)0",
         ABI=str(ABI_VERSION),
         INIT="".join(f"        {line}\n" for line in init),
+        KEPT="".join(f"    {line}\n" for line in kept),
+        AGAIN="".join(f"    {line}\n" for line in again),
         MANIFEST=manifest.replace("\\", "\\\\").replace('"', '\\"'),
     )

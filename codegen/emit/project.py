@@ -8,7 +8,7 @@ from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.stage import Probe
 
-_PUBLIC = "abi_version|state_size|manifest|init|reset|step|step_dt|run|idle|selftest|state"
+_PUBLIC = "abi_version|state_size|manifest|init|reset|step|step_dt|run|idle|place|selftest|state"
 
 
 def prefixed(text: str, prefix: str) -> str:

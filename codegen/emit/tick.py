@@ -22,6 +22,18 @@ def restart(plan: Plan) -> str:
     )
 
 
+def take_place(plan: Plan) -> str:
+    """C function `take_place` of a scene with places: the object off which the tool is rests."""
+    passive = plan.passive
+    assert passive is not None
+    head = [
+        "/* The tool is off the object: the place that waits is taken, and has rested for ever. */",
+        "SP_RARE void take_place(sp_state *state)",
+    ]
+    lines = [f"const sp_real {passive.follows} = (sp_real)0;", *passive.restart()]
+    return "\n".join([*head, "{", *indented(lines), "}"])
+
+
 def _account(plan: Plan) -> list[str]:
     if plan.energy is None:
         return []
@@ -57,6 +69,7 @@ def tick_dt(plan: Plan) -> str:
 
 def _tick(plan: Plan, advance: list[str], alpha: str) -> list[str]:
     return [
+        *_taken(plan),
         *_pressed(plan),
         *advance,
         "sp_real force = (sp_real)0;",
@@ -67,6 +80,13 @@ def _tick(plan: Plan, advance: list[str], alpha: str) -> list[str]:
         "}",
         "return force;",
     ]
+
+
+def _taken(plan: Plan) -> list[str]:
+    if not plan.has_places:
+        return []
+    waits = f"state->{plan.passive.follows}_map.waits != 0u" if plan.passive else ""
+    return [f"if ({waits} && !({_in_contact(plan)})) {{", "    take_place(state);", "}"]
 
 
 def _device(plan: Plan) -> str:

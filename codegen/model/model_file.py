@@ -29,6 +29,7 @@ from springpot.codegen.model.field_types import require_types
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.packed_arrays import MAX_BYTES, Arrays, unpacked
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
+from springpot.codegen.model.places import Places
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
 from springpot.codegen.regular_file import read_bounded
@@ -41,7 +42,7 @@ _MAX_HEADER_BYTES = 4 << 20  # JSON becomes a hundred times as much memory
 _PARTS: dict[str, type[Any]] = {
     part.__name__: part
     for part in (
-        Model, TrainedRange, Hammerstein, Flow, Damage, FirBank, FastFirBank, RecursiveBank,
+        Model, TrainedRange, Hammerstein, Flow, Damage, Places, FirBank, FastFirBank, RecursiveBank,
         Lags, PositionVelocity, Forest, Quantisation, Rbf,
     )
 }  # fmt: skip
@@ -192,7 +193,9 @@ def _packed(value: Any, path: str, arrays: Arrays) -> Any:
 
 
 def _at_default(part: Any, item: Field[Any]) -> bool:
-    """Whether a number is what a file without it means."""
+    """Whether a value is what a file without it means."""
+    if "left_out" in item.metadata:
+        return getattr(part, item.name) is None
     return isinstance(item.default, int | float) and getattr(part, item.name) == item.default
 
 

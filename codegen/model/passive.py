@@ -1,10 +1,11 @@
 """The passive model: springs, Maxwell branches, stops, flow, damage; curves that never fall."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.model.places import Places
 from springpot.codegen.short_repr import short_repr
 
 FLOW_SHARE = 0.2  # of the force at the trained depth, at which a flowing branch is said to relax
@@ -55,6 +56,7 @@ class Hammerstein:
     n_by_depth: of the last branches, which relax at the rate rate_ratio^(1/2 - u)/tau: rate_ratio
     is that at the surface over that at the trained depth. recovers: where the object has a surface,
     it comes back by itself while the tool is away (sp_surface.h); else the force is 0 at least.
+    places: how slopes differ from place to place; those above are then the most of any place.
     """
 
     origin_m: float
@@ -70,6 +72,7 @@ class Hammerstein:
     flow: Flow | None = None
     damage: Damage | None = None
     recovers: bool = False
+    places: Places | None = field(default=None, metadata={"left_out": True})
     __repr__ = short_repr
 
     @property
@@ -94,6 +97,40 @@ class Hammerstein:
         """Longest time constant, s."""
         flowing_s = 0.0 if self.flow is None else float(self.flow.tau_s.max(initial=0.0))
         return max(float(self.slowest_s.max(initial=0.0)), flowing_s)
+
+    @property
+    def slopes_n(self) -> NDArray[np.float64]:
+        """All that the force is linear in, (slopes,), N: curves, stops, damage, flow."""
+        damage_n = np.zeros(0) if self.damage is None else self.damage.curve_n
+        flow_n = np.zeros(0) if self.flow is None else self.flow.force_n
+        parts = (self.elastic_n, self.branch_n, self.stop_n, damage_n, flow_n)
+        return np.concatenate([part.ravel() for part in parts])
+
+    def with_slopes(self, slopes_n: NDArray[np.float64]) -> "Hammerstein":
+        """The same of one place with other `slopes_n`, (slopes,)."""
+        damage, flow = self.damage, self.flow
+        shaped = [self.elastic_n, self.branch_n, self.stop_n]
+        shaped += [np.zeros(0) if damage is None else damage.curve_n]
+        cuts = np.cumsum([part.size for part in shaped])
+        parts = np.split(slopes_n, cuts)
+        elastic_n, branch_n, stop_n, damage_n = (
+            part.reshape(like.shape) for part, like in zip(parts[:-1], shaped, strict=True)
+        )
+        return replace(
+            self,
+            elastic_n=elastic_n,
+            branch_n=branch_n,
+            stop_n=stop_n,
+            damage=damage and replace(damage, curve_n=damage_n),
+            flow=flow and replace(flow, force_n=parts[-1]),
+            places=None,
+        )
+
+    def at(self, place_m: tuple[float, float] | None) -> "Hammerstein":
+        """The model of one place, x and y, m; None: of the stiffest, if it has several."""
+        if self.places is None:
+            return self
+        return self.with_slopes(self.places.mixed_n(place_m or self.places.stiffest_m))
 
     def stiffened(self, factor: float) -> "Hammerstein":
         """The passive model whose force at x is this one's at factor x."""

@@ -22,6 +22,7 @@ from springpot.codegen.model.features import (
 )
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
+from springpot.codegen.model.places import Places
 from springpot.codegen.model.provenance import require_provenance
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.tree_shape import require_trees
@@ -33,6 +34,8 @@ _MAX_SAMPLES = 1_000_000  # of a window: state of the C
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
 _MAX_NODES = 100  # of a curve
 _MAX_TERMS = 1_000  # branches, stops, poles
+_MAX_MATERIALS = 8
+_ROUNDED = 1.0 - 1e-12
 _KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]{0,63}")  # part of commands that pages show
 
 
@@ -58,6 +61,9 @@ def _model(model: Model, n_features: int) -> None:
     adds = model.hammerstein is not None and model.hammerstein_adds
     _require(adds or model.regressor is not None, "regressor, hammerstein: no force")
     _require(adds == model.hammerstein_adds, "hammerstein_adds: nothing to add")
+    placed = model.hammerstein is not None and model.hammerstein.places is not None
+    alone_at_a_surface = adds and model.regressor is None and model.contact == "surface"
+    _require(alone_at_a_surface or not placed, "places: of no passive model with a surface")
     require_provenance(model.provenance)
     law = model.kind == "springpot" and "material" in model.provenance
     _require(not law or model.hammerstein is not None, "provenance.material: of no passive model")
@@ -104,11 +110,14 @@ def _hammerstein(passive: Hammerstein, n_features: int) -> None:
              f"{_MAX_RATE_RATIO:g}")  # fmt: skip
     for name in ("elastic_n", "branch_n", "stop_n"):
         _not_negative(name, getattr(passive, name))
-    for part in ("flow", "damage"):
+    for part, size in (("flow", nodes), ("damage", nodes), ("places", passive.slopes_n.size)):
         try:
-            require_valid(getattr(passive, part), nodes)
+            require_valid(getattr(passive, part), size)
         except DataError as error:
             raise DataError(f"{part}.{error}") from None
+    places = passive.places
+    bounded = places is None or bool(np.all(passive.slopes_n >= _ROUNDED * places.most_n))
+    _require(bounded, "places: steeper somewhere than the curves beside them say")
 
 
 @require_valid.register
@@ -133,6 +142,22 @@ def _damage(damage: Damage, nodes: int) -> None:
     _among("power", damage.power, (1, 3))
     for name in ("heal_s", "curve_n"):
         _not_negative(name, getattr(damage, name))
+
+
+@require_valid.register
+def _places(places: Places, slopes: int) -> None:
+    _require(places.amounts.ndim == 3, f"amounts: {places.amounts.ndim} axes, not 3")
+    nodes = places.nodes
+    _require(all(2 <= n <= _MAX_NODES for n in nodes), f"amounts: {nodes}, not 2 to {_MAX_NODES}")
+    materials = places.amounts.shape[2]
+    _require(1 <= materials <= _MAX_MATERIALS, f"amounts: {materials} materials")
+    _shaped("first_m", places.first_m, (2,))
+    _shaped("step_m", places.step_m, (2,))
+    _positive("step_m", places.step_m)
+    _require(float(np.abs([places.first_m, places.last_m]).max()) <= _MAX_M, "first_m, step_m: far")
+    _shaped("slopes_n", places.slopes_n, (materials, slopes))
+    _not_negative("amounts", places.amounts)
+    _not_negative("slopes_n", places.slopes_n)
 
 
 @require_valid.register

@@ -107,6 +107,11 @@ class Plan(Stages):
         return self.couple is None and None not in steps
 
     @property
+    def has_places(self) -> bool:
+        """Whether the object is not the same everywhere: there is sp_place then."""
+        return self.passive is not None and self.passive.placed is not None
+
+    @property
     def energy_acts(self) -> bool:
         """Tell whether the account of energy cuts the force, and does not only note it."""
         return self.scene.guard.energy == "account"

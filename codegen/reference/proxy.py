@@ -13,7 +13,7 @@ from springpot.codegen.reference.followed import Followed
 from springpot.codegen.reference.tick import Coupled, shaped
 from springpot.codegen.stages.stage import Starts
 
-ModelForce = Callable[[Reals, Starts, NDArray[np.bool_]], Reals]
+ModelForce = Callable[[int, Reals, Starts, NDArray[np.bool_]], Reals]
 _CHUNK = 1024  # ticks predicted at a time, at most
 _MIN = 8  # at least: a pass has a cost of its own
 _AHEAD = 4  # times the ticks that the last pass verified
@@ -52,7 +52,8 @@ def proxy_motion(
     is a better prediction. A pass begins at the last restart, which forgets what came before, and
     goes a few times as far as the last one verified: in a stiff object one wrong tick spoils the
     rest of a long prediction.
-    force(motion, starts, asked): the model's force, (n,), N, on a motion (n,), m, where `asked`.
+    force(first, motion, starts, asked): the model's force, (n,), N, on a motion (n,), m, from the
+    tick `first` on, where `asked`.
     predicted_m: (n,), the motion that the C reports, with which one pass is enough.
     """
     coupled = _Stepper(plan, trace)
@@ -71,7 +72,7 @@ def proxy_motion(
         starts = trace.motion.starts
         starts = starts[(starts >= begin) & (starts < end)] - begin
         motion = pressed[begin:end]
-        model_n = shaped(plan, motion, force(motion, starts, asked))
+        model_n = shaped(plan, motion, force(begin, motion, starts, asked))
         verified = coupled.verify(pressed, model_n[done - begin :], done, end)
         chunk = min(_CHUNK, max(_MIN, _AHEAD * (verified - done)))
         done = verified

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage
+from springpot.codegen.stages.passive.placed import Taken
 from springpot.codegen.stages.stage import FeatureStage, RegressorStage, Starts
 
 
@@ -33,16 +34,21 @@ class Stages:
 
 
 def model_force(
-    stages: Stages, motion: dict[str, Reals], starts: Starts, contact: NDArray[np.bool_]
+    stages: Stages,
+    motion: dict[str, Reals],
+    starts: Starts,
+    contact: NDArray[np.bool_],
+    taken: Taken = (),
 ) -> Reals:
     """Force of the model's stages, (n,), N; 0 where there is no contact.
 
-    motion: "penetration" and "clipped", each (n,), m. contact: (n,).
+    motion: "penetration" and "clipped", each (n,), m. contact: (n,). taken: places, as in
+    `HammersteinStage.reference`.
     """
     zero = motion["clipped"].dtype.type(0)
     terms: list[Reals] = []
     if stages.passive is not None:
-        terms.append(stages.passive.reference(motion[stages.passive.follows], starts))
+        terms.append(stages.passive.reference(motion[stages.passive.follows], starts, taken))
     if stages.features is not None and stages.regressor is not None:
         model_n = np.zeros(len(contact), dtype=zero.dtype)
         features = stages.features.reference(motion["clipped"], starts)

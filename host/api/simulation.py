@@ -14,6 +14,9 @@ if TYPE_CHECKING:
         RATE_HZ as RATE_HZ,
     )
     from springpot.host.recording.protocols import (
+        Profile as Profile,
+    )
+    from springpot.host.recording.protocols import (
         load_protocol as load_protocol,
     )
     from springpot.host.simulation.bench import (

@@ -48,10 +48,17 @@ class Replay:
     def dtype(self) -> type[Any]:
         return self._library.dtype
 
-    def run(self, position_m: Reals, velocity_mps: Reals | None = None) -> tuple[Reals, Reals]:
+    def run(
+        self,
+        position_m: Reals,
+        velocity_mps: Reals | None = None,
+        *,
+        place_m: tuple[float, float] | None = None,
+    ) -> tuple[Reals, Reals]:
         """Forces (N) and notes of each tick from a fresh state; shapes (n,).
 
-        velocity_mps: by default backward differences of the positions.
+        velocity_mps: by default backward differences of the positions. place_m: x and y, if the
+        scene has a map.
         """
         position = self._converted(position_m)
         if velocity_mps is None:
@@ -60,6 +67,8 @@ class Replay:
         force = np.empty_like(position)
         notes = np.empty(len(position), dtype=np.int32)
         state = self._library.new_state()
+        if place_m is not None:
+            state.place(place_m)
         array = self._port.array
         self._port.c.sp_replay(
             self._step, self._port.pointer(state.address), len(position),
@@ -67,7 +76,9 @@ class Replay:
         )  # fmt: skip
         return force, notes
 
-    def repeat(self, calls: Mapping[str, Reals]) -> tuple[Reals, Reals]:
+    def repeat(
+        self, calls: Mapping[str, Reals], place_m: tuple[float, float] | None = None
+    ) -> tuple[Reals, Reals]:
         """Make the calls of a session's log again, from a fresh state: forces (N) and notes, (n,).
 
         calls: the channels of the log, see `session/log.py`. Rows without a call stay 0.
@@ -76,6 +87,8 @@ class Replay:
         force = np.zeros(len(made), dtype=self._library.dtype)
         notes = np.zeros(len(made), dtype=np.int32)
         state = self._library.new_state()
+        if place_m is not None:
+            state.place(place_m)
         inputs = [self._converted(calls[name]) for name in (INPUT, "velocity_mps", "dt_s")]
         pointer, array = self._port.pointer, self._port.array
         functions = [pointer(self._library.address(name)) for name in ("step", "idle", "reset")]

@@ -130,6 +130,15 @@ class SceneState:
         """Forget the past; unlatch the watchdog."""
         self._library.function("reset")(self._state)
 
+    def place(self, place_m: tuple[float, float]) -> None:
+        """Press at x and y, m, from the next contact on.
+
+        Raises UsageError if the object is the same everywhere.
+        """
+        if not hasattr(self._loaded.c, f"{self._library._prefix}_place"):
+            raise UsageError("this scene has no map of places: leave the place out")
+        self._library.function("place")(self._state, *place_m)
+
     def step(self, position_m: float, velocity_mps: float = 0.0) -> tuple[float, int]:
         """One tick: force (N) and notes."""
         notes = self._library.function("step")(self._state, position_m, velocity_mps, self._force)

@@ -1,6 +1,7 @@
 """A real device that presses an object under force control, for recording: the loop of a session
 with a force controller (runtime_c/port/posix/sp_press.h) in place of a scene."""
 
+import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DeviceError, SpringpotError
+from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.reference.notes import LATCHED
 from springpot.host.console.keys import reading_keys
+from springpot.host.console.output import say
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import driver_of
 from springpot.host.native.loop_library import loop_library
@@ -58,13 +60,15 @@ class Limits:
 class PressedDevice:
     """Presses with commanded forces; each press starts the device anew.
 
-    object_name: of what lies under it, as part of file names. rate_hz: of the samples that are
+    object_name: of what lies under it, as part of file names. place_m: where the object was last
+    put to be pressed. rate_hz: of the samples that are
     kept. sensed: a sensor beside the device measures. room: of the limit of force over the command,
     if none is given. max_mps: limit of speed, likewise: above that of the softest known object.
     """
 
     rate_hz = RATE_HZ
     start_s: float | None = None  # of the last press, since this device was taken
+    place_m: tuple[float, float] | None = None
     sensed = False
     room = 1.3
     max_mps = 0.6
@@ -81,6 +85,21 @@ class PressedDevice:
     def prepare(self) -> dict[str, Any]:
         """Make ready for the first press; what the recordings say of the device."""
         return {}
+
+    def go_to(self, place_m: tuple[float, float]) -> None:
+        """Ask whoever runs it to put the object's place, x and y, m, under the tool.
+
+        Raises UsageError if nobody answers.
+        """
+        if place_m == self.place_m:
+            return
+        say(
+            f"put x = {1e3 * place_m[0]:.4g} mm, y = {1e3 * place_m[1]:.4g} mm of the object under "
+            "the tool, which gives no force, and press Enter"
+        )
+        if not sys.stdin.readline():
+            raise UsageError("nobody presses Enter: run it in a terminal")
+        self.place_m = place_m
 
     def press(
         self,

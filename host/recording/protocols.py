@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
+from springpot.codegen.short_repr import short_repr
 
 Command = NDArray[np.float64]
 
@@ -31,6 +33,7 @@ class Profile:
     command_n: shape (n,), N, one value each ms, from 0.
     lead: of so many values at its beginning, which bring the tool into a preload, nothing is kept.
     part: "training" or "test" where a protocol has both; they become folders.
+    place_m: where the object is pressed, x and y; None: where it lies.
     metadata: how the command was made (amplitude_n, frequency_hz, ...); JSON values.
     """
 
@@ -39,6 +42,8 @@ class Profile:
     metadata: Mapping[str, Any] = field(default_factory=dict)
     lead: int = 0
     part: str = ""
+    place_m: tuple[float, float] | None = None
+    __repr__ = short_repr
 
 
 def inverted_cosine(t_s: Command, amplitude_n: float, frequency_hz: float) -> Command:
@@ -101,14 +106,19 @@ def extended(seed: int) -> list[Profile]:
     return [*profiles, _multisine(f"{following:02d}-multisine", seed), hold]
 
 
-def from_file(path: Path) -> list[Profile]:
-    """Read a user's protocol: TOML, one [[profile]] table for each press.
+def from_file(path: Path, seed: int = 0) -> list[Profile]:
+    """Read a user's protocol: TOML, one [[profile]] table for each press, or [places].
 
     `amplitude_n` with `frequency_hz` and `cycles` (default 1), or with `hold_s` and `rise_s`
     (default 0.5; both ramps lie within hold_s). Raises UsageError with the key that is wrong.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
+        if isinstance(content.get("places"), dict):
+            of_places: list[Profile] = required_part("places-protocol", str(path))(
+                content, path, seed
+            )
+            return of_places
         checked = _ProtocolFile.model_validate(content)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}: give a protocol file that exists") from None
@@ -140,7 +150,7 @@ def load_protocol(protocol: str, seed: int) -> list[Profile]:
     if not protocol.endswith(".toml"):
         known = ", ".join(("paper", "validation", "extended", *STRUCTURES))
         raise UsageError(f"protocol {protocol!r}: give {known}, or a file ending in .toml")
-    return from_file(Path(protocol))
+    return from_file(Path(protocol), seed)
 
 
 _Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]

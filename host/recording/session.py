@@ -92,9 +92,12 @@ def record_session(
     of_device = device.prepare()
     qualities = []
     for name, file, profile in zip(names, files, profiles, strict=True):
+        if profile.place_m is not None:
+            device.go_to(profile.place_m)
         details = {"protocol": label, "command": dict(profile.metadata), **of_device}
         dt_s = 1 / device.rate_hz
-        with JournalWriter(file, name, dt_s, source, details) as journal:
+        place_m = device.place_m
+        with JournalWriter(file, name, dt_s, source, details, place_m=place_m) as journal:
             position_m, force_n = device.press(profile.command_n, journal.append, profile.lead)
             journal.finish(session=device.session, start_s=device.start_s)
         recording = Recording(name, position_m, force_n, dt_s, source=source, details=details)

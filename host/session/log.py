@@ -34,10 +34,11 @@ class SessionLog:
         *,
         zero: Zero = "none",
         measured: bool = False,
+        place_m: tuple[float, float] | None = None,
     ) -> None:
         self.file = file
         self._journal = JournalWriter(
-            file, file.stem, dt_s, source, details, zero=zero, channels=CHANNELS
+            file, file.stem, dt_s, source, details, zero=zero, channels=CHANNELS, place_m=place_m
         )
         self._force = COLUMN["measured_n" if measured else "sent_n"]
         self._last = np.zeros(2)

@@ -37,8 +37,9 @@ class Session:
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
     them the session ends. accept_edited: C that is not as emitted is no refusal, log and result
-    name its files. report: takes lines for people, by default a logger. viewer: takes every row
-    too, and never waits. alarm: takes the lines of live warnings, and whether something began.
+    name its files. place_m: where an object with a map is pressed, x and y. report: takes lines for
+    people, by default a logger. viewer: takes every row too, and never waits. alarm: takes the
+    lines of live warnings, and whether something began.
     Raises DeviceError where the device cannot be used as the scene wants.
 
     >>> with Session("c", "sim://ecoflex-00-30", "felt.h5", seconds=0.1) as session:
@@ -60,6 +61,7 @@ class Session:
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] | None = None,
         accept_edited: bool = False,
+        place_m: tuple[float, float] | None = None,
         viewer: RowTaker | None = None,
         alarm: Alarm = lambda _line, _begins: None,
     ) -> None:
@@ -87,7 +89,8 @@ class Session:
         self._log: SessionLog | None = None
         self._warnings = LiveWarnings(plan, alarm)
         self._warned: list[dict[str, Any]] = []
-        steps = scene_step_functions(self._scene)
+        self._place_m = place_m
+        steps = scene_step_functions(self._scene, place_m)
         self._open = partial(
             SessionRunner, steps, url, requirements, settings, viewer=viewer,
             warnings=self._warnings, reconnect_s=reconnect_s, report=self._report,
@@ -103,8 +106,9 @@ class Session:
             details = {"session": {"scene": self._scene.manifest["scene"], "device": self._url,
                                    "hash": self._hash, "edited": self._edited}}  # fmt: skip
             self._log = SessionLog(
-                self._file, self._settings.period_s, self._url, details, zero=self._zero
-            )
+                self._file, self._settings.period_s, self._url, details, zero=self._zero,
+                place_m=self._place_m,
+            )  # fmt: skip
         try:
             self._run = self._open(log=self._log)
         except BaseException:

@@ -1,6 +1,7 @@
 """The simulated bench: soft objects, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -9,10 +10,16 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
-from springpot.codegen.errors import DeviceError
+from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.native.c_library import CLibrary, load
 from springpot.host.simulation.hand_loop import tool_device
-from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES, VARIANTS, SimulatedObject
+from springpot.host.simulation.objects import (
+    ALL_OBJECTS,
+    HAND_NAMES,
+    PLACED_OBJECTS,
+    VARIANTS,
+    SimulatedObject,
+)
 from springpot.runtime_c import paths
 
 MAX_COMMAND_N = 12.0
@@ -35,6 +42,8 @@ class ObjectMotion:
         self.state = _new("sim_object")
         init = self._library.c.sim_object_init
         _check(init(self.state, *_object_arguments(simulated), dt_s, substeps))
+        if simulated.name in PLACED_OBJECTS:
+            _check(self._library.c.sim_object_place(self.state, simulated.x_m, simulated.y_m))
 
     def move(self, position_m: Samples) -> Samples:
         """Return the true force (n,), N, at each position (n,), m, linear between samples."""
@@ -74,9 +83,30 @@ class SimulatedBench:
         """Of this object and what is random about it."""
         return f"{self.simulated.name}, seed {self.simulated.seed}"
 
+    @property
+    def place_m(self) -> tuple[float, float] | None:
+        """Where a lump is pressed, m; None of an object that is the same everywhere."""
+        simulated = self.simulated
+        return (simulated.x_m, simulated.y_m) if simulated.name in PLACED_OBJECTS else None
+
     def prepare(self) -> dict[str, Any]:
         """Nothing: it is ready."""
         return {}
+
+    def go_to(self, place_m: tuple[float, float]) -> None:
+        """Press a fresh object at another place, x and y, m, from now on.
+
+        Raises UsageError if the object is the same everywhere.
+        """
+        if self.place_m is None:
+            raise UsageError(
+                f"sim://{self.object_name}: is the same everywhere: give sim://lump to a protocol "
+                "of places"
+            )
+        if place_m == self.place_m:
+            return
+        x_m, y_m = place_m
+        self.simulated, self._state = replace(self.simulated, x_m=x_m, y_m=y_m), None
 
     def press(
         self,
@@ -123,6 +153,8 @@ class SimulatedBench:
         of_object = _object_arguments(self.simulated)
         delay_samples, init = self.simulated.delay_samples, self._library.c.sim_bench_init
         _check(init(self._state, *of_object, seed, delay_samples, self._substeps))
+        if self.place_m is not None:
+            _check(self._library.c.sim_bench_place(self._state, *self.place_m))
 
     def _move(self, command_n: Samples) -> tuple[Samples, Samples]:
         """Follow a command; position_m and force_n of every ms, both (n,)."""

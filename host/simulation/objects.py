@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
 # Of other physics; runtime_c/sim names the sources.
 FOREIGN_OBJECTS = ("bergstrom-boyce", "stiffening-tissue", "mullins", "poro-viscoelastic")
-ALL_OBJECTS = OBJECTS + FOREIGN_OBJECTS
+PLACED_OBJECTS = ("lump",)  # not the same everywhere: pressed at a place
+ALL_OBJECTS = OBJECTS + FOREIGN_OBJECTS + PLACED_OBJECTS
 HAND_NAMES: "tuple[HandName, ...]" = ("mid", "firm", "light")
 VARIANTS = ("a", "b")
 BENCH_RATE_HZ = 1000
@@ -42,6 +43,7 @@ class SimulatedObject:
 
     variant: "a" quasi-linear, "b" relaxation depends on stress: of the five silicones alone.
     stiffer: factor on the force.
+    x_m, y_m: where a lump is pressed.
     seed: of the sensors' noise. delay_samples: 1 where the motor force leaves one tick late.
     """
 
@@ -52,12 +54,14 @@ class SimulatedObject:
     seed: int = 0
     delay_samples: int = 0
     presses: PressSettings = PressSettings()
+    x_m: float = 0.0
+    y_m: float = 0.0
 
 
 def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
     """Read `sim://OBJECT?variant=b&stiffer=10&hand=mid&seed=1&delay=1`.
 
-    Presses take `rest=5&rate=50&drift=0.1&glitch=1` beside it.
+    Presses take `rest=5&rate=50&drift=0.1&glitch=1` beside it; a lump `x=0.005&y=0.01`, m.
     default_seed: where the URL has none.
     Raises UsageError naming what is unknown and listing what exists.
     """
@@ -70,14 +74,16 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
         if key not in _SETTINGS:
             raise UsageError(
                 f"{url}: no setting {key!r}: use variant, stiffer, hand, seed or delay; to "
-                "record, rest, rate, drift or glitch too"
+                "record, rest, rate, drift or glitch too; of lump x and y"
             )
         name, read = _SETTINGS[key]
         found[name] = read(url, key, value)
     of_presses = found.keys() & set(PressSettings.__dataclass_fields__)
     presses = PressSettings(**{name: found.pop(name) for name in of_presses})
     simulated = SimulatedObject(parts.netloc, **found, presses=presses)
-    if simulated.name in FOREIGN_OBJECTS and simulated.variant != "a":
+    if simulated.name not in PLACED_OBJECTS and (simulated.x_m or simulated.y_m):
+        raise UsageError(f"{url}: {simulated.name} is the same everywhere: leave x and y out")
+    if simulated.name not in OBJECTS and simulated.variant != "a":
         raise UsageError(
             f"{url}: variant={simulated.variant}: {simulated.name} has no variants, they are of "
             f"{', '.join(OBJECTS)}: leave variant out"
@@ -147,5 +153,7 @@ _SETTINGS: dict[str, tuple[str, Callable[[str, str, str], Any]]] = {
     "rest": ("rest_s", partial(_number, limits=(0, 3600), what="seconds")),
     "rate": ("rate_hz", _rate_hz),
     "drift": ("drift_npmin", partial(_number, limits=(-1, 1), what="N a minute")),
+    "x": ("x_m", partial(_number, limits=(-1, 1), what="metres")),
+    "y": ("y_m", partial(_number, limits=(-1, 1), what="metres")),
     "glitch": ("glitch", lambda *given: bool(_bit(*given))),
 }

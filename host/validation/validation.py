@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.errors import MismatchError
+from springpot.codegen.errors import DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
@@ -25,6 +25,7 @@ from springpot.host.native.replay import Replay, TickTimes, motions_of
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.note_words import NOTE_NAMES
 from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
+from springpot.host.validation.by_place import PlaceError, place_errors
 from springpot.host.validation.seen import seen_by
 from springpot.trainer.faces import Faces
 from springpot.trainer.models.compatibility import require_compatible
@@ -47,7 +48,7 @@ class Validation(Faces):
     bit. floor: of the recordings, logs of sessions apart. model_rmse_n: error of the model itself;
     rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone. edited:
     files of the folder that are not as emitted, and were accepted. seen: how many recordings the
-    model was trained on, None where it does not say.
+    model was trained on, None where it does not say. places: error of each, if recordings have any.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -67,6 +68,7 @@ class Validation(Faces):
     rendering_n: float | None = None
     edited: tuple[str, ...] = ()
     seen: int | None = None
+    places: tuple[PlaceError, ...] = ()
 
     def __repr__(self) -> str:
         found = self.accuracy
@@ -97,6 +99,7 @@ class Validation(Faces):
             "hash": self.manifest["hash"],
             "edited": list(self.edited),
             "seen": self.seen,
+            **({"places": [asdict(error) for error in self.places]} if self.places else {}),
         }
 
 
@@ -114,8 +117,15 @@ def validate(
     """
     emitted = read_emission(folder, accept_edited)
     plan, model = emitted.plan, emitted.model
+    if plan.has_places and device is not None:
+        raise UsageError("--device: a board knows no place: validate this scene without it")
     for recording in recordings:
         require_compatible(recording, model, plan.dt_s)
+        if plan.has_places and recording.place_m is None and not recording.channels:
+            raise DataError(
+                f"{recording.name}: has no place, and this scene has a map of them: give it on "
+                "import, --place X,Y"
+            )
     library = SceneLibrary(folder)
     # What the C carries is a part of it; the hash is of what was built, edits and all.
     stored = json.loads((folder / "manifest.json").read_text())
@@ -185,9 +195,11 @@ def _validated(
     for motion in counted(motions_of(plan, recordings), "replaying"):
         position = motion.depth_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
-        force, notes = replay.run(position, velocity)
-        predicted_m = proxy_positions(plan, library, position, velocity)
-        reference = run_reference(plan, position, velocity, predicted_m)
+        place_m = recordings[motion.recordings[0]].place_m if plan.has_places else None
+        force, notes = replay.run(position, velocity, place_m=place_m)
+        predicted_m = proxy_positions(plan, library, position, velocity, place_m)
+        places = [] if place_m is None else [(0, place_m)]
+        reference = run_reference(plan, position, velocity, predicted_m, places)
         mismatches += int(
             np.sum(bits_differ(force, reference.force_n) | (notes != reference.notes))
         )
@@ -223,6 +235,7 @@ def _validated(
         floor=find_noise_floor([r for i, r in enumerate(recordings) if i not in logs]),
         recordings=tuple(recordings),
         slopes=slope_errors(recordings, in_order, list(ramps.values())),
+        places=place_errors(recordings, in_order, list(ramps.values())),
     )
 
 
@@ -247,7 +260,7 @@ def repeat_session(
             )
         return None
     channels, call = recording.channels, recording.channels["call"].astype(int)
-    force, notes = replay.repeat(channels)
+    force, notes = replay.repeat(channels, recording.place_m)
     logged = channels["returned_n"].astype(force.dtype)
     other = bits_differ(force, logged) | (notes != channels["notes"].astype(int))
     felt = recording.force_n.astype(force.dtype)
@@ -258,13 +271,19 @@ def repeat_session(
 
 
 def proxy_positions(
-    plan: Plan, library: SceneLibrary, position: NDArray[Any], velocity: NDArray[Any]
+    plan: Plan,
+    library: SceneLibrary,
+    position: NDArray[Any],
+    velocity: NDArray[Any],
+    place_m: tuple[float, float] | None = None,
 ) -> NDArray[Any] | None:
     """Where the C's proxy is before each tick, (n,), m; the reference proves it. None without."""
     if not plan.at_proxy:
         return None
     offset = member_offset(plan, "couple")
     state = library.new_state()
+    if place_m is not None:
+        state.place(place_m)
     found = np.zeros_like(position)
     for i in range(len(position) - 1):
         state.step(float(position[i]), float(velocity[i]))

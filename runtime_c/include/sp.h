@@ -73,6 +73,12 @@ int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real
  * until the watchdog takes it to zero. */
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
+/* springpot places begin */
+/* Where the object is pressed from the next contact on, m; until it is called, the stiffest place.
+ * sp_reset keeps it. Beyond the recorded places the nearest of them is felt. */
+void sp_place(sp_state *state, sp_real x_m, sp_real y_m);
+
+/* springpot places end */
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
  * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()

@@ -25,7 +25,7 @@ enum {
 };
 
 /* Objects, 0 .. sim_object_count() - 1: five silicones, softest first, then objects of other
- * physics; hands likewise. Null beyond the last. */
+ * physics, the last one with a lump; hands likewise. Null beyond the last. */
 uint32_t sim_object_count(void);
 const char *sim_object_name(uint32_t object);
 uint32_t sim_hand_count(void);
@@ -42,6 +42,9 @@ uint32_t sim_object_size(void);
 int sim_object_init(sim_object *object_state, uint32_t object, uint32_t variant, double stiffer,
                     double dt_s, uint32_t substeps);
 
+/* Put the tool above another place of a fresh object, m: of the object "lump" alone. */
+int sim_object_place(sim_object *object_state, double x_m, double y_m);
+
 /* Move the tool through position_m[0 .. n-1], linear between samples, and return the true force
  * at each: no sensor, no noise. A second call goes on where the first ended; the first sample of
  * all is reached from 0 within one dt_s. */
@@ -55,6 +58,9 @@ typedef struct sim_bench sim_bench;
 uint32_t sim_bench_size(void);
 int sim_bench_init(sim_bench *bench, uint32_t object, uint32_t variant, double stiffer,
                    uint64_t seed, uint32_t delay_samples, uint32_t substeps);
+
+/* Put a fresh bench above another place of its object, m: of the object "lump" alone. */
+int sim_bench_place(sim_bench *bench, double x_m, double y_m);
 
 /* Follow command_n[0 .. n-1], one sample each ms; position_m and force_n are what the sensors saw
  * at the start of each ms, before that command acted. */

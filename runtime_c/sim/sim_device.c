@@ -48,6 +48,11 @@ int sim_bench_init(sim_bench *bench, uint32_t object, uint32_t variant, double s
     return SIM_OK;
 }
 
+int sim_bench_place(sim_bench *bench, double x_m, double y_m)
+{
+    return bench == NULL ? SIM_NULL : sim_object_place(&bench->object, x_m, y_m);
+}
+
 static void control(sim_bench *bench, double command_n, double measured_n)
 {
     double error_n = command_n - measured_n;

@@ -19,6 +19,7 @@ static const struct {
     {"stiffening-tissue", sim_tissue_init, sim_tissue_step},
     {"mullins", sim_damaged_init, sim_damaged_step},
     {"poro-viscoelastic", sim_porous_init, sim_porous_step},
+    {"lump", sim_lump_init, sim_lump_step},
 };
 enum { OBJECTS = SILICONES + sizeof foreign / sizeof foreign[0] };
 
@@ -86,6 +87,20 @@ int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double
         foreign[object - SILICONES].init(&state->material, stiffer, state->step_s);
         state->step = foreign[object - SILICONES].step;
     }
+    return SIM_OK;
+}
+
+int sim_object_place(sim_object *state, double x_m, double y_m)
+{
+    if (state == NULL) {
+        return SIM_NULL;
+    }
+    if (state->step != sim_lump_step || !isfinite(x_m) || !isfinite(y_m)) {
+        return SIM_RANGE;
+    }
+    sim_lump_place(&state->material.lump, x_m, y_m);
+    state->tool_m = 0.0;
+    state->force_n = 0.0;
     return SIM_OK;
 }
 

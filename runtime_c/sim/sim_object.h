@@ -5,6 +5,7 @@
 #include "sim.h"
 #include "sim_damaged.h"
 #include "sim_elastomer.h"
+#include "sim_lump.h"
 #include "sim_material.h"
 #include "sim_porous.h"
 #include "sim_tissue.h"
@@ -18,6 +19,7 @@ struct sim_object {
         sim_tissue tissue;
         sim_damaged damaged;
         sim_porous porous;
+        sim_lump lump;
     } material;
     double (*step)(void *material, double tool_m); /* of that material; returns the force, N */
 

@@ -84,7 +84,7 @@ def test_every_scene_is_one(block: Block, tmp_path: Path) -> None:
     if block.note == "file study.toml":
         read_study(file)
         return
-    if block.note == "file presses.toml":
+    if block.note in ("file presses.toml", "file map.toml", "file between.toml"):
         load_protocol(str(file), 0)
         return
     file.write_text(block.text if "schema" in block.text else SCENE + block.text)

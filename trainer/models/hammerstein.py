@@ -1,29 +1,58 @@
 """Kind `hammerstein`, the passive model, which every other kind falls back to."""
 
+import time
 from collections.abc import Sequence
+from typing import Any
 
+from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
+from springpot.trainer.models.passive.map_fit import fit_map
 from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
 from springpot.trainer.models.passive.passive_terms import parameter_count
 from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.quality.places import sites_of
 from springpot.trainer.recordings.recording import Recording
 
 
 def fit_hammerstein(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Kind `hammerstein`: some hundred numbers, passive in the large."""
+    """Kind `hammerstein`: some hundred numbers, passive in the large; a map of several places."""
+    if len(sites_of(data.recordings)) > 1:
+        return _fit_places(name, data, options)
     (passive, rows, error_n), fit_s = timed_passive(data, options)
+    metadata = _metadata(passive, error_n, passive_choice(data, options)[0].law, data)
+    model = assemble(
+        "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
+    )
+    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
+
+
+def _fit_places(name: str, data: TrainingSet, options: FitOptions) -> Fit:
+    begin = time.perf_counter()
+    found = fit_map(data, options)
+    passive, places = found.model, found.model.places
+    assert places is not None
     metadata = {
+        **_metadata(passive, found.error_n, found.law, data),
+        "places": found.sites,
+        "materials": len(places.slopes_n),
+    }
+    model = assemble(
+        "hammerstein", name, data, options, found.rows, (None, None), passive, True, metadata
+    )
+    return Fit(model, found.rows, 0.0, time.perf_counter() - begin, metadata=metadata)
+
+
+def _metadata(
+    passive: Hammerstein, error_n: float, law: Sequence[str], data: TrainingSet
+) -> dict[str, Any]:
+    return {
         "n_parameters": parameter_count(passive),
         "cv_rmse_n": error_n,
-        "law": " and ".join(passive_choice(data, options)[0].law) or "plain",
+        "law": " and ".join(law) or "plain",
         "nodes": passive.nodes,
         "rate_ratio": passive.rate_ratio,
         "recovers": passive.recovers,
         "sessions": sum(len(motion.recordings) > 1 for motion in data.motions),
     }
-    model = assemble(
-        "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
-    )
-    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)

@@ -1,6 +1,6 @@
 """Recordings of one session as one motion: what the object remembers goes on through the pauses."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -30,15 +30,15 @@ class DepthMotion:
 def motions(
     recordings: Sequence[Recording], depths_m: Sequence[Samples], surface: bool
 ) -> tuple[DepthMotion, ...]:
-    """Join recordings of one session by their times; others are a motion each.
+    """Join recordings of one session and place by their times; others are a motion each.
 
     In a pause the tool stands above the surface; if the object has none, at the lower of the depths
     at the ends of the pause.
     """
-    sessions: dict[tuple[str, int], list[int]] = {}
+    sessions: dict[Hashable, list[int]] = {}
     for number, recording in enumerate(recordings):
         alone = recording.start_s is None or not recording.session
-        key = ("", number) if alone else (recording.session, -1)
+        key = number if alone else (recording.session, recording.place_m)
         sessions.setdefault(key, []).append(number)
     found = []
     for numbers in sessions.values():

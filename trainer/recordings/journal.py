@@ -78,8 +78,9 @@ class JournalWriter:
         *,
         zero: Zero = "none",
         channels: Sequence[str] = (),
+        place_m: tuple[float, float] | None = None,
     ) -> None:
-        """Begin the recording `file`; name, dt_s (s), source, details and zero as in `Recording`.
+        """Begin the recording `file`; name, dt_s, source, details, zero, place as in `Recording`.
 
         channels: names of what each row holds beside position and force.
         Raises DataError for a name that no recording can have, UsageError where it exists, is
@@ -108,6 +109,8 @@ class JournalWriter:
             "channels": list(channels),
             "block_s": self._rows * dt_s,
         }
+        if place_m is not None:
+            metadata["place_x_m"], metadata["place_y_m"] = place_m
         self._write_metadata(json.dumps(metadata).encode())
         sync_folder(file.parent)
 

@@ -37,6 +37,8 @@ class RecordingMetadata:
     channels: tuple[str, ...] = ()
     session: str = ""
     start_s: float | None = None
+    place_x_m: float | None = None
+    place_y_m: float | None = None
 
     def recording(
         self, where: str, position_m: Samples, force_n: Samples, channels: Mapping[str, Samples]
@@ -56,6 +58,8 @@ class RecordingMetadata:
                 channels=channels,
                 session=self.session,
                 start_s=self.start_s,
+                place_x_m=self.place_x_m,
+                place_y_m=self.place_y_m,
             )
         except DataError as error:
             raise DataError(f"{where}: {error}") from None

@@ -41,6 +41,7 @@ class Recording(Faces):
     returned. A fit does not see them.
     session: the same word in recordings of one object, one after another; "" if that is not known.
     start_s: time of the first sample on the clock that they share; None if it is not known.
+    place_x_m, place_y_m: where on its surface the object was pressed; None if that is not known.
 
     Raises DataError where the channels cannot be a recording, or the name no file's, and where
     positions without a source span more than 1 m, as millimetres do.
@@ -61,6 +62,8 @@ class Recording(Faces):
     channels: Mapping[str, Samples] = field(default_factory=dict)
     session: str = ""
     start_s: float | None = None
+    place_x_m: float | None = None
+    place_y_m: float | None = None
 
     def __repr__(self) -> str:
         return (
@@ -88,6 +91,12 @@ class Recording(Faces):
             raise DataError(f"{self.name}: {len(self.position_m)} rows: a recording needs two")
         if not (np.isfinite(self.dt_s) and self.dt_s > 0.0):
             raise DataError(f"{self.name}: a time step of {self.dt_s} s is not a time step")
+        places = (self.place_x_m, self.place_y_m)
+        if places != (None, None) and not all(at is not None and abs(at) <= 1.0 for at in places):
+            raise DataError(
+                f"{self.name}: place_x_m, place_y_m = {places[0]}, {places[1]}: give both, from "
+                "-1 to 1 m, or neither"
+            )
         for channel, samples in (("position", self.position_m), ("force", self.force_n)):
             bad = np.flatnonzero(~np.isfinite(samples))
             if len(bad):
@@ -146,6 +155,13 @@ class Recording(Faces):
         return self.details.get("accepted_signs") is True
 
     @property
+    def place_m(self) -> tuple[float, float] | None:
+        """Return x and y of the place that was pressed, m; None if that is not known."""
+        if self.place_x_m is None or self.place_y_m is None:
+            return None
+        return self.place_x_m, self.place_y_m
+
+    @property
     def rate_hz(self) -> float:
         return 1.0 / self.dt_s
 
@@ -156,6 +172,7 @@ class Recording(Faces):
 
     def metadata(self) -> dict[str, Any]:
         """All but the samples, as JSON values."""
+        place = {"place_x_m": self.place_x_m, "place_y_m": self.place_y_m} if self.place_m else {}
         return {
             "name": self.name,
             "dt_s": self.dt_s,
@@ -166,13 +183,15 @@ class Recording(Faces):
             "details": dict(self.details),
             "session": self.session,
             "start_s": self.start_s,
+            **place,
         }
 
     @property
     def content_hash(self) -> str:
-        """SHA-256 of what a fit can see: both channels and the time step."""
+        """SHA-256 of what a fit can see: both channels, the time step and the place."""
         digest = hashlib.sha256()
-        for values in (np.float64(self.dt_s), self.position_m, self.force_n):
+        place = () if self.place_m is None else (np.array(self.place_m),)
+        for values in (np.float64(self.dt_s), self.position_m, self.force_n, *place):
             digest.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
         return digest.hexdigest()
 

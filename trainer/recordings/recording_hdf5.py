@@ -41,6 +41,8 @@ def as_hdf5(recording: Recording) -> bytes:
         if recording.session and recording.start_s is not None:
             file.attrs["session"] = recording.session
             file.attrs["start_s"] = recording.start_s
+        if recording.place_m is not None:
+            file.attrs["place_x_m"], file.attrs["place_y_m"] = recording.place_m
         # HDF5 holds UTF-8: of a path that is none, the bytes as \xff, for people.
         file.attrs["source"] = recording.source.encode("utf-8", "backslashreplace").decode()
         file.attrs["details"] = json.dumps(dict(recording.details), sort_keys=True)

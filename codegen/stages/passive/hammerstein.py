@@ -1,7 +1,7 @@
 """The passive model: sp_hammerstein.h, and beside it flow, damage and the surface."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from springpot.codegen.stages.passive.damage import DamageCurves, damage_curves,
 from springpot.codegen.stages.passive.flow import FlowBranches, flow_branches
 from springpot.codegen.stages.passive.maxwell import MaxwellBranches, branch_steps
 from springpot.codegen.stages.passive.motion import PassiveMotion
+from springpot.codegen.stages.passive.placed import PlacedCurves, Taken, placed_curves
 from springpot.codegen.stages.passive.surface import RecoveringSurface, surface_of
 from springpot.codegen.stages.stage import (
     DOUBLE,
@@ -47,6 +48,7 @@ class HammersteinStage(Stage):
     (stops, J + 1, 2), radius: (stops,). steps: who steps which branches; those of curve 0 fill
     whole vectors. flow, damage, surface: None if the model, or the scene, has none. pulls: its
     force may be below 0.
+    placed: how the curves differ from place to place; those here are the most of any place.
     follows: "clipped" (to the trained range) or "penetration" (not clipped). Its force is the C
     variable `{follows}_passive_n`.
     """
@@ -62,6 +64,7 @@ class HammersteinStage(Stage):
     surface: RecoveringSurface | None
     pulls: bool
     follows: str
+    placed: PlacedCurves | None = None
 
     @property
     def _beside(self) -> list[FlowBranches | DamageCurves]:
@@ -74,7 +77,8 @@ class HammersteinStage(Stage):
         beside = [header for part in self._beside for header in part.headers]
         surface = self.surface.headers if self.surface else ()
         own = ("sp_number.h", "sp_curve.h", "sp_stops.h", "sp_hammerstein.h")
-        return (*own, *stepped, *beside, *surface)
+        placed = self.placed.headers if self.placed else ()
+        return (*own, *stepped, *beside, *surface, *placed)
 
     @property
     def members(self) -> tuple[Member, ...]:
@@ -93,6 +97,36 @@ class HammersteinStage(Stage):
             *play,
             *(member for part in self._beside for member in part.members(name)),
             *(self.surface.members(name) if self.surface else ()),
+            *(self.placed.members(name) if self.placed else ()),
+        )
+
+    @property
+    def curves(self) -> dict[str, Reals]:
+        """Arrays that a place scales, by their names in the C; all of them are linear in it."""
+        found = {"spring": self.spring, "branches": self.branches, "stops": self.stops}
+        if self.damage is not None:
+            found["damage"] = self.damage.curves
+        if self.flow is not None:
+            found["flow_n"] = self.flow.force_n
+        if self.surface is not None:
+            found["stiffest"] = self.surface.stiffest
+        return {name: values for name, values in found.items() if values.size}
+
+    def at(self, place_m: tuple[float, float] | None) -> "HammersteinStage":
+        """The stage as it is at a place, x and y, m; None: until one is chosen."""
+        if self.placed is None:
+            return self
+        mixed = self.placed.at(place_m or self.placed.start_m)
+        here = {name: mixed[name].reshape(its.shape) for name, its in self.curves.items()}
+        return replace(
+            self,
+            spring=here["spring"],
+            branches=here["branches"],
+            stops=here.get("stops", self.stops),
+            damage=self.damage and replace(self.damage, curves=here["damage"]),
+            flow=self.flow and replace(self.flow, force_n=here["flow_n"]),
+            surface=self.surface and replace(self.surface, stiffest=here["stiffest"]),
+            placed=None,
         )
 
     def tables(self) -> list[str]:
@@ -110,6 +144,11 @@ class HammersteinStage(Stage):
                 array_text("stops", "sp_real", self.stops.reshape(self.config.n_stops, -1)),
                 array_text("stop_radius", "sp_real", self.radius),
             ]
+        if self.placed is not None:
+            mixed = tuple(f"static const sp_real {name}[" for name in self.curves)
+            constant = [part for part in parts[1:] if not part.startswith(mixed)]
+            config = struct_text("passive", "sp_hammerstein_config", self.config)
+            return [*self.placed.tables(), *constant, config]
         return [
             *parts,
             struct_text("passive", "sp_hammerstein_config", self.config),
@@ -133,6 +172,7 @@ class HammersteinStage(Stage):
         name, capacity = self.follows, self.config.n_branches
         beside = "".join(f" + {name}_{part.what}_n" for part in self._beside)
         return [
+            *self._pointers(),
             *self._where(),
             f"const sp_curve_place {name}_place = sp_curve_at({name}_u, passive.n_pieces);",
             f"sp_real {name}_branch[{capacity}];",
@@ -143,6 +183,16 @@ class HammersteinStage(Stage):
             f"    sp_hammerstein_force(&passive, &passive_tables, {name}_u, {name}_place,",
             f"                         state->{name}_held, {self._play}){beside};",
             *self._given(),
+        ]
+
+    def _pointers(self) -> list[str]:
+        """Lines that declare what is constant where there are no places."""
+        if self.placed is None:
+            return []
+        stops = "stops, stop_radius" if self.config.n_stops else "NULL, NULL"
+        return [
+            *self.placed.pointers(self.follows),
+            f"const sp_hammerstein_tables passive_tables = {{spring, branches, {stops}}};",
         ]
 
     def _where(self) -> list[str]:
@@ -205,8 +255,12 @@ class HammersteinStage(Stage):
             f"state->{name}_surface.u = {name}_u;",
             f"state->{name}_surface.force_n = (sp_real)0;",
         ]
+        taken = [] if self.placed is None else [self.placed.take(name), *self._pointers()]
+        resting = ("spring", "branches", "stops")
+        unused = tuple(f"const sp_real *{each} " for each in self.curves if each not in resting)
         return [
             *slow,
+            *(line for line in taken if not line.startswith(unused)),
             f"const sp_real {name}_u = sp_hammerstein_share(&passive, {name});",
             f"sp_hammerstein_rest(&passive, &passive_tables, {name}_u,",
             f"                    state->{name}_before, state->{name}_held, {self._play});",
@@ -230,20 +284,31 @@ class HammersteinStage(Stage):
     def restart_instructions(self, costs: Costs) -> float:
         """It reads the branches' curves too, where they rest; the surface is at the tool."""
         curves = self.config.n_branches * (costs.curve + costs.rest)
-        return super().restart_instructions(costs) + curves - self._surface_instructions(costs)
+        mixed = 2.0 * costs.filled * self.placed.mixing if self.placed else 0.0
+        resting = super().restart_instructions(costs) + curves + mixed
+        return resting - self._surface_instructions(costs)
 
     def _surface_instructions(self, costs: Costs) -> float:
         return costs.surface + self.config.n_pieces * costs.surface_piece if self.surface else 0.0
 
-    def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """Force of every tick, (n,), N."""
+    def reference(self, depth: Reals, starts: Starts, taken: Taken = ()) -> Reals:
+        """Force of every tick, (n,), N.
+
+        taken: ticks in which a place is, m, the first of them in the first; without any, the most
+        of all places.
+        """
         config = self.config
         u = (depth - config.origin_m) * config.per_span
         force_n = np.empty_like(u)
-        for begin, end, rests in segments(len(depth), starts):
+        places = dict(taken)
+        later = [tick for tick in places if 0 < tick < len(depth)]
+        changes = np.union1d(starts, later).astype(np.intp)
+        stage = self
+        for begin, end, rests in segments(len(depth), changes):
             # A restart leaves the model at rest at u; the C's state begins as zeros.
             at_rest = u[begin] if rests else u.dtype.type(0)
-            force_n[begin:end] = PassiveMotion(self, at_rest).along(u[begin:end])[0]
+            stage = self.at(places[begin]) if begin in places else stage
+            force_n[begin:end] = PassiveMotion(stage, at_rest).along(u[begin:end])[0]
         return force_n if self.pulls else np.where(force_n > 0, force_n, u.dtype.type(0))
 
 
@@ -256,6 +321,11 @@ def hammerstein_stage(
     The branches are padded to whole vectors of `vector_width`, with curves of 0. surface: the
     object has one, which recovers if the model's does. worn: it is as after training.
     """
+
+    def curves_of(material: Hammerstein) -> dict[str, Reals]:
+        like = (dt_s, dtype, follows, vector_width, surface, worn)
+        return hammerstein_stage(material, *like).curves
+
     n_stops = len(model.radius_m)
     steps, slopes_n = branch_steps(model, dt_s, dtype, vector_width)
     spring_n = model.elastic_n + model.stop_n.sum(axis=0)
@@ -283,6 +353,7 @@ def hammerstein_stage(
         else None,
         pulls=not surface,
         follows=follows,
+        placed=placed_curves(model, curves_of, dtype),
     )
 
 

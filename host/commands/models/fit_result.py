@@ -53,6 +53,12 @@ def training_rows(
     }
     if "law" in result:
         rows["law"] = _law(result)
+    if "places" in result:
+        mixed = {1: "one material"}.get(result["materials"], f"{result['materials']} materials")
+        rows["map"] = (
+            f"{result['places']} places, {mixed}: {result['cv_rmse_n']:.3g} N where a fifth of the "
+            "places is left out"
+        )
     if "reduced" in result:
         asked, reduced = result["asked"], result["reduced"]
         rows["reduced"] = (

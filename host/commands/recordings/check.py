@@ -44,8 +44,13 @@ def check_(recordings: tuple[str, ...], as_json: bool) -> None:
 
 def check_parts(report: QualityReport) -> Iterator[str | TextTable]:
     """A person's view of a report: lines, and two tables."""
-    columns = ("recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad")
-    yield columns, [_row(figures) for figures in report.recordings]
+    columns = ["recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad"]
+    rows = [_row(figures) for figures in report.recordings]
+    if any("place_m" in figures for figures in report.recordings):
+        columns.insert(1, "place mm")
+        for row, figures in zip(rows, report.recordings, strict=True):
+            row.insert(1, _place(figures))
+    yield columns, rows
     yield report.figures["signs"]
     yield from _coverage_parts(report.figures["coverage"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
@@ -82,6 +87,10 @@ def _coverage_parts(coverage: dict[str, Any]) -> Iterator[str | TextTable]:
     yield ("mm deep", *(f"from {speed} mm/s" for speed in speeds), "longest hold"), rows
     for line in coverage["record_next"]:
         yield f"record next: {line}"
+
+
+def _place(figures: dict[str, Any]) -> str:
+    return ", ".join(f"{1e3 * at:.4g}" for at in figures.get("place_m", ())) or "-"
 
 
 def _row(figures: dict[str, Any]) -> list[str]:

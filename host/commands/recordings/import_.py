@@ -98,6 +98,7 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     type=NOT_NEGATIVE,
     help="Time between the presses, if all are of one object in this order.",
 )
+@click.option("--place", metavar="X,Y", help="Where the object was pressed, such as 5,10mm.")
 @click.option("--accept-signs", is_flag=True, help="Take signs that the data speak against.")
 @click.option("--out", required=True, type=PATH, help="Folder to write into.")
 @json_option
@@ -119,6 +120,7 @@ def import_(
     tare: float | Literal["auto"] | None,
     contact_force: float | Literal["auto"] | None,
     rest_s: float | None,
+    place: str | None,
     accept_signs: bool,
     out: Path,
     as_json: bool,
@@ -134,6 +136,7 @@ def import_(
         ImportOptions,
         import_file,
         one_session,
+        parse_place,
     )
 
     mapping = parse_map(map_text) if map_text else None
@@ -147,7 +150,10 @@ def import_(
         contact_force,
         accept_signs,
     )
-    options = ImportOptions(dbc, block, decimal, conditioning, _specimen(area_m2, height_m))
+    options = ImportOptions(
+        dbc, block, decimal, conditioning, _specimen(area_m2, height_m),
+        place_m=parse_place(place) if place else None,
+    )  # fmt: skip
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
     with progress_bar("import"):

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 )
 @click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
 @click.option("--seconds", type=POSITIVE, help="How long; by default until q or Ctrl-C.")
+@click.option(
+    "--place", metavar="X,Y", help="Of a scene with a map: where it is pressed, as 5,10mm."
+)
 @click.option("--log", type=PATH, help="File to write, ending in .h5.")
 @click.option("--max-force-n", type=POSITIVE, help="End the session beyond this force, N.")
 @click.option("--max-depth-mm", type=POSITIVE, help="End the session beyond this depth, mm.")
@@ -45,6 +48,7 @@ def run(
     scene: Path,
     url: str,
     seconds: float | None,
+    place: str | None,
     log: Path | None,
     max_force_n: float | None,
     max_depth_mm: float | None,
@@ -60,6 +64,7 @@ def run(
     from springpot.host.emission.folder import emitted_folder
     from springpot.host.session.session import Session
     from springpot.host.session.terminal import stopping_on_sigterm
+    from springpot.trainer.recordings.formats.importing import parse_place
     from springpot.trainer.recordings.recording import RECORDING_SUFFIX
 
     if log is not None and log.suffix != RECORDING_SUFFIX:
@@ -88,6 +93,7 @@ def run(
             reconnect_s=reconnect_s,
             report=report,
             accept_edited=accept_edited,
+            place_m=parse_place(place) if place else None,
             viewer=page,
             alarm=_alarm,
         )

@@ -67,6 +67,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     from springpot.host.metrics import error_ratios, ratio_rows
     from springpot.host.session.note_words import notes_in_words
     from springpot.host.stiffness import slope_keys, slope_words
+    from springpot.host.validation.by_place import place_line
     from springpot.host.validation.seen import accepted_words, seen_line
 
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
@@ -85,12 +86,14 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     }
     rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
     differ = f"{validation.mismatches} ticks differ"
+    by_place = place_line(validation.places)
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
             "of which the model": _parts(validation),
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
+            **({"by place": by_place} if by_place else {}),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",

@@ -4,6 +4,7 @@ import ast
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -139,8 +140,8 @@ def test_of_recordings(job: Path) -> None:
         "springpot record",
         ("--device", "sim://ecoflex-00-30", "--protocol", "short.toml", "--out", "recorded"),
     )
-    compare("springpot import", ("rig.csv", "--out", "imported"))
-    compare("springpot check", ("training",))
+    compare("springpot import", ("rig.csv", "--place", "5,10mm", "--out", "imported"))
+    compare("springpot check", ("training",), ("imported",))
     compare("springpot plot", ("validation", "--out", "plots"))
     compare("springpot export", ("training", "--to", "mat", "--out", "mat"))  # fmt: skip
 
@@ -150,15 +151,21 @@ def test_of_models_and_scenes(job: Path) -> None:
     def fit(kind: str, *more: str) -> tuple[str, ...]:
         return ("training", "--model", kind, "--out", f"{kind}.spm", *more)
 
+    Path("placed").mkdir()
+    for k, pressed in enumerate(training()[:1] * 4):
+        place = {"place_x_m": 0.01 * (k % 2), "place_y_m": 0.01 * (k // 2)}
+        write_recording(Path(f"placed/{k}.h5"), replace(pressed, **place))
     compare("springpot train", fit("hammerstein", "--validate", "validation"), fit("rf-fd"),
-            fit("springpot"))  # fmt: skip
+            fit("springpot"), ("placed", "--model", "hammerstein", "--out", "map.spm"))  # fmt: skip
     compare("springpot predict", ("hammerstein.spm", "validation", "--out", "predicted"))
     compare("springpot material", ("springpot.spm", "--tip-mm", 6, "--height-mm", 35,
                                    "--out", "law"))  # fmt: skip
     compare("springpot emit", ("--scene", "scene.toml", "--out", "c"),
             ("--scene", "scene.toml", "--model", "rf-fd.spm", "--out", "forest"))  # fmt: skip
     compare("springpot build", ("c",))
-    compare("springpot validate", ("c", "--recording", "validation"))
+    compare(
+        "springpot validate", ("c", "--recording", "validation"), ("c", "--recording", "placed")
+    )
     compare("springpot stability", ("--scene", "scene.toml"))
 
 

@@ -44,6 +44,12 @@ def nothing(folder: Path) -> None:
     """For pages that make what they need."""
 
 
+def few_places(folder: Path) -> None:
+    """For the page of places, whose own protocols take minutes: one full site of four."""
+    sites = "sites = [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.01, 0.01]]"
+    (folder / "few.toml").write_text(f"[places]\nfull = 1\n{sites}\n")
+
+
 def emitted_job(folder: Path) -> None:
     small_job(folder)
     emit(read_scene(folder / "scene.toml"), folder / "model.spm", folder / "c")
@@ -54,6 +60,7 @@ PREPARED = {
     "how-to/import.md": rig_files,
     "how-to/measure-a-device.md": small_job,
     "how-to/own-ensemble.md": nothing,
+    "how-to/places.md": few_places,
     "how-to/record.md": nothing,
     "how-to/run-a-device.md": emitted_job,
     "how-to/single-file.md": small_job,

@@ -94,7 +94,7 @@ def test_train_prints_and_writes_them(tmp_path: Path) -> None:
         write_recording(tmp_path / "rec" / f"{item.name}.h5", item)
     train = ["train", tmp_path / "rec", "--model", "hammerstein", "--out", tmp_path / "m.spm"]
     shown = " ".join(spring(*train).stdout.split())
-    assert "record next models that explain these recordings alike differ by" in shown
+    assert "record next models that fit these recordings equally well differ by" in shown
     assert "--next FILE.toml writes them" in shown
     found = spring(*train, "--next", tmp_path / "next.toml", "--json")
     presses = json.loads(found.stdout)["next_presses"]

@@ -43,7 +43,7 @@ _OTHER_LABELS: dict[Quantity, set[str]] = {
     "force": {"kraft", "standardkraft", "prüfkraft", "last"},
 }
 # "Compression stress" and "Extension rate" are neither positions nor forces.
-_NOT_A_LABEL = {"stress", "strain", "rate", "speed", "velocity", "setpoint", "command"}
+_NOT_A_LABEL = {"stress", "strain", "rate", "speed", "velocity", "setpoint", "command", "place"}
 _BRACKETED_UNIT = re.compile(r"(.*?)[\s_,/]*[(\[{]\s*([^()\[\]{}]+?)\s*[)\]}]")
 _SEPARATED_UNIT = re.compile(r"(.+?)\s*[,/]\s*([^,/]+)")
 _APPENDED_UNIT = re.compile(r"(.+)[\s_]([^\s_]+)")

@@ -1,5 +1,6 @@
 """Files from outside -> recordings: chooses the reader by what is in the file."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -21,11 +22,15 @@ from springpot.trainer.recordings.formats.own_formats import HDF5_MAGIC
 from springpot.trainer.recordings.formats.sampling import to_recording
 from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
+from springpot.trainer.recordings.formats.units import factor_to_si
 from springpot.trainer.recordings.journal_blocks import is_journal
 from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_file import has_checksum, read_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
+
+_NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
+_PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,7 @@ class ImportOptions:
     decimal: what marks decimals in a CSV file, None: guessed.
     specimen: sizes, if a CSV file has stress and strain in place of force and position.
     conditioning: delays, mass, tare and contact point.
+    place_m: where the object was pressed, x and y; None: what the file says.
 
     >>> ImportOptions(decimal="comma")
     ImportOptions(decimal='comma')
@@ -46,6 +52,7 @@ class ImportOptions:
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
     specimen: Specimen | None = None
+    place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
 
@@ -74,6 +81,21 @@ def import_file(
     if resample_hz is not None and not 0.0 < resample_hz < np.inf:
         raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
     options = options or ImportOptions()
+    found = _imported(path, mapping, zero, resample_hz, options)
+    if options.place_m is None:
+        return found
+    x_m, y_m = options.place_m
+    placed = [replace(each, place_x_m=x_m, place_y_m=y_m) for each in found.recordings]
+    return replace(found, recordings=placed)
+
+
+def _imported(
+    path: Path,
+    mapping: ColumnMap | None,
+    zero: Zero,
+    resample_hz: float | None,
+    options: ImportOptions,
+) -> ImportResult:
     if path.is_dir():
         raise DataError(f"{path}: a folder: name its files, such as {path}/*.csv")
     try:
@@ -133,12 +155,30 @@ def _import_again(
     if mapping or zero != "none" or resample_hz is not None:
         raise UsageError(
             f"{path}: is a springpot recording already: only --contact-force, --tare, --mass-kg, "
-            "delays and --align apply to it"
+            "delays, --align and --place apply to it"
         )
     recording, messages = condition(read_recording(path), options.conditioning)
     return ImportResult(
         [recording], f"{path}: a springpot recording" + "".join(f"; {t}" for t in messages)
     )
+
+
+def parse_place(text: str) -> tuple[float, float]:
+    """Read the text of `--place`, such as 5,10mm or 5mm,1cm: x and y, m.
+
+    Raises UsageError for anything else.
+    """
+    found = _PLACE.fullmatch(text)
+    if found is None:
+        raise UsageError(f"--place {text}: give x and y with a unit, such as 5,10mm")
+    x, x_unit, y, unit = found.groups()
+    try:
+        return (
+            float(x) * factor_to_si(x_unit or unit, "position", f"--place {text}"),
+            float(y) * factor_to_si(unit, "position", f"--place {text}"),
+        )
+    except DataError as error:
+        raise UsageError(str(error)) from None
 
 
 def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recording]:

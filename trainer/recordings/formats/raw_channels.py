@@ -20,6 +20,7 @@ class RawChannels:
     time_digit_s: one unit in the last printed digit of the time stamps.
     source: file and block, for messages and for the recording.
     line_of: the 1-based line of the file on which sample k stands.
+    place_m: as in `Recording`, x and y.
     """
 
     name: str
@@ -30,6 +31,7 @@ class RawChannels:
     source: str
     line_of: Callable[[int], int]
     details: Mapping[str, Any] = field(default_factory=dict)
+    place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
 

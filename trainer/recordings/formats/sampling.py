@@ -63,7 +63,11 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
             "zero_force_n": float(pick(force_n)),
         }
         position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
-    return Recording(name, position_m, force_n, dt_s, zero, source=raw.source, details=details)
+    place_x_m, place_y_m = raw.place_m or (None, None)
+    return Recording(
+        name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
+        place_x_m=place_x_m, place_y_m=place_y_m,
+    )  # fmt: skip
 
 
 def _sampling(raw: RawChannels) -> dict[str, Any]:

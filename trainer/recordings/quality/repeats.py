@@ -22,7 +22,7 @@ class Repeats:
 
     noise_n: of each against the mean of the earlier ones, rms, at equal positions.
     drift_n: mean force of the last less that of the first. peak_n: maximum force.
-    samples: of all but the first.
+    samples: of all but the first. place_m: where they were pressed, if that is known.
     """
 
     names: tuple[str, ...]
@@ -30,6 +30,7 @@ class Repeats:
     drift_n: float
     peak_n: float
     samples: int
+    place_m: tuple[float, float] | None = None
 
 
 def find_repeats(recordings: Sequence[Recording]) -> list[Repeats]:
@@ -69,7 +70,9 @@ def _is_copy(one: Recording, other: Recording) -> bool:
 
 
 def _same_press(one: Recording, other: Recording) -> bool:
-    """Whether one path was driven twice, or one force."""
+    """Whether one path was driven twice, or one force, at one place."""
+    if one.place_m != other.place_m:
+        return False
     if len(one.position_m) != len(other.position_m) or abs(one.dt_s / other.dt_s - 1) > 1e-3:
         return False
     return _alike(one.position_m, other.position_m) or _alike(one.force_n, other.force_n)
@@ -90,6 +93,7 @@ def _repeats(group: list[Recording]) -> Repeats:
         drift_n=float(forces[-1].mean() - forces[0].mean()),
         peak_n=float(np.abs(forces).max()),
         samples=forces[1:].size,
+        place_m=group[0].place_m,
     )
 
 

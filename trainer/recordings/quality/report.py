@@ -32,6 +32,7 @@ from springpot.trainer.recordings.quality.motion import (
     speed_findings,
 )
 from springpot.trainer.recordings.quality.noise_floor import noise_floor
+from springpot.trainer.recordings.quality.places import place_findings
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
 from springpot.trainer.recordings.quality.signs import (
     Signs,
@@ -150,6 +151,7 @@ def check_recordings(given: Recordings) -> QualityReport:
     findings += [] if refused else snap_findings(recordings)
     findings += speed_findings(recordings)
     repeats = find_repeats(recordings)
+    findings += place_findings(recordings, repeats)
     findings += repeat_findings(repeats)
     skew = estimate_skew([found for found in cycles if found])
     findings += skew_findings(recordings, skew)
@@ -174,6 +176,8 @@ def _figures(recording: Recording, cycles: Cycles | None, skew: Skew | None) -> 
         "force_delay_s": recording.force_delay_s,
         "cycles": None,
     }
+    if recording.place_m:
+        figures["place_m"] = list(recording.place_m)
     if cycles:
         figures["cycles"] = {
             "frequency_hz": cycles.frequency_hz,

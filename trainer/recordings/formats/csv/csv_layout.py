@@ -11,6 +11,7 @@ from springpot.trainer.recordings.formats.column_map import (
     ColumnMap,
     column_units,
     guess_column,
+    split_unit,
 )
 from springpot.trainer.recordings.formats.csv.csv_lines import (
     DELIMITERS,
@@ -37,6 +38,7 @@ from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.units import (
     Quantity,
     Unit,
+    factor_to_si,
     is_unit,
 )
 
@@ -55,6 +57,7 @@ class Layout:
     guess: str
     decimal: DecimalMark
     unread_time: tuple[int, str] | None  # a column of time and its header, where a rate is stated
+    place: tuple[tuple[int, float], ...] = ()  # columns place_x and place_y, and their factors to m
 
 
 def find_layout(
@@ -174,7 +177,23 @@ def _layout(
         guess=f"{', '.join(found)}; {between}numbers from row {first + 1}",
         decimal=mark,
         unread_time=None if "time" in chosen else _time_beside(header),
+        place=_place_columns(path, header, below if unit_row else []),
     )
+
+
+def _place_columns(path: Path, header: Cells, unit_row: Cells) -> tuple[tuple[int, float], ...]:
+    """Columns that say where the object was pressed, x and y, and factors to m; none without."""
+    labels = [split_unit(cell, "position") for cell in header]
+    found = []
+    for name in ("place_x", "place_y"):
+        for index, (label, unit) in enumerate(labels):
+            if label.casefold() == name:
+                below = unit_row[index].strip("()[]{} ") if index < len(unit_row) else ""
+                where = f"{path}, column {header[index]!r}"
+                found.append((index, factor_to_si(unit or below, "position", where)))
+    if len(found) == 1:
+        raise DataError(f"{path}: a place has place_x and place_y: add the other column")
+    return tuple(found[:2])
 
 
 def _time_beside(header: Cells) -> tuple[int, str] | None:

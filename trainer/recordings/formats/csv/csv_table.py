@@ -82,6 +82,26 @@ class CsvTable:
                     "source"
                 ) from None
 
+    def place_m(self) -> tuple[float, float] | None:
+        """Return x and y of the place that columns state, m; None without such columns.
+
+        Raises DataError if the place changes: a recording is of one.
+        """
+        if not self.layout.place:
+            return None
+        numbers = self.numbers([column for column, _ in self.layout.place])
+        moved = np.flatnonzero((numbers != numbers[:1]).any(axis=1))
+        if len(moved):
+            line = next(islice(self.rows(), int(moved[0]), None))[0]
+            raise DataError(
+                f"{self.path}, row {line}: the place changes: a recording is of one place, cut the "
+                "file there"
+            )
+        x, y = (
+            float(n) * to_si for n, (_, to_si) in zip(numbers[0], self.layout.place, strict=True)
+        )
+        return x, y
+
     def beside(self, rate_hz: float) -> str:
         """Compare the column of time that is not read with the stated rate; return a message."""
         if self.layout.unread_time is None:

@@ -54,6 +54,7 @@ def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
         source=str(path),
         line_of=lambda sample: next(islice(table.rows(), sample, None))[0],
         details={"columns": guess, "units": units},
+        place_m=table.place_m(),
     )
     return [raw], guess
 

@@ -1,0 +1,139 @@
+"""Curves of an object that is not the same everywhere: sp_map.h."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.literals import array_text, struct_text
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.places import amounts_at, grid_steps, mixed
+from springpot.codegen.stages.stage import REAL, U32, Member
+
+_ROUNDED_UP = 1.0 + 1e-5
+Taken = Sequence[tuple[int, tuple[float, float]]]  # ticks in which a place is taken, and which
+
+
+@dataclass(frozen=True)
+class MapConfig:
+    """sp_map_config of sp_map.h, member by member."""
+
+    first_x_m: Real
+    first_y_m: Real
+    per_step_x: Real
+    per_step_y: Real
+    nodes_x: int
+    nodes_y: int
+    n_materials: int
+    n_curves: int
+
+    @property
+    def nodes(self) -> tuple[int, int]:
+        """Nodes in x and y."""
+        return self.nodes_x, self.nodes_y
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedCurves:
+    """Materials, mixed into the state's curves where the tool comes down.
+
+    amounts: (nodes in x, nodes in y, materials). materials: (materials, curves), the numbers of all
+    curves of each, end to end; sizes: of each array that they hold, by its name in the C, in order.
+    start_m: the place until another is chosen.
+    """
+
+    config: MapConfig
+    amounts: Reals
+    materials: Reals
+    sizes: dict[str, int]
+    start_m: tuple[float, float]
+
+    headers = ("sp_map.h",)
+
+    @property
+    def mixing(self) -> int:
+        """Multiplications to mix the curves of a place."""
+        return int(self.materials.size)
+
+    def members(self, name: str) -> tuple[Member, ...]:
+        count = self.config.n_curves
+        return (
+            Member(f"sp_map_state {name}_map", (REAL, REAL, U32)),
+            Member(f"sp_real {name}_curves[{count}]", (REAL,) * count),
+        )
+
+    def tables(self) -> list[str]:
+        materials = self.config.n_materials
+        return [
+            "/* A map: amounts at the nodes, and the curves of each material (sp_map.h). */",
+            array_text("amounts", "sp_real", self.amounts.reshape(-1, materials)),
+            array_text("materials", "sp_real", self.materials),
+            struct_text("place_map", "sp_map_config", self.config),
+        ]
+
+    def take(self, name: str) -> str:
+        """Line that mixes the curves of the place that waits, if one does."""
+        states = f"&state->{name}_map, amounts, materials, state->{name}_curves"
+        return f"sp_map_take(&place_map, {states});"
+
+    def pointers(self, name: str) -> list[str]:
+        """Lines that declare the mixed arrays under the names of what is constant elsewhere."""
+        first = np.cumsum([0, *self.sizes.values()]).tolist()
+        return [
+            f"const sp_real *{array} = state->{name}_curves + {begin};"
+            for array, begin in zip(self.sizes, first, strict=False)
+        ]
+
+    def _grid(self, place_m: tuple[float, float]) -> tuple[Reals, Reals, Reals]:
+        config = self.config
+        first_m = np.array([config.first_x_m, config.first_y_m])
+        per_step = np.array([config.per_step_x, config.per_step_y])
+        return first_m, per_step, np.array(place_m, dtype=first_m.dtype)
+
+    def taken(self, asked: Taken, lets_in: Callable[[int], int]) -> Taken:
+        """Places that are taken, and the rows in which they are, from those that are asked for.
+
+        asked: rows from which each is asked for, in order; lets_in: the first row from one on in
+        which the tool is off the object, or the history restarts. A place that is felt already
+        changes nothing.
+        """
+        found = {0: self.start_m}
+        steps = grid_steps(self.config.nodes, *self._grid(self.start_m))
+        for row, place_m in asked:
+            there = grid_steps(self.config.nodes, *self._grid(place_m))
+            if there != steps:
+                found[lets_in(row)] = place_m
+            steps = there
+        return list(found.items())
+
+    def at(self, place_m: tuple[float, float]) -> dict[str, Reals]:
+        """Curves at a place, m, by their names in the C."""
+        amount = amounts_at(self.amounts, *self._grid(place_m))
+        ends = np.cumsum([*self.sizes.values()])[:-1]
+        return dict(zip(self.sizes, np.split(mixed(amount, self.materials), ends), strict=True))
+
+
+def placed_curves(
+    model: Hammerstein, curves_of: Callable[[Hammerstein], dict[str, Reals]], dtype: type[Any]
+) -> PlacedCurves | None:
+    """The map of a model that has one; curves_of: the arrays of a model of one material."""
+    places = model.places
+    if places is None:
+        return None
+    of_materials = [curves_of(model.with_slopes(slopes_n)) for slopes_n in places.slopes_n]
+    for curves in of_materials:
+        if "stiffest" in curves:  # stays a bound when mixing is rounded
+            curves["stiffest"] = _ROUNDED_UP * curves["stiffest"]
+    flat = [np.concatenate([its.ravel() for its in curves.values()]) for curves in of_materials]
+    materials = np.stack(flat).astype(dtype)
+    first_x_m, first_y_m = places.first_m.astype(dtype)
+    per_step_x, per_step_y = (1.0 / places.step_m).astype(dtype)
+    return PlacedCurves(
+        MapConfig(first_x_m, first_y_m, per_step_x, per_step_y, *places.nodes, *materials.shape),
+        places.amounts.astype(dtype),
+        materials,
+        {name: values.size for name, values in of_materials[0].items()},
+        places.stiffest_m,
+    )

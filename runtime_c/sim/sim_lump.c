@@ -1,0 +1,122 @@
+#include "sim_lump.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double sphere_m = 0.008; /* its radius; the edge of its shaft too */
+static const double pitch_m = 0.0005;
+static const double stiffening_pm = 80.0; /* a column of 20 mm, squeezed by a quarter: + 40 % */
+
+static const double foundation_npm3 = 9e6; /* 10 N at 6 mm, on the plain ground */
+static const double branch_share = 0.25;   /* of the slow stiffness, each */
+static const double branch_s[SIM_LUMP_BRANCHES] = {0.02, 0.2, 2.0};
+
+/* The ground itself is uneven by so much, in hills of 10 mm. */
+static const double uneven = 0.03;
+static const double hill_m = 0.020;
+
+/* Within its radius a lump is so many times as stiff, and relaxes so many times as slowly. */
+static const struct {
+    double x_m, y_m, radius_m, stiffer, slower;
+} lumps[] = {
+    {0.010, 0.011, 0.0040, 2.5, 2.0},
+    {0.021, 0.019, 0.0065, 1.7, 1.5},
+};
+enum { LUMPS = sizeof lumps / sizeof lumps[0] };
+
+static void ground(double x_m, double y_m, double *stiffness, double *slower)
+{
+    const double turn = 6.283185307179586 / hill_m;
+    *stiffness = 1.0 + uneven * sin(turn * x_m) * cos(turn * y_m);
+    *slower = 1.0;
+    for (int i = 0; i < LUMPS; i++) {
+        double far = hypot(x_m - lumps[i].x_m, y_m - lumps[i].y_m) / lumps[i].radius_m;
+        double here = exp(-far * far);
+        *stiffness += (lumps[i].stiffer - 1.0) * here;
+        *slower += (lumps[i].slower - 1.0) * here;
+    }
+}
+
+void sim_lump_init(void *material, double stiffer, double step_s)
+{
+    sim_lump *lump = material;
+    memset(lump, 0, sizeof *lump);
+    lump->stiffer = stiffer;
+    lump->step_s = step_s;
+    sim_lump_place(lump, 0.0, 0.0);
+}
+
+static void put_column(sim_lump *lump, double x_m, double y_m, double far_m)
+{
+    const int i = lump->columns++;
+    double stiffness;
+    double slower;
+    ground(x_m, y_m, &stiffness, &slower);
+    lump->below_m[i] = sphere_m - sqrt(sphere_m * sphere_m - far_m * far_m);
+    lump->stiffness_npm[i] = foundation_npm3 * pitch_m * pitch_m * stiffness;
+    lump->squeezed_m[i] = 0.0;
+    lump->slope[i] = 1.0;
+    for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
+        lump->gain[k][i] = -expm1(-lump->step_s / (slower * branch_s[k]));
+        lump->memory_m[k][i] = 0.0;
+        lump->slope[i] += branch_share * (1.0 - 0.5 * lump->gain[k][i]);
+    }
+    lump->per_slope[i] = 1.0 / lump->slope[i];
+}
+
+void sim_lump_place(sim_lump *lump, double x_m, double y_m)
+{
+    lump->columns = 0;
+    for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
+        double across_m = pitch_m * (i % SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
+        double along_m = pitch_m * (i / SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
+        double far_m = hypot(across_m, along_m);
+        if (far_m <= sphere_m) {
+            put_column(lump, x_m + across_m, y_m + along_m, far_m);
+        }
+    }
+}
+
+/* What the branches hold of each column as the step begins, m, into held_m. */
+static void hold(const sim_lump *lump, double *held_m)
+{
+    for (int i = 0; i < lump->columns; i++) {
+        held_m[i] = 0.0;
+    }
+    for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
+        const double *gain = lump->gain[k];
+        const double *memory_m = lump->memory_m[k];
+        for (int i = 0; i < lump->columns; i++) {
+            double half_m = 0.5 * lump->squeezed_m[i];
+            held_m[i] += branch_share * (memory_m[i] + gain[i] * (half_m - memory_m[i]));
+        }
+    }
+}
+
+/* Every branch relaxes towards the mean of the step. Where a column would pull it follows the
+ * sphere no farther than to no force. */
+double sim_lump_step(void *material, double tool_m)
+{
+    sim_lump *lump = material;
+    double held_m[SIM_LUMP_COLUMNS];
+    double mean_m[SIM_LUMP_COLUMNS];
+    double force_n = 0.0;
+    hold(lump, held_m);
+    for (int i = 0; i < lump->columns; i++) {
+        double under_m = tool_m - lump->below_m[i];
+        double inside_m = under_m > 0.0 ? under_m : 0.0;
+        double free_m = held_m[i] * lump->per_slope[i];
+        double pressed_m = inside_m + stiffening_pm * inside_m * inside_m;
+        double after_m = pressed_m > free_m ? pressed_m : free_m;
+        mean_m[i] = 0.5 * (lump->squeezed_m[i] + after_m);
+        lump->squeezed_m[i] = after_m;
+        force_n += lump->stiffness_npm[i] * (lump->slope[i] * after_m - held_m[i]);
+    }
+    for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
+        double *memory_m = lump->memory_m[k];
+        for (int i = 0; i < lump->columns; i++) {
+            memory_m[i] += lump->gain[k][i] * (mean_m[i] - memory_m[i]);
+        }
+    }
+    return lump->stiffer * force_n;
+}

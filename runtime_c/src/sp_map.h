@@ -1,0 +1,88 @@
+/* A map: an object that is not the same everywhere, of materials that are mixed at each place.
+ *
+ *     curve at a place = sum over materials r of amount_r(place) curve_r
+ *
+ * The amounts are given at the nodes of a regular grid, are bilinear within a cell, and never
+ * negative. The place changes only while the tool is off the object, which then has rested there
+ * for ever: stored energy falls to 0 (docs/explanation/passivity.md). */
+#ifndef SP_MAP_H
+#define SP_MAP_H
+
+#include <stdint.h>
+
+#include "sp_real.h"
+
+typedef struct {
+    sp_real first_x_m; /* of the first node */
+    sp_real first_y_m;
+    sp_real per_step_x; /* 1/m */
+    sp_real per_step_y;
+    uint32_t nodes_x; /* 2 at least */
+    uint32_t nodes_y;
+    uint32_t n_materials;
+    uint32_t n_curves; /* numbers of a material: those of all its curves */
+} sp_map_config;
+
+typedef struct {
+    sp_real x; /* in steps from the first node, on the grid */
+    sp_real y;
+    uint32_t waits; /* 1: for the tool to be off the object */
+} sp_map_state;
+
+/* In steps from the first of n nodes; beyond the grid its edge. A NaN is at the first node. */
+static inline sp_real sp_map_steps(sp_real at_m, sp_real first_m, sp_real per_step, uint32_t n)
+{
+    const sp_real passed = (at_m - first_m) * per_step;
+    const sp_real last = (sp_real)(n - 1u);
+    const sp_real inside = passed > (sp_real)0 ? passed : (sp_real)0;
+    return inside < last ? inside : last;
+}
+
+/* The place of the next contact, m; the one that is felt already changes nothing. */
+static inline void sp_map_place(const sp_map_config *config, sp_map_state *state, sp_real x_m,
+                                sp_real y_m)
+{
+    const sp_real x = sp_map_steps(x_m, config->first_x_m, config->per_step_x, config->nodes_x);
+    const sp_real y = sp_map_steps(y_m, config->first_y_m, config->per_step_y, config->nodes_y);
+    if (x != state->x || y != state->y) {
+        state->x = x;
+        state->y = y;
+        state->waits = 1u;
+    }
+}
+
+/* The node before a place. */
+static inline uint32_t sp_map_node(sp_real steps, uint32_t n)
+{
+    const uint32_t node = (uint32_t)steps;
+    return node < n - 1u ? node : n - 2u;
+}
+
+/* Mix the curves of the place that waits, if one does. amounts: [nodes_x][nodes_y][n_materials];
+ * materials: [n_materials][n_curves]; curves: [n_curves]. */
+static inline void sp_map_take(const sp_map_config *config, sp_map_state *state,
+                               const sp_real *amounts, const sp_real *materials, sp_real *curves)
+{
+    if (state->waits == 0u) {
+        return;
+    }
+    state->waits = 0u;
+    const uint32_t i = sp_map_node(state->x, config->nodes_x);
+    const uint32_t j = sp_map_node(state->y, config->nodes_y);
+    const sp_real x = state->x - (sp_real)i;
+    const sp_real y = state->y - (sp_real)j;
+    const sp_real *near = amounts + (i * config->nodes_y + j) * config->n_materials;
+    const sp_real *far = near + config->nodes_y * config->n_materials;
+    for (uint32_t r = 0; r < config->n_materials; r++) {
+        const sp_real low = ((sp_real)1 - x) * ((sp_real)1 - y) * near[r];
+        const sp_real left = ((sp_real)1 - x) * y * near[r + config->n_materials];
+        const sp_real right = x * ((sp_real)1 - y) * far[r];
+        const sp_real amount = low + left + right + x * y * far[r + config->n_materials];
+        const sp_real *material = materials + r * config->n_curves;
+        for (uint32_t k = 0; k < config->n_curves; k++) {
+            curves[k] = r > 0u ? curves[k] + amount * material[k] : amount * material[k];
+        }
+    }
+}
+
+#endif

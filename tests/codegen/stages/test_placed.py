@@ -1,0 +1,205 @@
+"""A map of places: bits of C and reference, what is emitted, and that no energy is gained."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from support.small import damage, flow, passive_model, press, scene, wandering
+
+from springpot.codegen.emit.files import emit_files
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.model_file import model_bytes
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.places import Places
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.reference.run import run_reference
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.trial_build import built
+
+SOFT, STIFF = (0.0, -0.01), (0.01, 0.01)
+CURVE_N = np.linspace(0.5, 3.0, 9)
+RICH: dict[str, Any] = {
+    "n_by_depth": 1, "rate_ratio": 16.0, "flow": flow(0.6), "damage": damage(CURVE_N),
+    "recovers": True,
+}  # fmt: skip
+LAWS: dict[str, dict[str, Any]] = {"plain": {}, "all": RICH}
+
+
+@cache
+def placed(law: str = "plain", materials: int = 2, seed: int = 0) -> Model:
+    """Model of 3 x 2 nodes with random amounts."""
+    fitted = passive_model()
+    assert fitted.hammerstein is not None
+    rng = np.random.default_rng(seed)
+    tau_s = np.array([0.01, 0.2, 2.0])
+    passive = replace(
+        fitted.hammerstein, elastic_n=CURVE_N, tau_s=tau_s, recovers=False,
+        branch_n=np.linspace(0.1, 0.4, 3)[:, None] * CURVE_N,
+        radius_m=np.array([2e-4]), stop_n=0.1 * CURVE_N[None], flow=None, damage=None, n_by_depth=0,
+    )  # fmt: skip
+    passive = replace(passive, **LAWS[law])
+    slopes_n = passive.slopes_n * rng.uniform(0.2, 1.0, (materials, passive.slopes_n.size))
+    amounts = rng.uniform(0.2, 2.0, (3, 2, materials))
+    places = Places(np.array([0.0, -0.01]), np.array([0.01, 0.02]), amounts, slopes_n)
+    return replace(fitted, hammerstein=with_places(passive, places))
+
+
+def with_places(passive: Hammerstein, places: Places) -> Hammerstein:
+    return replace(passive.with_slopes(places.most_n), places=places)
+
+
+def called(
+    library: SceneLibrary, position: np.ndarray, velocity: np.ndarray, places: list[Any]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Forces and notes of ticks, with sp_place before some of them."""
+    state, at = library.new_state(), dict(places)
+    found = []
+    for tick, (x, v) in enumerate(zip(position, velocity, strict=True)):
+        if tick in at:
+            state.place(at[tick])
+        found.append(state.step(float(x), float(v)))
+    forces, notes = zip(*found, strict=True)
+    return np.array(forces, dtype=position.dtype), np.array(notes)
+
+
+@pytest.mark.parametrize("number", ["float32", "float64"])
+@pytest.mark.parametrize(
+    ("law", "materials", "mode"), [("plain", 1, "off"), ("all", 3, "off"), ("plain", 2, "proxy")]
+)
+def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number: str) -> None:
+    plan = make_plan(placed(law, materials), scene(number=number, mode=mode), accept_unsafe=True)
+    position = np.concatenate([1.2 * press(4.0), wandering(3)[:400], press(4.0), press(8.0)])
+    position[130:134] = np.nan
+    position = position.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    rng = np.random.default_rng(1)
+    ticks = np.sort(rng.choice(len(position), 12, replace=False)).tolist()
+    corners = [*map(tuple, rng.uniform(-0.02, 0.03, (10, 2)).tolist()), (0.02, 0.01), (9.0, 9.0)]
+    places = list(zip(ticks, corners, strict=True))
+    with built(plan) as library:
+        assert library.selftest() == 0
+        assert library.state_bytes == state_bytes(plan)
+        force_n, notes = called(library, position, velocity, places)
+    reference = run_reference(plan, position, velocity, places=places)
+    np.testing.assert_array_equal(force_n, reference.force_n)
+    np.testing.assert_array_equal(notes, reference.notes)
+    alone = run_reference(plan, position, velocity)
+    assert np.any(alone.force_n != reference.force_n)
+
+
+def test_a_place_is_taken_once_the_tool_is_off_the_object() -> None:
+    plan = make_plan(placed(), scene(number="float64"))
+    again = np.concatenate([np.zeros(20), press(1.0)])
+    position = np.concatenate([press(1.0), again])
+    with built(plan) as library:
+        velocity = backward_velocity(position, plan.dt_s)
+        before, _ = called(library, position, velocity, [(0, SOFT)])
+        later, _ = called(library, position, velocity, [(0, SOFT), (len(press(1.0)) // 2, STIFF)])
+        fresh, _ = called(library, again, backward_velocity(again, plan.dt_s), [(0, STIFF)])
+    half = len(press(1.0))
+    np.testing.assert_array_equal(later[:half], before[:half])
+    np.testing.assert_array_equal(later[half:], fresh)
+
+
+def test_a_reset_keeps_the_place() -> None:
+    plan = make_plan(placed(), scene(number="float64"))
+    position = np.concatenate([np.zeros(20), press(1.0)])
+    with built(plan) as library:
+        fresh, _ = called(library, position, backward_velocity(position, plan.dt_s), [(0, SOFT)])
+        state = library.new_state()
+        state.place(SOFT)
+        state.run(position[:200], np.zeros(200))
+        state.reset()
+        np.testing.assert_array_equal(state.run(position, np.zeros(len(position)))[0], fresh)
+
+
+def test_the_emitted_force_is_that_of_the_place() -> None:
+    model = placed("all", 2)
+    assert model.hammerstein is not None
+    model = replace(model, hammerstein=replace(model.hammerstein, recovers=False))
+    assert model.hammerstein is not None
+    here = (0.013, 0.002)
+    one_place = replace(model, hammerstein=model.hammerstein.at(here))
+    position = press(2.0)
+    forces = [
+        run_reference(make_plan(each, scene(number="float64")), position, places=places).force_n
+        for each, places in ((model, [(0, here)]), (one_place, []))
+    ]
+    np.testing.assert_allclose(forces[0], forces[1], atol=1e-12 * forces[1].max())
+
+
+def test_without_places_nothing_of_them_is_emitted() -> None:
+    files = emit_files(make_plan(passive_model(), scene()))
+    assert "sp_map.h" not in files
+    assert "sp_place" not in files["sp.h"]
+
+
+def test_limits_and_coupling_are_those_of_the_stiffest_place() -> None:
+    model = placed()
+    assert model.hammerstein is not None and model.hammerstein.places is not None
+    stiffest = model.hammerstein.at(None)
+    here = make_plan(replace(model, hammerstein=stiffest), scene()).stiffness_npm
+    assert make_plan(model, scene()).stiffness_npm >= here
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("amounts", -np.ones((3, 2, 2))), ("step_m", np.array([0.0, 1.0])),
+     ("amounts", 9.0 * np.ones((3, 2, 2))), ("amounts", np.ones((1, 2, 2)))],
+)  # fmt: skip
+def test_a_map_that_would_not_be_passive_is_no_model(field: str, value: np.ndarray) -> None:
+    model = placed()
+    passive = model.hammerstein
+    assert passive is not None and passive.places is not None
+    wrong = replace(passive, places=replace(passive.places, **{field: value}))
+    with pytest.raises(DataError, match="places"):
+        model_bytes(replace(model, hammerstein=wrong))
+
+
+def least_work(model: Model, position: np.ndarray, taken: list[Any]) -> float:
+    """Least work until any tick off the object, over peak force x depth."""
+    passive = make_plan(model, scene(number="float64")).passive
+    assert passive is not None
+    force_n = passive.reference(np.maximum(position, 0.0), np.array([0]), taken)
+    force_n = np.where(position > 0, force_n, 0.0)
+    work_j = np.cumsum(0.5 * (force_n[1:] + force_n[:-1]) * np.diff(position))
+    return float(work_j[position[1:] <= 0].min() / (force_n.max() * position.max()))
+
+
+def test_no_press_at_any_places_gives_energy_back() -> None:
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        model = placed(("plain", "all")[seed % 2], 1 + seed % 3, seed)
+        legs = [[*rng.uniform(0, model.trained.max_m, 2).tolist(), 0.0, -1e-4] for _ in range(6)]
+        corners = np.array([0.0, *(x for leg in legs for x in leg)])
+        ways = np.arange(60 * (len(corners) - 1)) / 60
+        position = np.interp(ways, np.arange(len(corners)), corners)
+        free = rng.choice(np.flatnonzero(position <= 0)[1:], 6, replace=False).tolist()
+        places = map(tuple, rng.uniform(-0.01, 0.03, (6, 2)).tolist())
+        taken = [(0, (0.0, 0.0)), *zip(free, places, strict=True)]
+        assert least_work(model, position, taken) > -1e-5
+
+
+def test_a_place_that_changed_in_contact_would_give_energy_back() -> None:
+    model = placed()
+    passive = model.hammerstein
+    assert passive is not None and passive.places is not None
+    amounts = np.full((3, 2, 2), 0.2)
+    amounts[2, 1] = 2.0
+    harder = with_places(passive, replace(passive.places, amounts=amounts))
+    position = np.concatenate([press(1.0), [-1e-4, -1e-4]])
+    taken = [(0, (0.0, -0.01)), (int(np.argmax(position)), (0.02, 0.01))]
+    assert least_work(replace(model, hammerstein=harder), position, taken) < -1e-2
+
+
+def test_a_scene_without_a_map_has_no_places() -> None:
+    with (
+        built(make_plan(passive_model(), scene())) as library,
+        pytest.raises(UsageError, match="map"),
+    ):
+        library.new_state().place((0.0, 0.0))

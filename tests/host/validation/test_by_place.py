@@ -1,0 +1,92 @@
+"""A validation by place: each recording at its own, errors of each, and logs of a chosen place."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.small import DT_S, passive_model, press, scene
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.model_file import write_model
+from springpot.codegen.model.places import Places
+from springpot.host.emission.emission import emit
+from springpot.host.session.session import Session
+from springpot.host.validation.by_place import place_errors, place_line
+from springpot.host.validation.validation import validate
+from springpot.trainer.models.predict import predict_n
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recording
+
+PLACES = ((0.0, 0.0), (0.007, 0.004), (0.01, 0.01))
+
+
+def placed_model() -> Model:
+    model = passive_model()
+    passive = model.hammerstein
+    assert passive is not None
+    amounts = np.array([[[0.5], [0.7]], [[0.9], [1.0]]])
+    grid = np.zeros(2), np.full(2, 0.01)
+    places = Places(*grid, amounts, passive.slopes_n[None])
+    return replace(model, hammerstein=replace(passive, places=places))
+
+
+def pressed(place_m: tuple[float, float] | None, name: str = "press") -> Recording:
+    x_m, y_m = place_m or (None, None)
+    position_m = press(2.0, cycles=2)
+    like = Recording(name, position_m, position_m, DT_S, place_x_m=x_m, place_y_m=y_m)
+    return replace(like, force_n=np.maximum(predict_n(placed_model(), like), 0.0))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    where = tmp_path_factory.mktemp("placed")
+    write_model(where / "model.spm", placed_model())
+    emit(scene(energy="off"), where / "model.spm", where / "c")
+    return where / "c"
+
+
+def test_each_recording_is_rendered_at_its_place(folder: Path) -> None:
+    recordings = [pressed(place_m, f"at-{k}") for k, place_m in enumerate(PLACES)]
+    found = validate(folder, recordings, paced_s=0.01)
+    assert found.mismatches == 0
+    assert [error.place_m for error in found.places] == list(PLACES)
+    assert max(error.rmse_percent_of_peak for error in found.places) < 1.0
+    moved = replace(recordings[0], place_x_m=0.01, place_y_m=0.01)
+    assert validate(folder, [moved], paced_s=0.01).places[0].rmse_percent_of_peak > 10.0
+
+
+def test_a_recording_without_a_place_is_refused_by_a_scene_with_a_map(folder: Path) -> None:
+    with pytest.raises(DataError, match="has no place, and this scene has a map"):
+        validate(folder, [pressed(None)], paced_s=0.01)
+
+
+def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
+    folder: Path, tmp_path: Path
+) -> None:
+    logs = []
+    for k, place_m in enumerate(PLACES[::2]):
+        log = tmp_path / f"felt-{k}.h5"
+        url = "sim://ecoflex-00-30"
+        with Session(folder, url, log, seconds=0.3, place_m=place_m) as session:
+            session.start()
+            for _ in session.runner.watch(0.05):
+                pass
+        logs.append(read_recording(log))
+    assert [log.place_m for log in logs] == list(PLACES[::2])
+    assert validate(folder, logs, paced_s=0.01).mismatches == 0
+
+
+def test_a_board_knows_no_place(folder: Path) -> None:
+    with pytest.raises(UsageError, match="a board knows no place"):
+        validate(folder, [pressed(PLACES[0])], device="serial:///dev/null")
+
+
+def test_the_line_names_the_worst_place() -> None:
+    recordings = [pressed(place_m, f"at-{k}") for k, place_m in enumerate(PLACES)]
+    predicted = [
+        each.force_n * share for each, share in zip(recordings, (1.01, 0.9, 1.01), strict=True)
+    ]
+    line = place_line(place_errors(recordings, predicted, [0, 0, 0]))
+    assert line.startswith("3 places:") and line.endswith("at (7, 4) mm")

@@ -1,0 +1,94 @@
+"""Places of recordings: from files and the command line, kept, and checked against each other."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.host.commands.recordings.check import check_
+from springpot.host.commands.recordings.import_ import import_
+from springpot.trainer.recordings.formats.importing import import_file, parse_place
+from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.journal_reader import journal_of, read_journal
+from springpot.trainer.recordings.quality.report import check_recordings
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recording, write_recording
+
+
+def press(name: str, place_m: tuple[float, float] | None, stiffness: float = 400.0) -> Recording:
+    t_s = np.arange(2000) / 1000
+    force_n = 1.0 - np.cos(np.pi * t_s)
+    x_m, y_m = place_m or (None, None)
+    return Recording(name, force_n / stiffness, force_n, 1e-3, place_x_m=x_m, place_y_m=y_m)
+
+
+def places_found(*recordings: Recording) -> list[str]:
+    return [found.line for found in check_recordings(recordings).findings if found.kind == "places"]
+
+
+@pytest.mark.parametrize("place_m", [(0.005, -0.01), None])
+def test_a_place_is_kept_in_a_file_and_in_a_journal(
+    tmp_path: Path, place_m: tuple[float, float] | None
+) -> None:
+    recording = press("press", place_m)
+    write_recording(tmp_path / "press.h5", recording)
+    assert read_recording(tmp_path / "press.h5").place_m == place_m
+    with JournalWriter(tmp_path / "cut.h5", "cut", 1e-3, "", {}, place_m=place_m) as journal:
+        journal.append(recording.position_m, recording.force_n)
+    assert read_journal(journal_of(tmp_path / "cut.h5")).recording.place_m == place_m
+
+
+def test_only_a_place_changes_the_hash_of_what_a_fit_sees() -> None:
+    plain = press("press", None)
+    assert replace(plain, name="other").content_hash == plain.content_hash
+    assert press("press", (0.0, 0.0)).content_hash != plain.content_hash
+
+
+@pytest.mark.parametrize(
+    ("header", "cells"), [("place_x_mm,place_y_mm", "5,-10"), ("place_y_m,place_x_cm", "-0.01,0.5")]
+)
+def test_columns_of_a_table_are_its_place(tmp_path: Path, header: str, cells: str) -> None:
+    rows = "".join(f"{k / 100},{k % 5},{k % 7},{cells}\n" for k in range(50))
+    (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N,{header}\n{rows}")
+    (read,) = import_file(tmp_path / "a.csv", None, "none", None).recordings
+    assert read.place_m == pytest.approx((0.005, -0.01))
+
+
+def test_a_table_of_two_places_is_refused_with_its_row(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 100},{k % 5},{k % 7},{k // 40},0\n" for k in range(50))
+    (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N,place_x_mm,place_y_mm\n{rows}")
+    with pytest.raises(DataError, match="row 42: the place changes"):
+        import_file(tmp_path / "a.csv", None, "none", None)
+
+
+def test_a_place_is_given_on_import_and_shown_by_check(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 100},{np.sin(k / 9) ** 2},{np.sin(k / 9) ** 2}\n" for k in range(200))
+    (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N\n{rows}")
+    arguments = [str(tmp_path / "a.csv"), "--place", "5,-10mm", "--out", str(tmp_path)]
+    assert CliRunner().invoke(import_, arguments).exit_code == 0
+    assert "5, -10" in CliRunner().invoke(check_, [str(tmp_path / "a.h5")]).output
+
+
+@pytest.mark.parametrize("text", ["5,10", "5mm", "5,10s", "a,bmm", "1,2,3mm"])
+def test_a_place_without_a_length_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="--place"):
+        parse_place(text)
+
+
+def test_half_a_place_is_refused() -> None:
+    with pytest.raises(DataError, match="give both"):
+        Recording("a", np.zeros(2), np.zeros(2), 1.0, place_x_m=0.1)
+
+
+def test_check_finds_near_sites_repeats_that_disagree_and_missing_places() -> None:
+    grid = [press(f"p{i}{j}", (0.01 * i, 0.01 * j)) for i in range(3) for j in range(3)]
+    assert not places_found(*grid)
+    (near,) = places_found(*grid, press("near", (0.001, 0.0)))
+    assert "1 mm apart where sites are 10 mm" in near
+    (differing,) = places_found(*grid, press("again", (0.0, 0.0), stiffness=250.0))
+    assert "p00 and again differ" in differing
+    (missing,) = places_found(*grid, press("lost", None))
+    assert missing.startswith("refusal: lost: 1 recordings have no place")

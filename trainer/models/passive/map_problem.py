@@ -1,0 +1,152 @@
+"""The least squares of a map: materials, and their amounts on a grid, fitted in turn.
+
+The force at a place is linear in what its materials are, and in how much there is of each. So each
+of the two is found by non-negative least squares from the sites' normal equations while the other
+is kept.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from math import inf
+from operator import add
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.places import Places
+from springpot.trainer.models.passive.map_grid import Grid
+from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
+from springpot.trainer.models.passive.passive_terms import Terms, reduced, to_model
+from springpot.trainer.models.passive.recovery import SPARSE_LOSS
+
+MATERIALS = (1, 2)
+# On the second differences of the amounts from node to node: enough to fill nodes without a site.
+# Leaving sites out would choose a hundred times as much, for it has to bridge holes; on places
+# between sites that is half as much error again.
+_ROUGH = 1e-3
+_FOLDS, _SWEEPS = 5, 8
+_BETTER = 0.9  # times the error of a map with fewer materials
+_FLOOR = 1e-3  # of the largest amount, at every node: what nothing resists has no surface
+
+
+@dataclass(frozen=True, eq=False)
+class MapProblem:
+    """Normal equations of each site in some terms; penalty: on the roughness of curves.
+
+    full: sites whose presses show the law.
+    """
+
+    grid: Grid
+    terms: Terms
+    penalty: float
+    sites: Sequence[Normal]
+    full: Sequence[int]
+
+    @property
+    def amounts(self) -> Samples:
+        """Amount of one material at each site, (sites,)."""
+        amounts, _ = self.fitted(range(len(self.sites)), 1)
+        found: Samples = (self.grid.weights @ amounts)[:, 0]
+        return found
+
+    def sparse(self) -> "MapProblem":
+        """The same with as few branches, stops and curves as serve a map of one material."""
+        here = self.amounts
+        scaled = [_scaled(self.sites[k], here[k : k + 1]) for k in self.full]
+        weights = sparse_solve(self._smooth(reduce(add, scaled), 1), self.terms.blocks, SPARSE_LOSS)
+        kept = np.bincount(self.terms.blocks, weights) > 0.0
+        kept[0] = True  # the spring
+        columns = kept[self.terms.blocks]
+        sites = [_of_columns(its, columns) for its in self.sites]
+        return replace(self, terms=reduced(self.terms, weights), sites=sites)
+
+    def chosen(self, seed: int) -> tuple[int, float]:
+        """Materials, as few as serve, and the error at sites left out, N."""
+        count, error_n = 0, inf
+        for trial in MATERIALS:
+            trial_n = self._left_out_n(trial, seed)
+            if trial_n < _BETTER * error_n:
+                count, error_n = trial, trial_n
+        return count, error_n
+
+    def _left_out_n(self, count: int, seed: int) -> float:
+        """RMS over sites of the error of a map that was fitted without them, N."""
+        fold = np.random.default_rng(seed).permutation(len(self.sites)) % _FOLDS
+        squares = []
+        for number in range(min(_FOLDS, len(self.sites))):
+            inside = np.flatnonzero(fold != number).tolist()
+            amounts, materials = self.fitted(inside, count)
+            for k in np.flatnonzero(fold == number).tolist():
+                weights = (self.grid.weights[k] @ amounts) @ materials
+                squares.append(self.sites[k].rmse(weights) ** 2)
+        return float(np.sqrt(np.mean(squares)))
+
+    def fitted(self, inside: Sequence[int], count: int) -> tuple[Samples, Samples]:
+        """Amounts, (nodes, count), and materials, (count, terms), from the sites `inside`."""
+        full = [k for k in self.full if k in inside] or list(inside)
+        materials = self._begun(full, count)
+        for _ in range(_SWEEPS):
+            here = self.grid.weights @ self._amounts(inside, materials)
+            scaled = reduce(add, (_scaled(self.sites[k], here[k]) for k in full))
+            materials = self._smooth(scaled, count).solve().reshape(count, -1)
+        return self._amounts(inside, materials), materials
+
+    def _begun(self, full: Sequence[int], count: int) -> Samples:
+        """Materials to begin with, (count, terms): what fits all sites, and the sites unlike it."""
+        total = reduce(add, (self.sites[k] for k in full))
+        found = [self._smooth(total, 1).solve()]
+        if count > 1:
+            own = np.stack([self._smooth(self.sites[k], 1).solve() for k in full])
+            size = np.sqrt(np.diag(own @ total.matrix @ own.T))
+            for _ in range(count - 1):
+                basis = np.stack(found)
+                shared = np.linalg.pinv(basis @ total.matrix @ basis.T)
+                off = own - (own @ total.matrix @ basis.T) @ shared @ basis
+                unlike = np.sqrt(np.maximum(np.diag(off @ total.matrix @ off.T), 0.0)) / size
+                found.append(own[int(np.argmax(unlike))])
+        return np.stack(found)
+
+    def _amounts(self, inside: Sequence[int], materials: Samples) -> Samples:
+        """Amounts at the nodes, (nodes, materials), of lowest error over the sites, each alike."""
+        nodes, count = len(self.grid.roughness), len(materials)
+        matrix, vector = np.zeros((nodes * count, nodes * count)), np.zeros(nodes * count)
+        for k in inside:
+            site, weight = self.sites[k], self.grid.weights[k]
+            seen = materials @ site.matrix @ materials.T / site.rows
+            matrix += np.kron(np.outer(weight, weight), seen)
+            vector += np.kron(weight, materials @ site.vector / site.rows)
+        usual = np.diag(np.diag(matrix).reshape(nodes, count).sum(axis=0) / len(inside))
+        rough = _ROUGH * np.kron(self.grid.roughness, usual)
+        solved = Normal(matrix + rough, vector, 0.0, len(inside)).solve()
+        return solved.reshape(nodes, count)
+
+    def _smooth(self, normal: Normal, count: int) -> Normal:
+        return normal.penalised(self.penalty * _kron(np.eye(count), self.terms.roughness()))
+
+    def model(self, amounts: Samples, materials: Samples) -> Hammerstein:
+        """Return the map; its own slopes are the most of any place."""
+        least = 1e-12 * materials.sum(axis=0)  # so that all materials have the same curves
+        made = [to_model(self.terms, np.maximum(its, least)) for its in materials]
+        nodes = np.maximum(amounts, _FLOOR * amounts.max(axis=0)).reshape(*self.grid.nodes, -1)
+        slopes_n = np.stack([its.slopes_n for its in made])
+        places = Places(self.grid.first_m, self.grid.step_m, nodes, slopes_n)
+        return replace(made[0].with_slopes(places.most_n), places=places)
+
+
+def _scaled(site: Normal, amounts: Samples) -> Normal:
+    """Normal equations of the materials, (materials x terms,), at a site with these amounts."""
+    matrix = _kron(np.outer(amounts, amounts), site.matrix)
+    return Normal(matrix, _kron(amounts, site.vector), site.square, site.rows)
+
+
+def _kron(one: Samples, other: Samples) -> Samples:
+    return np.asarray(np.kron(one, other), dtype=np.float64)
+
+
+def _of_columns(site: Normal, columns: NDArray[np.bool_]) -> Normal:
+    return Normal(
+        site.matrix[np.ix_(columns, columns)], site.vector[columns], site.square, site.rows
+    )
