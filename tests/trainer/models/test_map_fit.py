@@ -1,20 +1,26 @@
 """The fit of a map: places between sites, and what recordings it refuses."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import DT_S, passive_model, press
+from support.small import DT_S, passive_model, press, scene
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_hash, read_model, write_model
+from springpot.host.emission.emission import emit
+from springpot.host.recording.protocols import load_protocol
+from springpot.host.recording.session import open_press_device, record_session
+from springpot.host.validation.validation import validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.map_grid import grid_of
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recordings
 
 Site = tuple[float, float]
 SITES = [(0.01 * i, 0.02 * j) for i in range(3) for j in range(2)]
@@ -75,3 +81,28 @@ def test_the_nodes_of_a_grid_cover_the_sites(sites: list[Site]) -> None:
     ), indexing="ij"), axis=-1).reshape(-1, 2)  # fmt: skip
     np.testing.assert_allclose(grid.weights @ nodes, sites, atol=1e-12)
     np.testing.assert_allclose(grid.weights.sum(axis=1), 1.0)
+
+
+@pytest.mark.long
+def test_a_recorded_lump_is_felt_between_its_sites(tmp_path: Path) -> None:
+    (tmp_path / "map.toml").write_text("[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 20\n")
+    record_session(
+        open_press_device("sim://lump"), "sim://lump", "map",
+        load_protocol(str(tmp_path / "map.toml"), 0), tmp_path / "sites",
+    )  # fmt: skip
+    recordings = read_recordings([tmp_path / "sites"])
+    model = fit_model("auto", "lump", recordings, FitOptions()).model
+    write_model(tmp_path / "model.spm", model)
+    emit(scene(energy="off"), tmp_path / "model.spm", tmp_path / "c")
+    places = np.random.default_rng(7).uniform(0.0, 0.03, (20, 2)).tolist()
+    motions = load_protocol("validation", 3)
+    signals = [
+        replace(motions[k % 10], name=f"{k:02d}", place_m=(x, y)) for k, (x, y) in enumerate(places)
+    ]
+    bench = open_press_device("sim://lump?seed=500")
+    record_session(bench, "sim://lump", "test", signals, tmp_path / "test")
+    found = validate(tmp_path / "c", read_recordings([tmp_path / "test"]), paced_s=0.01)
+    percents = np.array([error.rmse_percent_of_peak for error in found.places])
+    assert found.mismatches == 0 and len(percents) == 20
+    assert np.exp(np.mean(np.log(percents))) < 2.4
+    assert percents.max() < 7.0
