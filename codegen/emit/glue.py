@@ -148,9 +148,11 @@ def _api(plan: Plan, manifest: str) -> str:
     if plan.passive is not None and plan.passive.placed is not None:
         start = ", ".join(literal(plan.dtype(at)) for at in plan.passive.placed.start_m)
         of_map = f"state->{plan.passive.follows}_map"
-        init = [f"sp_map_place(&place_map, &{of_map}, {start});", f"{of_map}.waits = 1u;"]
+        init = [f"sp_map_place(&place_map, &{of_map}, {start});", f"{of_map}.waits = 1u;",
+                "take_place(state);"]  # fmt: skip
         kept = ["sp_map_state place = {0};", "if (state != NULL) {", f"    place = {of_map};", "}"]
-        again = ["if (state != NULL) {", f"    {of_map} = place;", f"    {of_map}.waits = 1u;", "}"]
+        again = ["if (state != NULL) {", f"    {of_map} = place;", f"    {of_map}.waits = 1u;",
+                 "    take_place(state);", "}"]  # fmt: skip
     return filled(
         "api.c",
         plan,

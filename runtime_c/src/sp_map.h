@@ -29,13 +29,18 @@ typedef struct {
     uint32_t waits; /* 1: for the tool to be off the object */
 } sp_map_state;
 
+/* As many materials as a map may have. */
+enum { SP_MAP_MATERIALS = 8 };
+
 /* In steps from the first of n nodes; beyond the grid its edge. A NaN is at the first node. */
 static inline sp_real sp_map_steps(sp_real at_m, sp_real first_m, sp_real per_step, uint32_t n)
 {
     const sp_real passed = (at_m - first_m) * per_step;
     const sp_real last = (sp_real)(n - 1u);
-    const sp_real inside = passed > (sp_real)0 ? passed : (sp_real)0;
-    return inside < last ? inside : last;
+    if (passed == passed && passed > (sp_real)0) { /* a NaN is not itself */
+        return passed < last ? passed : last;
+    }
+    return (sp_real)0;
 }
 
 /* The place of the next contact, m; the one that is felt already changes nothing. */
@@ -58,6 +63,35 @@ static inline uint32_t sp_map_node(sp_real steps, uint32_t n)
     return node < n - 1u ? node : n - 2u;
 }
 
+/* Way from there to the next node, 0 to 1: the bounds act on no place, and show to a proof. */
+static inline sp_real sp_map_way(sp_real steps, uint32_t node)
+{
+    const sp_real way = steps - (sp_real)node;
+    if (!(way > (sp_real)0)) {
+        return (sp_real)0;
+    }
+    return way < (sp_real)1 ? way : (sp_real)1;
+}
+
+/* A number of all materials, of which those of the next one lie n_curves further. */
+static inline sp_real sp_map_mixed(const sp_map_config *config, const sp_real *amount,
+                                   const sp_real *of_first)
+{
+    sp_real mixed = amount[0] * of_first[0];
+    for (uint32_t r = 1; r < config->n_materials; r++) {
+        mixed += amount[r] * of_first[r * config->n_curves];
+    }
+    return mixed;
+}
+
+/* Raise what is divided by to `least`: all amounts of a place may be 0. */
+static inline void sp_map_raise(sp_real *values, uint32_t n, sp_real least)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        values[i] = values[i] > least ? values[i] : least;
+    }
+}
+
 /* Mix the curves of the place that waits, if one does. amounts: [nodes_x][nodes_y][n_materials];
  * materials: [n_materials][n_curves]; curves: [n_curves]. */
 static inline void sp_map_take(const sp_map_config *config, sp_map_state *state,
@@ -69,19 +103,20 @@ static inline void sp_map_take(const sp_map_config *config, sp_map_state *state,
     state->waits = 0u;
     const uint32_t i = sp_map_node(state->x, config->nodes_x);
     const uint32_t j = sp_map_node(state->y, config->nodes_y);
-    const sp_real x = state->x - (sp_real)i;
-    const sp_real y = state->y - (sp_real)j;
-    const sp_real *near = amounts + (i * config->nodes_y + j) * config->n_materials;
-    const sp_real *far = near + config->nodes_y * config->n_materials;
-    for (uint32_t r = 0; r < config->n_materials; r++) {
+    const sp_real x = sp_map_way(state->x, i);
+    const sp_real y = sp_map_way(state->y, j);
+    const uint32_t n = config->n_materials;
+    const sp_real *near = amounts + (i * config->nodes_y + j) * n;
+    const sp_real *far = near + config->nodes_y * n;
+    sp_real amount[SP_MAP_MATERIALS] = {(sp_real)0};
+    for (uint32_t r = 0; r < n; r++) {
         const sp_real low = ((sp_real)1 - x) * ((sp_real)1 - y) * near[r];
-        const sp_real left = ((sp_real)1 - x) * y * near[r + config->n_materials];
+        const sp_real left = ((sp_real)1 - x) * y * near[r + n];
         const sp_real right = x * ((sp_real)1 - y) * far[r];
-        const sp_real amount = low + left + right + x * y * far[r + config->n_materials];
-        const sp_real *material = materials + r * config->n_curves;
-        for (uint32_t k = 0; k < config->n_curves; k++) {
-            curves[k] = r > 0u ? curves[k] + amount * material[k] : amount * material[k];
-        }
+        amount[r] = low + left + right + x * y * far[r + n];
+    }
+    for (uint32_t k = 0; k < config->n_curves; k++) {
+        curves[k] = sp_map_mixed(config, amount, materials + k);
     }
 }
 

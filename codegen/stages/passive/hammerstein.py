@@ -255,7 +255,7 @@ class HammersteinStage(Stage):
             f"state->{name}_surface.u = {name}_u;",
             f"state->{name}_surface.force_n = (sp_real)0;",
         ]
-        taken = [] if self.placed is None else [self.placed.take(name), *self._pointers()]
+        taken = [] if self.placed is None else [*self.placed.take(name), *self._pointers()]
         resting = ("spring", "branches", "stops")
         unused = tuple(f"const sp_real *{each} " for each in self.curves if each not in resting)
         return [

@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.literals import array_text, struct_text
+from springpot.codegen.literals import array_text, literal, struct_text
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import amounts_at, grid_steps, mixed
+from springpot.codegen.stages.passive.surface import LEAST
 from springpot.codegen.stages.stage import REAL, U32, Member
 
+_STIFFEST = "stiffest"
 _ROUNDED_UP = 1.0 + 1e-5
 Taken = Sequence[tuple[int, tuple[float, float]]]  # ticks in which a place is taken, and which
 
@@ -41,7 +43,7 @@ class PlacedCurves:
 
     amounts: (nodes in x, nodes in y, materials). materials: (materials, curves), the numbers of all
     curves of each, end to end; sizes: of each array that they hold, by its name in the C, in order.
-    start_m: the place until another is chosen.
+    start_m: the place until another is chosen. least: of what the surface divides by, N a piece.
     """
 
     config: MapConfig
@@ -49,6 +51,7 @@ class PlacedCurves:
     materials: Reals
     sizes: dict[str, int]
     start_m: tuple[float, float]
+    least: Real
 
     headers = ("sp_map.h",)
 
@@ -73,10 +76,20 @@ class PlacedCurves:
             struct_text("place_map", "sp_map_config", self.config),
         ]
 
-    def take(self, name: str) -> str:
-        """Line that mixes the curves of the place that waits, if one does."""
+    def take(self, name: str) -> list[str]:
+        """Lines that mix the curves of the place that waits, if one does."""
         states = f"&state->{name}_map, amounts, materials, state->{name}_curves"
-        return f"sp_map_take(&place_map, {states});"
+        lines = [f"sp_map_take(&place_map, {states});"]
+        if _STIFFEST in self.sizes:
+            begin = sum(size for _, size in self._before(_STIFFEST))
+            count, least = self.sizes[_STIFFEST], literal(self.least)
+            lines.append(f"sp_map_raise(state->{name}_curves + {begin}, {count}, {least});")
+        return lines
+
+    def _before(self, name: str) -> list[tuple[str, int]]:
+        """Arrays that come before one, and their sizes."""
+        arrays = list(self.sizes.items())
+        return arrays[: list(self.sizes).index(name)]
 
     def pointers(self, name: str) -> list[str]:
         """Lines that declare the mixed arrays under the names of what is constant elsewhere."""
@@ -112,7 +125,10 @@ class PlacedCurves:
         """Curves at a place, m, by their names in the C."""
         amount = amounts_at(self.amounts, *self._grid(place_m))
         ends = np.cumsum([*self.sizes.values()])[:-1]
-        return dict(zip(self.sizes, np.split(mixed(amount, self.materials), ends), strict=True))
+        curves = dict(zip(self.sizes, np.split(mixed(amount, self.materials), ends), strict=True))
+        if _STIFFEST in curves:
+            curves[_STIFFEST] = np.maximum(curves[_STIFFEST], self.least)
+        return curves
 
 
 def placed_curves(
@@ -124,8 +140,8 @@ def placed_curves(
         return None
     of_materials = [curves_of(model.with_slopes(slopes_n)) for slopes_n in places.slopes_n]
     for curves in of_materials:
-        if "stiffest" in curves:  # stays a bound when mixing is rounded
-            curves["stiffest"] = _ROUNDED_UP * curves["stiffest"]
+        if _STIFFEST in curves:  # stays a bound when mixing is rounded
+            curves[_STIFFEST] = _ROUNDED_UP * curves[_STIFFEST]
     flat = [np.concatenate([its.ravel() for its in curves.values()]) for curves in of_materials]
     materials = np.stack(flat).astype(dtype)
     first_x_m, first_y_m = places.first_m.astype(dtype)
@@ -136,4 +152,5 @@ def placed_curves(
         materials,
         {name: values.size for name, values in of_materials[0].items()},
         places.stiffest_m,
+        dtype(LEAST * max(float(its.get(_STIFFEST, np.zeros(1)).max()) for its in of_materials)),
     )

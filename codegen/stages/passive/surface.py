@@ -11,7 +11,7 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import curve_place, pieces_of_one
 from springpot.codegen.stages.stage import REAL, Member
 
-_LEAST = 1e-6  # of the stiffest piece: what no spring resists would come back at once
+LEAST = 1e-6  # of the stiffest piece: what no spring resists would come back at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ def surface_of(most_n: Samples, dtype: type[Any]) -> RecoveringSurface:
     most_n: the most that the force rises at each node, (J,), N for u from 0 to 1.
     """
     stiffest = np.append(np.maximum(most_n[1:], most_n[:-1]), most_n[-1])
-    stiffest = np.maximum(stiffest, _LEAST * max(float(stiffest.max()), 1e-3))
+    stiffest = np.maximum(stiffest, LEAST * max(float(stiffest.max()), 1e-3))
     # Rounded up, so that it is a bound in the scene's number type too.
     rounded = np.nextafter((stiffest / pieces_of_one(len(most_n))).astype(dtype), dtype(np.inf))
     return RecoveringSurface(rounded)

@@ -66,15 +66,7 @@ def training_rows(
             f"orders: {reduced['rmse_n']:.4g} N for {asked['rmse_n']:.4g} N, "
             f"{reduced['nodes']} nodes for {asked['nodes']}"
         )
-    most_folds = max((score["folds"] for score in result.get("scores", ())), default=0)
-    for score in result.get("scores", ()):
-        mark = " <- chosen" if score["name"] == result["chosen"] else ""
-        if score["folds"] < most_folds:
-            mark = f": given up after {score['folds']} of {most_folds} folds"
-        rows[f"  {score['name']}"] = (
-            f"{score['mean_n']:.4g} N held out (recordings {score['recordings_n']:.4g}, "
-            f"conditions {score['conditions_n']:.4g}){mark}"
-        )
+    rows |= _score_rows(result)
     if "why" in result:
         rows["  why"] = result["why"]
     for what, (value, width) in result.get("material", {}).items():
@@ -93,6 +85,22 @@ def training_rows(
         )
         rows |= ratio_rows(result)
         rows["slope error"] = slope_words(result)
+    return rows
+
+
+def _score_rows(result: dict[str, Any]) -> dict[str, str]:
+    """Held-out errors of the candidates of `auto`."""
+    rows = {}
+    scores = result.get("scores", ())
+    most_folds = max((score["folds"] for score in scores), default=0)
+    for score in scores:
+        mark = " <- chosen" if score["name"] == result["chosen"] else ""
+        if score["folds"] < most_folds:
+            mark = f": given up after {score['folds']} of {most_folds} folds"
+        rows[f"  {score['name']}"] = (
+            f"{score['mean_n']:.4g} N held out (recordings {score['recordings_n']:.4g}, "
+            f"conditions {score['conditions_n']:.4g}){mark}"
+        )
     return rows
 
 

@@ -141,15 +141,9 @@ def import_(
 
     mapping = parse_map(map_text) if map_text else None
     conditioning = Conditioning(
-        position_delay_s,
-        force_delay_s,
-        align,
-        mass_kg,
-        frame_npm,
-        tare,
-        contact_force,
+        position_delay_s, force_delay_s, align, mass_kg, frame_npm, tare, contact_force,
         accept_signs,
-    )
+    )  # fmt: skip
     options = ImportOptions(
         dbc, block, decimal, conditioning, _specimen(area_m2, height_m),
         place_m=parse_place(place) if place else None,
@@ -168,12 +162,12 @@ def import_(
         recordings = one_session(recordings, rest_s)
     report = report_quality(recordings)
     rows = _rows(_write(out, recordings), report)
-    if as_json:
-        guess = "\n".join(result.guess for result in results)
-        findings = [finding.metadata() for finding in report.findings]
-        print_json({"out": out, "recordings": rows, "guess": guess, "findings": findings})
-    else:
+    if not as_json:
         _show(rows)
+        return
+    guess = "\n".join(result.guess for result in results)
+    findings = [finding.metadata() for finding in report.findings]
+    print_json({"out": out, "recordings": rows, "guess": guess, "findings": findings})
 
 
 def _specimen(area_m2: float | None, height_m: float | None) -> Specimen | None:

@@ -68,9 +68,7 @@ def run(
     from springpot.trainer.recordings.recording import RECORDING_SUFFIX
 
     if log is not None and log.suffix != RECORDING_SUFFIX:
-        raise UsageError(
-            f"{log}: a log is a recording: give it a name ending in {RECORDING_SUFFIX}"
-        )
+        raise UsageError(f"{log}: a log is a recording: give a name ending in {RECORDING_SUFFIX}")
 
     def report(line: str) -> None:
         if line != session.line:  # why it ended is printed once: in the table, or as the error

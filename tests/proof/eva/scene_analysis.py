@@ -28,6 +28,10 @@ _OPTIONS = (
 )  # fmt: skip
 # The portable traversal of a forest: no vector units.
 _FLAGS = ("-I.", "-U__x86_64__", "-DSP_FOREST_X86_H")
+_PLACE = """    if (Frama_C_interval(0, 1)) {
+        sp_place(&state, anything(), anything());
+    }
+"""
 # Bounds that the analysis tries, one after the other, for a number that grows in the loop.
 _BOUNDS = tuple(8.0**power for power in range(-3, 19))
 
@@ -48,6 +52,7 @@ def analyse_scene(
         ("@FLOATS@", ", ".join(repr(float(bound)) for bound in floats)),
         ("@WHOLE@", ", ".join(map(str, sorted(_last_places(text))))),
         ("@LAWS@", str(int(laws))),
+        ("@PLACE@", _PLACE if "void sp_place(" in text else ""),
         ("@CALLS@", "2" if "sp_step_dt(" in text else "1"),
     ):
         driver = driver.replace(mark, value)

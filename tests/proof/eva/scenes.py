@@ -12,6 +12,7 @@ from support.small import damage, flow, scene, training
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
+from springpot.codegen.model.places import Places
 from springpot.codegen.plan.plan import make_plan
 from springpot.trainer.kinds import KINDS, fit_model
 from springpot.trainer.models import hybrid
@@ -70,6 +71,8 @@ def proved_scenes() -> Iterator[ProvedScene]:
         for coupling in ("off", "tool", "proxy"):
             for number in ("float32", "float64"):
                 yield ProvedScene(kind, cast(Mode, coupling), number)
+    for coupling, number in (("off", "float32"), ("off", "float64"), ("proxy", "float32")):
+        yield ProvedScene("placed", cast(Mode, coupling), number)
     for kind in ("hammerstein", "rbf-pv"):
         yield ProvedScene(kind, "proxy", "float32", contact="always", velocity="device")
 
@@ -94,12 +97,18 @@ def emit_scene(proved: ProvedScene, folder: Path) -> Path:
 def _model(kind: str) -> Model:
     if kind == "fir-fast":
         return fit_model("rbf-fd", "x", training(), replace(_OPTIONS, engine="fir-fast")).model
-    if kind != "by-depth":
+    if kind not in ("by-depth", "placed"):
         with mock.patch.multiple(hybrid, HYBRID_TREES=4, HYBRID_LEAF=300):
             return fit_model(kind, "x", training(), _OPTIONS).model
     model = _model("hammerstein")
     passive = model.hammerstein
     assert passive is not None
+    if kind == "placed":
+        slopes_n = np.stack([passive.slopes_n, 0.2 * passive.slopes_n])
+        amounts = np.random.default_rng(1).uniform(0.0, 1.0, (3, 4, 2))
+        places = Places(np.array([-0.01, 0.0]), np.array([0.01, 0.005]), amounts, slopes_n)
+        bounded = replace(passive.with_slopes(places.most_n), places=places)
+        return replace(model, hammerstein=bounded)
     curve = np.ones_like(passive.elastic_n)
     branch_n = np.linspace(0.1, 0.4, len(_LAWS["tau_s"]))[:, None] * curve
     special = replace(
