@@ -104,8 +104,9 @@ class Recording(Faces):
                     f"{self.name}: {channel} is not finite at row {bad[0]} "
                     f"({len(bad)} rows in all): cut or repair those rows in the source"
                 )
-        low_m, high_m = np.quantile(self.position_m, (0.01, 0.99))  # a spike is held, not refused
-        travel_m = float(high_m - low_m)
+        # Without the outermost hundredths: a spike is held, not refused.
+        low_m, high_m = np.quantile(self.position_m, (0.01, 0.99), method="nearest").tolist()
+        travel_m = high_m - low_m
         if travel_m > _MOST_M and self.source in ("", _FRAME):
             raise DataError(
                 f"{self.name}: position_m spans {travel_m:.4g} m: are these mm? give positions in "

@@ -83,7 +83,7 @@ def test_round_trip(
 ) -> None:
     samples = np.array(values)
     written = Recording(
-        safe_recording_name(text), samples, -samples, dt_s, "min", 0.1, 0.2, text, details
+        safe_recording_name(text), samples, -samples, dt_s, "min", 0.1, 0.2, f"of {text}", details
     )
     write_recording(tmp_path / "a.h5", written)
     read = read_recording(tmp_path / "a.h5")
