@@ -8,8 +8,8 @@ static const double pitch_m = 0.0005;
 static const double stiffening_pm = 80.0; /* a column of 20 mm, squeezed by a quarter: + 40 % */
 
 static const double foundation_npm3 = 9e6; /* 10 N at 6 mm, on the plain ground */
-static const double branch_share = 0.25;   /* of the slow stiffness, each */
-static const double branch_s[SIM_LUMP_BRANCHES] = {0.02, 0.2, 2.0};
+static const double column_share = 0.25;   /* of the slow stiffness, each */
+static const double relaxes_s[SIM_LUMP_BRANCHES] = {0.02, 0.2, 2.0};
 
 /* The ground itself is uneven by so much, in hills of 10 mm. */
 static const double uneven = 0.03;
@@ -57,9 +57,9 @@ static void put_column(sim_lump *lump, double x_m, double y_m, double far_m)
     lump->squeezed_m[i] = 0.0;
     lump->slope[i] = 1.0;
     for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
-        lump->gain[k][i] = -expm1(-lump->step_s / (slower * branch_s[k]));
+        lump->gain[k][i] = -expm1(-lump->step_s / (slower * relaxes_s[k]));
         lump->memory_m[k][i] = 0.0;
-        lump->slope[i] += branch_share * (1.0 - 0.5 * lump->gain[k][i]);
+        lump->slope[i] += column_share * (1.0 - 0.5 * lump->gain[k][i]);
     }
     lump->per_slope[i] = 1.0 / lump->slope[i];
 }
@@ -78,7 +78,7 @@ void sim_lump_place(sim_lump *lump, double x_m, double y_m)
 }
 
 /* What the branches hold of each column as the step begins, m, into held_m. */
-static void hold(const sim_lump *lump, double *held_m)
+static void columns_hold(const sim_lump *lump, double *held_m)
 {
     for (int i = 0; i < lump->columns; i++) {
         held_m[i] = 0.0;
@@ -88,7 +88,7 @@ static void hold(const sim_lump *lump, double *held_m)
         const double *memory_m = lump->memory_m[k];
         for (int i = 0; i < lump->columns; i++) {
             double half_m = 0.5 * lump->squeezed_m[i];
-            held_m[i] += branch_share * (memory_m[i] + gain[i] * (half_m - memory_m[i]));
+            held_m[i] += column_share * (memory_m[i] + gain[i] * (half_m - memory_m[i]));
         }
     }
 }
@@ -101,7 +101,7 @@ double sim_lump_step(void *material, double tool_m)
     double held_m[SIM_LUMP_COLUMNS];
     double mean_m[SIM_LUMP_COLUMNS];
     double force_n = 0.0;
-    hold(lump, held_m);
+    columns_hold(lump, held_m);
     for (int i = 0; i < lump->columns; i++) {
         double under_m = tool_m - lump->below_m[i];
         double inside_m = under_m > 0.0 ? under_m : 0.0;

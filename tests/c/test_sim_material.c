@@ -2,6 +2,7 @@
 #include "sim_contact.c"
 #include "sim_damaged.c"
 #include "sim_elastomer.c"
+#include "sim_lump.c"
 #include "sim_material.c"
 #include "sim_noise.c"
 #include "sim_object.c"
