@@ -84,10 +84,10 @@ def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
     # Other compilers and scikit-learns differ by a few bytes and nodes; on another processor a
     # fit's last bits do, and so the lags that it keeps.
     for said, given_bytes in zip((flash, ram, stack), found.groups(), strict=True):
-        assert int(given_bytes) == pytest.approx(int(said), rel=0.05)
+        assert int(given_bytes) == pytest.approx(int(said), rel=0.1)
     told = re.search(r"at most (\d+) a tick", printed)
     assert told
-    assert int(told[1]) == pytest.approx(int(bound), rel=0.05)
+    assert int(told[1]) == pytest.approx(int(bound), rel=0.1)
     printed = " ".join(run_page("how-to/microcontroller.md", tmp_path, "board").split())
     assert "what was felt is what the model says" in printed
 
