@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.emit.glue import public_header, scene_header, scene_source
-from springpot.codegen.emit.golden import backward_velocity, golden_positions, probe_inputs
+from springpot.codegen.emit.golden import (
+    backward_velocity,
+    golden_places,
+    golden_positions,
+    probe_inputs,
+)
 from springpot.codegen.emit.project import filled, selftest_source
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model.model_file import model_hash
@@ -197,7 +202,7 @@ def golden_arrays(plan: Plan) -> list[str]:
     columns = {"golden_position": positions}
     if velocities is not None:
         columns["golden_velocity"] = velocities
-    run = run_reference(plan, positions, velocities)
+    run = run_reference(plan, positions, velocities, places=golden_places(plan))
     columns["golden_force"] = run.force_n
     if plan.features is not None and (probe := plan.features.probe()) is not None:
         columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))

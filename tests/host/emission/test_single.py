@@ -91,7 +91,7 @@ def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
     for plan, (level, languages) in zip(every_plan("host"), turns, strict=False):
         units.update(planned_headers(plan))
         require_clean(plan, tmp_path / plan.scene.name, level, languages)
-    assert units == {file.name for file in SOURCE.glob("*.h")} - {"sp_map.h"}  # test_placed.py
+    assert units == {file.name for file in SOURCE.glob("*.h")}
 
 
 def test_the_same_forces_as_in_many_files(tmp_path: Path) -> None:
