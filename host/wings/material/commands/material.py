@@ -7,17 +7,27 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot import UsageError
 from springpot.console import PERCENT, POSITIVE, json_option, print_result
 
 if TYPE_CHECKING:
+    from springpot.host.wings.material.law.geometry import Shape
     from springpot.host.wings.material.law.material import Law
 
 
 @click.command()
 @click.argument("model", type=click.Path(path_type=Path))
-@click.option("--tip-mm", type=POSITIVE, help="Diameter of the flat round tip.")
+@click.option(
+    "--geometry",
+    type=click.Choice(["flat", "sphere", "cone", "plates", "bonded-plates"]),
+    default="flat",
+    help="Shape of the tip, or plates, which slide on the specimen or are bonded; default flat.",
+)
+@click.option(
+    "--tip-mm", type=POSITIVE, help="Diameter of the tip; between plates, the specimen's."
+)
 @click.option("--height-mm", type=POSITIVE, help="Height of the specimen; default: very high.")
+@click.option("--depth-mm", type=POSITIVE, help="Mean depth of a sphere or cone.")
+@click.option("--cone-deg", type=POSITIVE, help="Angle of a cone, from axis to side.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for tables and a figure.")
 @click.option(
     "--prony-error",
@@ -34,16 +44,20 @@ if TYPE_CHECKING:
 @json_option
 def material(
     model: Path,
+    geometry: Shape,
     tip_mm: float | None,
     height_mm: float | None,
+    depth_mm: float | None,
+    cone_deg: float | None,
     out: Path | None,
     prony_error: float,
     accept_unidentified: bool,
     as_json: bool,
 ) -> None:
-    """Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."""
+    """Material of a MODEL of kind springpot: shear moduli need the tip's sizes, else stiffness."""
     from springpot import read_model
-    from springpot.host.wings.material.law.material import law_of, prony_of, shear_pa_per_npm
+    from springpot.host.wings.material.law.geometry import Geometry
+    from springpot.host.wings.material.law.material import law_of, prony_of
     from springpot.host.wings.material.result import (
         material_result,
         require_identified,
@@ -51,13 +65,12 @@ def material(
         write_material,
     )
 
-    if height_mm is not None and tip_mm is None:
-        raise UsageError("--height-mm: give --tip-mm as well")
+    sizes = (tip_mm, height_mm, depth_mm, cone_deg)
+    scale = None
+    if geometry != "flat" or any(size is not None for size in sizes):
+        scale = Geometry(geometry, *sizes).shear_pa_per_npm
     fitted = read_model(model)
     law, prony = law_of(fitted), prony_of(fitted)
-    scale = None
-    if tip_mm is not None:
-        scale = shear_pa_per_npm(1e-3 * tip_mm, None if height_mm is None else 1e-3 * height_mm)
     result = material_result(law, prony, scale, accept_unidentified)
     if out is not None and not accept_unidentified:
         require_identified(law)

@@ -12,9 +12,9 @@ import numpy as np
 from springpot import Recording
 from springpot.basics import Samples
 from springpot.host.wings.material.law.fractional_solid import Solid
+from springpot.host.wings.material.law.material import jackknife
 from springpot.modelling import Coverage, find_coverage, find_cycles
 
-_CONFIDENCE = 1.96  # standard errors of a 95 % interval
 _NEARLY = 1.02  # of the lowest RMS error
 _WIDEST_ORDER = 0.1  # half an interval
 _WIDEST_SHARE = 0.2  # of the stiffness that was recorded, half an interval
@@ -37,7 +37,11 @@ def law_metadata(
     sizes_n: RMS of force, of what the law misses, and of its rate dependence.
     """
     names = [name for name in _NAMES if getattr(solid, name) is not None]
-    widths = {name: _jackknife([getattr(other, name) for other in others]) for name in names}
+    left_out = [[getattr(other, name) for name in _NAMES] for other in others]
+    widths = {
+        name: float(jackknife(np.array([getattr(other, name) for other in others])))
+        for name in names
+    }
     near = profile[0][profile[1] <= _NEARLY * profile[1].min()]
     low, high = float(near.min()), float(near.max())
     widths["order"] = max(widths["order"], (high - low) / 2)
@@ -49,6 +53,7 @@ def law_metadata(
             name: [getattr(solid, name), None if name in unidentified else widths[name]]
             for name in names
         },
+        "left_out": left_out,
         "not_identified": unidentified,
         "residual_n": sizes_n[1],
         "residual_percent": 100.0 * sizes_n[1] / sizes_n[0] if sizes_n[0] else 0.0,
@@ -68,13 +73,6 @@ def _dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
         }
         for cycles in sorted(found, key=lambda cycles: cycles.frequency_hz)
     ]
-
-
-def _jackknife(values: Sequence[float]) -> float:
-    """Return half width of a 95 % interval."""
-    n, found = len(values), np.array(values)
-    error = np.sqrt((n - 1) / n * np.sum(np.square(found - found.mean())))
-    return float(_CONFIDENCE * error)
 
 
 def _unidentified(
