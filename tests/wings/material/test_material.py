@@ -240,13 +240,35 @@ def test_each_shape_gives_the_modulus_of_its_published_force() -> None:
         (Geometry("flat", 6.0, 0.035), "more than 20 times as wide.*both are in mm"),
         (Geometry("sphere", tip_mm=6.0), "give --depth-mm as well"),
         (Geometry("sphere", tip_mm=6.0, depth_mm=4.0), "deeper than the sphere's radius, 3 mm"),
-        (Geometry("sphere", 6.0, 35.0, 1.0), "--height-mm: no size of --geometry sphere"),
+        (Geometry("sphere", 6.0, 35.0, 1.0), "--height-mm: --geometry sphere has no such size"),
         (Geometry("cone", depth_mm=1.0, cone_deg=90.0), "below 90"),
     ],
 )
 def test_sizes_that_do_not_fit_are_refused(geometry: Geometry, told: str) -> None:
     with pytest.raises(UsageError, match=told):
         _ = geometry.shear_pa_per_npm
+
+
+@pytest.mark.parametrize("sizes", [(0.02, None), (6.0, 0.035), (0.006, None)])
+def test_sizes_in_metres_are_refused(sizes: tuple[float, float | None]) -> None:
+    with pytest.raises(UsageError, match="mm deep: give mm"):
+        Geometry("flat", *sizes).require_plausible(3e-3)
+    for geometry in (TIP, Geometry("cone", depth_mm=2.0, cone_deg=45.0)):
+        geometry.require_plausible(3e-3)
+        assert geometry.words
+
+
+def test_what_begins_under_load_is_not_identified() -> None:
+    """What came before the first sample is felt in it: no interval can hold the truth."""
+    whole = springpot_recordings(1000.0, 400.0, 0.3)
+    assert not law_of(fit_model("springpot", "x", whole, FitOptions()).model).not_identified
+    for zero_force_n, left in ((0.0, False), (5.0, True)):
+        cut = [
+            dataclasses.replace(r, zero="first", details={"zero_force_n": zero_force_n})
+            for r in whole
+        ]  # fmt: skip
+        law = law_of(fit_model("springpot", "x", cut, FitOptions()).model)
+        assert ("begins under 5 N" in law.not_identified.get("stiffness_npm", "")) == left
 
 
 def test_the_interval_of_a_modulus_holds_the_truth() -> None:

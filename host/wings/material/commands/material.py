@@ -66,21 +66,25 @@ def material(
     )
 
     sizes = (tip_mm, height_mm, depth_mm, cone_deg)
-    scale = None
-    if geometry != "flat" or any(size is not None for size in sizes):
-        scale = Geometry(geometry, *sizes).shear_pa_per_npm
     fitted = read_model(model)
     law, prony = law_of(fitted), prony_of(fitted)
+    scale, pressed = None, "give the sizes of tip and specimen, see `springpot material --help`"
+    if geometry != "flat" or any(size is not None for size in sizes):
+        of = Geometry(geometry, *sizes)
+        scale, pressed = of.shear_pa_per_npm, of.words
+        of.require_plausible(fitted.trained.max_m - fitted.trained.min_m)
     result = material_result(law, prony, scale, accept_unidentified)
     if out is not None and not accept_unidentified:
         require_identified(law)
     require_prony(result, prony_error)
     files = [] if out is None else write_material(out, law, prony, scale)
-    print_result(result | {"files": files}, as_json, material_rows(result, law, out))
+    print_result(result | {"files": files}, as_json, material_rows(result, law, out, pressed))
 
 
-def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[str, str]:
-    """Return a person's view."""
+def material_rows(
+    result: dict[str, Any], law: Law, out: Path | None, pressed: str
+) -> dict[str, str]:
+    """Return a person's view. pressed: what the modulus is taken from, or how to get one."""
     rows = {
         "stiffness": _quoted(law, "stiffness_npm", "N/m, at rest"),
         "coefficient": _quoted(law, "coefficient", "N s^order/m"),
@@ -94,8 +98,10 @@ def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[st
         width = "" if width_pa is None else f" +- {width_pa / 1e3:.2g}"
         sure = "not identified" if width_pa is None else "95 %"
         rows["shear modulus"] = (
-            f"{result['shear_modulus_pa'] / 1e3:.4g}{width} kPa ({sure}; small depths)"
+            f"{result['shear_modulus_pa'] / 1e3:.4g}{width} kPa ({sure}; small depths; {pressed})"
         )
+    elif result["unit"] != "pa":
+        rows["shear modulus"] = pressed
     if law.residual_percent is not None:
         rows["missed"] = f"{law.residual_percent:.3g} % of the force that varies, rms"
     low_hz, high_hz = law.covered_hz or (0.0, float("inf"))

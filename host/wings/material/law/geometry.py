@@ -10,6 +10,7 @@ from springpot import UsageError
 from springpot.basics import Samples
 
 Shape = Literal["flat", "sphere", "cone", "plates", "bonded-plates"]
+_NARROW = 0.02  # of the depth: a needle, into which nothing soft is pressed without a cut
 _MAX_TIP = 20  # diameter over height: beyond, 40 nodes are too few
 _NODES = 40  # of the layer's integral equation
 _POISSON = 0.5  # rubbers keep their volume
@@ -56,6 +57,27 @@ class Geometry:
             return 1.0 / (8.0 * sqrt(self._m("tip_mm") / 2.0 * self._m("depth_mm")))
         assert self.cone_deg is not None  # Sneddon: x = pi/2 a / tan(angle)
         return pi / (16.0 * self._m("depth_mm") * tan(radians(self.cone_deg)))
+
+    @property
+    def words(self) -> str:
+        """What is taken for granted of the specimen, for people."""
+        wide, high = (
+            "" if size is None else f"{size:g} mm" for size in (self.tip_mm, self.height_mm)
+        )
+        if self.shape in ("plates", "bonded-plates"):
+            how = "bonded to" if self.shape == "bonded-plates" else "sliding on"
+            return f"{wide} wide, {high} high, {how} the plates"
+        tip = f"flat tip of {wide}" if self.shape == "flat" else self.shape
+        return f"{tip} on a wide " + (f"layer of {high}, bonded below" if high else "block")
+
+    def require_plausible(self, depth_m: float) -> None:
+        """Raise UsageError for sizes that nothing pressed so deep has: metres given as mm."""
+        for name, least_m in (("height_mm", depth_m), ("tip_mm", _NARROW * depth_m)):
+            if getattr(self, name) is not None and self._m(name) <= least_m:
+                raise UsageError(
+                    f"{_OPTIONS[name]} {getattr(self, name):g}: the recordings press "
+                    f"{1e3 * depth_m:.3g} mm deep: give mm"
+                )
 
     def _m(self, name: str) -> float:
         return 1e-3 * float(getattr(self, name))

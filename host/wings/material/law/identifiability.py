@@ -16,6 +16,11 @@ from springpot.host.wings.material.law.material import jackknife
 from springpot.modelling import Coverage, find_coverage, find_cycles
 
 _NEARLY = 1.02  # of the lowest RMS error
+_ORDER_STEP = 3e-4  # to which the search for the order is carried
+_BRANCHED = 5e-4  # of a stiffness: a sum of branches is the law within this
+_PRELOAD = 0.05  # of the force's range, in the first sample
+_RISING = 0.2  # of the mean stiffness: less is free air, in which a cell's offset is no load
+_START = 0.05  # of the travel, about the first sample
 _WIDEST_ORDER = 0.1  # half an interval
 _WIDEST_SHARE = 0.2  # of the stiffness that was recorded, half an interval
 _WIDER = "record a wider range of speeds, and longer holds"
@@ -45,8 +50,13 @@ def law_metadata(
     near = profile[0][profile[1] <= _NEARLY * profile[1].min()]
     low, high = float(near.min()), float(near.max())
     widths["order"] = max(widths["order"], (high - low) / 2)
+    for name, width in widths.items():  # no narrower than the fit's own grid and branches
+        rounding = _ORDER_STEP if name == "order" else _BRANCHED * abs(getattr(solid, name))
+        widths[name] = float(np.hypot(width, rounding))
     coverage = find_coverage(recordings)
     unidentified = _unidentified(solid, widths, (low, high), sizes_n, coverage)
+    if before := _unseen_before(recordings):
+        unidentified = dict.fromkeys(names, before) | unidentified
     return {
         "n_parameters": len(names) + (solid.bias_n != 0.0),
         "material": {
@@ -73,6 +83,23 @@ def _dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
         }
         for cycles in sorted(found, key=lambda cycles: cycles.frequency_hz)
     ]
+
+
+def _unseen_before(recordings: Sequence[Recording]) -> str:
+    """Say that a recording begins in a pressed object, whose memory of it is not known; or ""."""
+    for recording in recordings:
+        x, f = recording.position_m, recording.force_n
+        load_n = float(f[0]) + float(recording.details.get("zero_force_n", 0.0))
+        near = np.abs(x - x[0]) <= _START * np.ptp(x)
+        if abs(load_n) <= _PRELOAD * np.ptp(f) or np.ptp(x[near]) == 0.0:
+            continue
+        slope = np.polyfit(x[near] - x[0], f[near], 1)[0]
+        if slope > _RISING * np.ptp(f) / np.ptp(x):
+            return (
+                f"{recording.name} begins under {load_n:.3g} N, and the object still relaxes from "
+                "what came before: record from before contact, or after a rest of ten recordings"
+            )
+    return ""
 
 
 def _unidentified(
