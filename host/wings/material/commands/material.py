@@ -54,7 +54,7 @@ def material(
     accept_unidentified: bool,
     as_json: bool,
 ) -> None:
-    """Material of a MODEL of kind springpot: shear moduli need the tip's sizes, else stiffness."""
+    """Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."""
     from springpot import read_model
     from springpot.host.wings.material.law.geometry import Geometry
     from springpot.host.wings.material.law.material import law_of, prony_of
