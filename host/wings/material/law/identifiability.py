@@ -121,7 +121,7 @@ def _unidentified(
     unidentified = {"order": why, "coefficient": why} if why else {}
     stiffness_npm = solid.dynamic_npm(coverage.band_hz[0])
     if why or widths["stiffness_npm"] > _WIDEST_SHARE * stiffness_npm:
-        unidentified["stiffness_npm"] = "no hold is long enough to show it: hold longer"
+        unidentified["stiffness_npm"] = why or "no hold is long enough to show it: hold longer"
     instant_npm = solid.instant_npm
     if instant_npm is not None and widths["instant_npm"] > _WIDEST_SHARE * instant_npm:
         unidentified["instant_npm"] = "no press is fast enough to show it: press faster"
