@@ -1,11 +1,13 @@
 """The C and C++ of the documents: compiled as they stand, run, and felt through."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from support.in_process import spring
 from support.paths import ROOT
 from support.small import model_file, scene
 
+from springpot.codegen.scene import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import run_compiler
 from springpot.host.native.scene_library import SceneLibrary
@@ -108,3 +111,21 @@ def test_a_session_on_it_repeats_bit_for_bit(tmp_path: Path) -> None:
     assert not result["crc_errors"]
     checked = json.loads(spring("validate", tmp_path / "c", "--recording", log, "--json").stdout)
     assert checked["mismatches"] == 0
+
+
+def test_the_cs_of_a_game_engine(tmp_path: Path) -> None:
+    """Two states of one library do not meet, seen from C#."""
+    if not (shutil.which("mcs") and shutil.which("mono")):
+        pytest.skip("mono is not installed: apt-get install mono-mcs mono-runtime")
+    text = (ROOT / "docs/how-to/game-engine.md").read_text()
+    (tmp_path / "Points.cs").write_text(re.findall(r"```csharp\n(.*?)```", text, re.DOTALL)[0])
+    chosen = replace(scene(), runtime=Runtime(number="float32", prefix="eco"))
+    emit(chosen, model_file(tmp_path), tmp_path / "eco", single=True)
+    library = ["-O2", "-shared", "-fPIC", "-o", str(tmp_path / "libeco.so")]
+    run_compiler([*library, str(tmp_path / "eco/eco.c"), "-lm"])
+    subprocess.run(["mcs", "Points.cs"], cwd=tmp_path, check=True)
+    found = {"LD_LIBRARY_PATH": str(tmp_path), "PATH": os.environ["PATH"]}
+    out = subprocess.run(
+        ["mono", "Points.exe"], cwd=tmp_path, env=found, check=True, capture_output=True, text=True
+    ).stdout
+    assert re.search(r"0\.0040 m [1-9]|0\.0040 m 0\.[0-9]*[1-9]", out), out
