@@ -150,7 +150,12 @@ def _api(plan: Plan, manifest: str) -> str:
         of_map = f"state->{plan.passive.follows}_map"
         init = [f"sp_map_place(&place_map, &{of_map}, {start});", f"{of_map}.waits = 1u;",
                 "take_place(state);"]  # fmt: skip
-        kept = ["sp_map_state place = {0};", "if (state != NULL) {", f"    place = {of_map};", "}"]
+        kept = [
+            "sp_map_state place = {(sp_real)0, (sp_real)0, 0u};",
+            "if (state != NULL) {",
+            f"    place = {of_map};",
+            "}",
+        ]
         again = ["if (state != NULL) {", f"    {of_map} = place;", f"    {of_map}.waits = 1u;",
                  "    take_place(state);", "}"]  # fmt: skip
     return filled(
