@@ -69,6 +69,21 @@ class Coupling:
 
 
 @dataclass(frozen=True)
+class ScenePlaces:
+    """An object that is not the same everywhere.
+
+    >>> ScenePlaces(mode="lateral")
+    ScenePlaces(mode='lateral')
+    """
+
+    __pydantic_config__ = _CLOSED
+    mode: Literal["held", "lateral"] = "held"
+    """`"held"`: a place is chosen off the object and stays; `"lateral"`: besides, `sp_step3` lets a
+    tool slide on it, and gives a lateral force."""
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True)
 class Smoothing:
     """Exponential moving average of the force; 0 leaves it out.
 
@@ -199,6 +214,7 @@ class Scene:
     """Model file of `springpot train`, from where the scene file is. May be: a path."""
     runtime: Runtime = field(default_factory=Runtime)
     coupling: Coupling = field(default_factory=Coupling)
+    places: ScenePlaces = field(default_factory=ScenePlaces)
     smoothing: Smoothing = field(default_factory=Smoothing)
     guard: Guard = field(default_factory=Guard)
     device: Device = field(default_factory=Device)

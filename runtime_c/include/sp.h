@@ -79,6 +79,15 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 void sp_place(sp_state *state, sp_real x_m, sp_real y_m);
 
 /* springpot places end */
+/* springpot lateral begin */
+/* The same for a tool of three axes, which slides: x, y and depth (m) in, the force on it along the
+ * three (N) out; velocity_mps (m/s) is not read, and may be null. The place follows the tool, so
+ * that sp_place is not for this. Do not mix with sp_step on one state: call sp_reset between. */
+int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocity_mps[3],
+             sp_real force_n[3]);
+int sp_idle3(sp_state *state, sp_real dt_s, sp_real force_n[3]);
+
+/* springpot lateral end */
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
  * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()
