@@ -66,6 +66,9 @@ static inline sp_real sp_stored(const sp_hammerstein_config *config,
     for (uint32_t i = 0; i < n; i++) {
         const sp_real *curve = tables->branches + i;
         const sp_real z = g[i] - held[i];
+        if (!(g[i] > (sp_real)0) && !(z > (sp_real)0)) {
+            continue; /* at rest at the surface, and what fills a vector */
+        }
         const sp_curve_place y = sp_stored_where(curve, n, pieces, z);
         const sp_real apart =
             sp_stored_area(its + i, curve, n, place) - sp_stored_area(its + i, curve, n, y);

@@ -36,11 +36,12 @@ def stored(stage: HammersteinStage, areas: Reals, place: Place, held: Reals, pla
         areas, [pieces, *(pieces * (1 + branches + k) for k in range(config.n_stops))]
     )
     total = _area(spring[:, None], stage.spring[:, :, None], place)[0]
-    z = curve_values(stage.branches, place)[0] - held
+    g = curve_values(stage.branches, place)[0]
+    z = g - held
     where = _where(stage.branches, z)
     its = of_branches.reshape(pieces, branches)
     apart = _area(its, stage.branches, place) - _area(its, stage.branches, where)
-    for each in apart - z * _way(where, place):
+    for each in (apart - z * _way(where, place))[(g > 0) | (z > 0)]:
         total = total + each
     for k, its in enumerate(of_stops):
         stop = stage.stops[k][:, :, None]

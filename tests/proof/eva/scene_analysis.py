@@ -32,6 +32,13 @@ _PLACE = """    if (Frama_C_interval(0, 1)) {
         sp_place(&state, anything(), anything());
     }
 """
+_SLIDE = """    if (Frama_C_interval(0, 1)) {
+        const sp_real at[3] = {anything(), anything(), x};
+        sp_real slid_n[3];
+        return Frama_C_interval(0, 1) ? sp_step3(&state, at, NULL, slid_n)
+                                      : sp_idle3(&state, x, slid_n);
+    }
+"""
 # Bounds that the analysis tries, one after the other, for a number that grows in the loop.
 _BOUNDS = tuple(8.0**power for power in range(-3, 19))
 
@@ -53,6 +60,7 @@ def analyse_scene(
         ("@WHOLE@", ", ".join(map(str, sorted(_last_places(text))))),
         ("@LAWS@", str(int(laws))),
         ("@PLACE@", _PLACE if "void sp_place(" in text else ""),
+        ("@SLIDE@", _SLIDE if "int sp_step3(" in text else ""),
         ("@CALLS@", "2" if "sp_step_dt(" in text else "1"),
     ):
         driver = driver.replace(mark, value)
