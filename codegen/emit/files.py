@@ -145,6 +145,7 @@ def _places(plan: Plan) -> dict[str, Any]:
             "nodes": list(places.nodes),
             "materials": len(places.slopes_n),
             "start_m": list(places.stiffest_m),
+            **({} if plan.lateral is None else {"mode": plan.scene.places.mode}),
         }
     }
 

@@ -234,7 +234,8 @@ class _Loop:
             square = square + n * n
         length = np.sqrt(square)
         known = length > self._real(SMALLEST)
-        self._unit = [n / length if known else self._real(0) for n in unit]
+        one = self._real(1)
+        self._unit = [max(min(n / length, one), -one) if known else self._real(0) for n in unit]
         return length
 
     def _given(self, given_n: Any) -> list[Any]:

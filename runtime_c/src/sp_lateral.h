@@ -127,17 +127,26 @@ static inline void sp_lateral_add(sp_lateral_amount here, sp_real force_n, sp_re
     felt_n[2] += here.amount * force_n;
 }
 
+/* A part of a length, -1 to 1: the bounds act on rounding alone. */
+static inline sp_real sp_lateral_part(sp_real part_n, sp_real length_n)
+{
+    const sp_real part = length_n > SP_SMALLEST ? part_n / length_n : (sp_real)0;
+    const sp_real below = part < (sp_real)1 ? part : (sp_real)1;
+    return below > (sp_real)-1 ? below : (sp_real)-1;
+}
+
 /* Length of a force, N; keeps its direction. */
 static inline sp_real sp_lateral_length(sp_lateral_state *state, const sp_real *felt_n)
 {
     sp_real square = (sp_real)0;
     for (uint32_t k = 0; k < 3; k++) {
         state->unit[k] = sp_flushed(sp_bounded(felt_n[k]));
-        square += state->unit[k] * state->unit[k];
+        const sp_real size_n = sp_abs(state->unit[k]); /* so that its square shows as positive */
+        square += size_n * size_n;
     }
     const sp_real length_n = sp_sqrt(square);
     for (uint32_t k = 0; k < 3; k++) {
-        state->unit[k] = length_n > SP_SMALLEST ? state->unit[k] / length_n : (sp_real)0;
+        state->unit[k] = sp_lateral_part(state->unit[k], length_n);
     }
     return length_n;
 }

@@ -31,11 +31,13 @@ static inline sp_real sp_stored_area(const sp_real *areas, const sp_real *curve,
 static inline sp_curve_place sp_stored_where(const sp_real *curve, uint32_t n_curves,
                                              uint32_t n_pieces, sp_real z)
 {
-    sp_curve_place place = {0, (sp_real)0};
-    while (place.piece + 1 < n_pieces && !(curve[(place.piece + 1) * 2 * n_curves] > z)) {
-        place.piece++;
+    const uint32_t last = n_pieces - 1u;
+    uint32_t piece = 0;
+    while (piece < last && !(curve[(piece + 1) * 2 * n_curves] > z)) {
+        piece++;
     }
-    const sp_real *value = curve + place.piece * 2 * n_curves;
+    sp_curve_place place = {piece, (sp_real)0};
+    const sp_real *value = curve + piece * 2 * n_curves;
     const sp_real slope = value[n_curves];
     const sp_real twice = (sp_real)2 * (z - value[0]);
     const sp_real square = slope * slope + (value[3 * n_curves] - slope) * twice;
@@ -61,7 +63,7 @@ static inline sp_real sp_stored(const sp_hammerstein_config *config,
 {
     const uint32_t pieces = config->n_pieces;
     const uint32_t n = config->n_branches;
-    const sp_real *its = areas + pieces;
+    const sp_real *of_branches = areas + pieces;
     sp_real stored = sp_stored_area(areas, tables->spring, 1, place);
     for (uint32_t i = 0; i < n; i++) {
         const sp_real *curve = tables->branches + i;
@@ -70,19 +72,18 @@ static inline sp_real sp_stored(const sp_hammerstein_config *config,
             continue; /* at rest at the surface, and what fills a vector */
         }
         const sp_curve_place y = sp_stored_where(curve, n, pieces, z);
-        const sp_real apart =
-            sp_stored_area(its + i, curve, n, place) - sp_stored_area(its + i, curve, n, y);
+        const sp_real apart = sp_stored_area(of_branches + i, curve, n, place) -
+                              sp_stored_area(of_branches + i, curve, n, y);
         stored += apart - z * sp_stored_way(y, place);
     }
-    its += n * pieces;
     for (uint32_t k = 0; k < config->n_stops; k++) {
         /* Its first half is part of the spring. */
         const sp_real *curve = tables->stops + k * (pieces + 1) * 2;
         const sp_curve_place y = sp_curve_at(play[k], pieces);
+        const sp_real *its = areas + (1 + n + k) * pieces;
         sp_real z;
         sp_curve(curve, 1, y, &z);
         stored -= sp_stored_area(its, curve, 1, y) + z * sp_stored_way(y, place);
-        its += pieces;
     }
     return stored;
 }
