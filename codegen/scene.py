@@ -72,14 +72,17 @@ class Coupling:
 class ScenePlaces:
     """An object that is not the same everywhere.
 
-    >>> ScenePlaces(mode="lateral")
-    ScenePlaces(mode='lateral')
+    >>> ScenePlaces(mode="lateral", tip_radius_mm=8.0)
+    ScenePlaces(mode='lateral', tip_radius_mm=8.0)
     """
 
     __pydantic_config__ = _CLOSED
     mode: Literal["held", "lateral"] = "held"
     """`"held"`: a place is chosen off the object and stays; `"lateral"`: besides, `sp_step3` lets a
     tool slide on it, and gives a lateral force."""
+    tip_radius_mm: Annotated[float, Interval(gt=0, le=1000)] | None = None
+    """Of the tip that pressed the object, which the mode `"lateral"` needs: fresh ground comes
+    under it over the width of its contact."""
     __repr__ = short_repr
 
 

@@ -5,6 +5,7 @@ from springpot.codegen.emit.tick import indented
 from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.passive.lateral import LateralStage
+from springpot.codegen.stages.passive.maxwell import MaxwellBranches
 
 
 def lateral_functions(plan: Plan) -> list[str]:
@@ -36,8 +37,20 @@ def _functions(plan: Plan, lateral: LateralStage) -> str:
         LEAST=literal(placed.least),
         AREAS=str(lateral.areas.shape[1]),
         SLOW="".join(f"{line}\n" for line in indented(indented(slow))),
+        RENEW="".join(
+            f"        {line}\n" for step in steps for line in _renewed(step, config.n_branches)
+        ),
         STEPS="".join(f"{line}\n" for line in indented(indented(stepped))),
     ).rstrip("\n")
+
+
+def _renewed(step: MaxwellBranches, capacity: int) -> list[str]:
+    at = f"r * {capacity}" + (f" + {step.first}" if step.first else "")
+    slow = f"state->lateral_{step.names.prefix} + r * {step.count}" if step.double else "NULL"
+    return [
+        f"sp_lateral_renew(renewed, {step.count}, state->lateral_before + {at},",
+        f"                 state->lateral_held + {at}, {slow});",
+    ]
 
 
 def _cleared(prefix: str, count: int) -> list[str]:

@@ -16,7 +16,7 @@ from springpot.codegen.reference.run import Run
 from springpot.codegen.stages.model_force import clip
 from springpot.codegen.stages.passive.lateral import LateralStage
 from springpot.codegen.stages.passive.motion import PassiveMotion
-from springpot.codegen.stages.passive.stored import stored
+from springpot.codegen.stages.passive.stored import RENEWED, stored
 from springpot.codegen.stages.passive.surface import RecoveringSurface
 from springpot.codegen.stages.stage import SMALLEST, bounded, flushed
 
@@ -43,7 +43,7 @@ class LateralMotion:
         self._map = stage.placed.config
         zero = dtype(0)
         self.at = [zero, zero, zero]
-        self._off = [zero, zero]
+        self._off, self._drawn = [zero, zero], [zero, zero]
         self._materials: list[PassiveMotion] = []
         self._u: Any = zero
         self._force_n: Any = zero
@@ -52,7 +52,7 @@ class LateralMotion:
         """restart3."""
         self._u, self._force_n = self._share(at[2]), self._real(0)
         self._materials = [PassiveMotion(its, self._u) for its in self._stage.materials]
-        self.at, self._off = list(at), [self._real(0)] * 2
+        self.at, self._off, self._drawn = list(at), [self._real(0)] * 2, [self._real(0)] * 2
 
     def tick(self, at: list[Any]) -> tuple[list[Any], bool, bool]:
         """Force, N, whether the tool touches, and whether the place is on the grid."""
@@ -62,24 +62,52 @@ class LateralMotion:
         tool = self._share(at[2])
         u = self._surface(tool)
         touches = inside and not u > tool
-        off = [o + (was - now) for o, was, now in zip(self._off, self.at, at, strict=False)]
-        self._off = self._off if touches else [bounded(each) for each in off]
-        self.at = list(at)
+        self._move(at, touches)
         amounts, on_grid = self._amounts()
-        felt = [self._real(0)] * 3
+        felt, renewal_j = [self._real(0)] * 3, self._real(0)
         place = curve_place(np.array([u]), self._stage.of_one.config.n_pieces)
         for motion, its, areas, here in zip(
             self._materials, self._stage.materials, self._stage.areas, amounts, strict=True
         ):
             force_n, _ = motion.along(np.array([u]))
             held, play = motion.memory
-            stored_j = stored(its, areas, place, held, play) * self._stage.m_per_piece
+            m_per_piece = self._stage.config.m_per_piece
+            pieces, renewal = stored(its, areas, place, held, play)
+            stored_j = pieces * m_per_piece
+            renewal_j = renewal_j + here[0] * (renewal * m_per_piece)
             felt[0] = felt[0] - here[1] * stored_j
             felt[1] = felt[1] - here[2] * stored_j
             felt[2] = felt[2] + here[0] * force_n[0]
         self._u, self._force_n = u, felt[2]
         felt[2] = felt[2] if felt[2] > 0 else self._real(0)
+        renewed = self._slip(u, renewal_j, felt) if touches else self._real(0)
+        for motion in self._materials if renewed > 0 else ():
+            motion.renew(renewed)
         return felt, touches, on_grid
+
+    def _move(self, at: list[Any], touches: bool) -> None:
+        """sp_lateral_move."""
+        for k in range(2):
+            way = at[k] - self.at[k]
+            self._drawn[k] = bounded(self._drawn[k] + way) if touches else self._real(0)
+            self._off[k] = self._off[k] if touches else bounded(self._off[k] - way)
+        self.at = list(at)
+
+    def _slip(self, u: Any, renewal_j: Any, felt: list[Any]) -> Any:
+        """sp_lateral_slip."""
+        config, zero = self._stage.config, self._real(0)
+        x, y = map(abs, self._drawn)
+        drawn = np.sqrt(x * x + y * y)
+        width = config.width_m * np.sqrt(u if u > 0 else zero)
+        most = config.drag_npm * width * drawn
+        renewed = zero
+        if most > self._real(SMALLEST) and most > renewal_j:
+            stays = renewal_j / most if renewal_j > 0 else zero
+            renewed = min((drawn - stays * drawn) / width, self._real(RENEWED))
+            self._drawn = [each * stays for each in self._drawn]
+        for k in range(2):
+            felt[k] = felt[k] - config.drag_npm * self._drawn[k]
+        return renewed
 
     def _share(self, depth: Any) -> Any:
         config = self._stage.of_one.config

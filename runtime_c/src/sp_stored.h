@@ -54,28 +54,43 @@ static inline sp_real sp_stored_way(sp_curve_place from, sp_curve_place to)
     return ((sp_real)to.piece - (sp_real)from.piece) + (to.way - from.way);
 }
 
+/* G(y) + z (u - y), with the y at which a curve is z: what a branch has lost since it was at z = 0.
+ */
+static inline sp_real sp_stored_lost(const sp_real *areas, const sp_real *curve, uint32_t n_curves,
+                                     uint32_t n_pieces, sp_curve_place u, sp_real z)
+{
+    const sp_curve_place y = sp_stored_where(curve, n_curves, n_pieces, z);
+    return sp_stored_area(areas, curve, n_curves, y) + z * sp_stored_way(y, u);
+}
+
+/* At most this share of what branches have relaxed is renewed at once. */
+#define SP_STORED_RENEWED ((sp_real)0.25)
+
 /* Of a whole model. areas: of spring, branches and stops, one after the other; g: the branches'
- * curves at `place`, where the model is; held, play: its state there. */
+ * curves at `place`, where the model is; held, play: its state there. renewal: at most how much
+ * more, a share renewed, as energy is convex in z: z less than that share. */
 static inline sp_real sp_stored(const sp_hammerstein_config *config,
                                 const sp_hammerstein_tables *tables, const sp_real *areas,
                                 sp_curve_place place, const sp_real *g, const sp_real *held,
-                                const sp_real *play)
+                                const sp_real *play, sp_real *renewal)
 {
     const uint32_t pieces = config->n_pieces;
     const uint32_t n = config->n_branches;
-    const sp_real *of_branches = areas + pieces;
     sp_real stored = sp_stored_area(areas, tables->spring, 1, place);
+    sp_real takes = (sp_real)0;
     for (uint32_t i = 0; i < n; i++) {
         const sp_real *curve = tables->branches + i;
+        const sp_real *its = areas + pieces + i;
         const sp_real z = g[i] - held[i];
         if (!(g[i] > (sp_real)0) && !(z > (sp_real)0)) {
             continue; /* at rest at the surface, and what fills a vector */
         }
-        const sp_curve_place y = sp_stored_where(curve, n, pieces, z);
-        const sp_real apart = sp_stored_area(of_branches + i, curve, n, place) -
-                              sp_stored_area(of_branches + i, curve, n, y);
-        stored += apart - z * sp_stored_way(y, place);
+        const sp_real less = ((sp_real)1 - SP_STORED_RENEWED) * z;
+        const sp_real lost = sp_stored_lost(its, curve, n, pieces, place, z);
+        stored += sp_stored_area(its, curve, n, place) - lost;
+        takes += lost - sp_stored_lost(its, curve, n, pieces, place, less);
     }
+    *renewal = takes / SP_STORED_RENEWED;
     for (uint32_t k = 0; k < config->n_stops; k++) {
         /* Its first half is part of the spring. */
         const sp_real *curve = tables->stops + k * (pieces + 1) * 2;

@@ -54,6 +54,7 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     }
     const sp_curve_place lateral_place = sp_curve_at(u, passive.n_pieces);
     sp_real felt_n[3] = {(sp_real)0, (sp_real)0, (sp_real)0};
+    sp_real renewal_j = (sp_real)0;
     for (uint32_t r = 0; r < place_map.n_materials; r++) {
         const sp_hammerstein_tables its = material(r);
         sp_real lateral_branch[@CAPACITY@];
@@ -61,9 +62,11 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
 @STEPS@        const sp_real *held = state->lateral_held + r * @CAPACITY@;
         const sp_real force_n =
             sp_hammerstein_force(&passive, &its, u, lateral_place, held, @PLAY@);
+        sp_real renewal;
         const sp_real stored = sp_stored(&passive, &its, areas + r * @AREAS@, lateral_place,
-                                         lateral_branch, held, @PLAY@);
-        sp_lateral_add(here[r], force_n, stored * m_per_piece, felt_n);
+                                         lateral_branch, held, @PLAY@, &renewal);
+        sp_lateral_add(here[r], force_n, stored * lateral.m_per_piece, felt_n);
+        renewal_j += here[r].amount * (renewal * lateral.m_per_piece);
     }
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = felt_n[2];
@@ -74,6 +77,9 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         return (sp_real)0;
     }
     felt_n[2] = felt_n[2] > (sp_real)0 ? felt_n[2] : (sp_real)0;
+    const sp_real renewed = sp_lateral_slip(&lateral, &state->lateral, u, renewal_j, felt_n);
+    for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
+@RENEW@    }
     for (uint32_t k = 0; k < 3; k++) {
         felt_n[k] = sp_contact_onset(per_onset, at[2], felt_n[k]);
     }

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.arrays import Real, Reals, Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.literals import array_text, literal
+from springpot.codegen.literals import array_text, struct_text
 from springpot.codegen.model.formulas import pieces_of_one
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
@@ -16,19 +16,30 @@ from springpot.codegen.stages.passive.placed import PlacedCurves
 from springpot.codegen.stages.passive.stored import stored_areas
 from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_width_of
 
+_DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at the trained depth
+
+
+@dataclass(frozen=True)
+class LateralConfig:
+    """sp_lateral_config of sp_lateral.h, member by member."""
+
+    m_per_piece: Real
+    width_m: Real
+    drag_npm: Real
+
 
 @dataclass(frozen=True, eq=False)
 class LateralStage:
     """What the lateral force needs beside a map.
 
     materials: a stage of each, which follows "lateral". areas: of each, (materials, areas), as
-    `stored_areas`. m_per_piece: of the depth.
+    `stored_areas`.
     """
 
     placed: PlacedCurves
     materials: tuple[HammersteinStage, ...]
     areas: Reals
-    m_per_piece: Real
+    config: LateralConfig
 
     headers = ("sp_stored.h", "sp_lateral.h")
 
@@ -54,7 +65,7 @@ class LateralStage:
             Member(f"sp_real lateral_held[{branches}]", (REAL,) * branches),
             *play,
             Member("sp_surface_state lateral_surface", (REAL, REAL)),
-            Member("sp_lateral_state lateral", (REAL,) * 8 + (U32,)),
+            Member("sp_lateral_state lateral", (REAL,) * 10 + (U32,)),
             Member("sp_guard_state guard_x", (REAL, REAL, U32, U32)),
             Member("sp_guard_state guard_y", (REAL, REAL, U32, U32)),
         )
@@ -64,7 +75,7 @@ class LateralStage:
         return [
             "/* Integrals of the curves of each material up to each node (sp_stored.h). */",
             array_text("areas", "sp_real", self.areas),
-            f"static const sp_real m_per_piece = {literal(self.m_per_piece)};",
+            struct_text("lateral", "sp_lateral_config", self.config),
         ]
 
 
@@ -91,19 +102,34 @@ def lateral_stage(
     ):
         if value != only:
             raise _refused(f"{key} is {value!r}, and has to be {only!r} for three axes")
-    width = vector_width_of(scene.runtime)
+    radius_mm = scene.places.tip_radius_mm
+    if radius_mm is None:
+        raise _refused("give tip_radius_mm, of the tip that pressed the object")
+    places, vector_width = hammerstein.places, vector_width_of(scene.runtime)
     materials = tuple(
         hammerstein_stage(
-            hammerstein.with_slopes(its), dt_s, dtype, "lateral", width, surface=False
+            hammerstein.with_slopes(its), dt_s, dtype, "lateral", vector_width, surface=False
         )
-        for its in hammerstein.places.slopes_n
+        for its in places.slopes_n
     )
-    return LateralStage(
-        placed,
-        materials,
-        np.stack([stored_areas(stage) for stage in materials]).astype(dtype),
-        dtype(hammerstein.span_m / pieces_of_one(hammerstein.nodes)),
+    areas = np.stack([stored_areas(stage) for stage in materials])
+    m_per_piece = hammerstein.span_m / pieces_of_one(hammerstein.nodes)
+    # A sphere touches a circle of the radius sqrt(2 R d); its mean chord is pi/2 times that.
+    width_m = 0.5 * np.pi * np.sqrt(2e-3 * radius_mm * hammerstein.span_m)
+    full = np.array([_of_branches(stage, its) for stage, its in zip(materials, areas, strict=True)])
+    most_n = float(np.max(places.amounts @ full)) * m_per_piece / width_m
+    config = LateralConfig(
+        dtype(m_per_piece), dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m))
     )
+    return LateralStage(placed, materials, areas.astype(dtype), config)
+
+
+def _of_branches(stage: HammersteinStage, areas: Samples) -> float:
+    """What branches that have not relaxed have stored at u = 1, N pieces."""
+    pieces, branches = stage.config.n_pieces, stage.config.n_branches
+    if pieces == 1:
+        return 0.5 * float(stage.branches[0, 1].sum())
+    return float(areas[pieces : pieces * (1 + branches)].reshape(pieces, branches)[-1].sum())
 
 
 def _refused(why: str) -> UsageError:

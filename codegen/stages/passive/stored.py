@@ -9,6 +9,8 @@ from springpot.codegen.model.formulas import Place, curve_place, curve_values
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 from springpot.codegen.stages.stage import LARGEST, SMALLEST
 
+RENEWED = 0.25  # SP_STORED_RENEWED
+
 
 def stored_areas(stage: HammersteinStage) -> Samples:
     """Integrals up to each node of spring, branches and stops, one after the other, N pieces."""
@@ -25,8 +27,10 @@ def _areas(nodes: Reals) -> Samples:
     return areas[:-1]
 
 
-def stored(stage: HammersteinStage, areas: Reals, place: Place, held: Reals, play: Reals) -> Any:
-    """sp_stored: what one material has stored, N pieces, in the scene's number type.
+def stored(
+    stage: HammersteinStage, areas: Reals, place: Place, held: Reals, play: Reals
+) -> tuple[Any, Any]:
+    """sp_stored: what one material has stored, and at most how much more a share renewed, N pieces.
 
     place: of the model, each (1,). held: of each branch, (branches,); play: of each stop, (stops,).
     """
@@ -38,17 +42,19 @@ def stored(stage: HammersteinStage, areas: Reals, place: Place, held: Reals, pla
     total = _area(spring[:, None], stage.spring[:, :, None], place)[0]
     g = curve_values(stage.branches, place)[0]
     z = g - held
-    where = _where(stage.branches, z)
     its = of_branches.reshape(pieces, branches)
-    apart = _area(its, stage.branches, place) - _area(its, stage.branches, where)
-    for each in (apart - z * _way(where, place))[(g > 0) | (z > 0)]:
-        total = total + each
+    lost = _lost(its, stage.branches, place, z)
+    of_each = _area(its, stage.branches, place) - lost
+    more = lost - _lost(its, stage.branches, place, (real(1) - real(RENEWED)) * z)
+    takes = real(0)
+    for i in np.flatnonzero((g > 0) | (z > 0)).tolist():
+        total, takes = total + of_each[i], takes + more[i]
     for k, its in enumerate(of_stops):
         stop = stage.stops[k][:, :, None]
         at = curve_place(play[k : k + 1], pieces)
         its_z = curve_values(stop, at)[0]
         total = total - (_area(its[:, None], stop, at) + its_z * _way(at, place))[0]
-    return real(total)
+    return total, takes / real(RENEWED)
 
 
 def _area(areas: Reals, nodes: Reals, place: Place) -> Reals:
@@ -61,6 +67,13 @@ def _area(areas: Reals, nodes: Reals, place: Place) -> Reals:
     mean = nodes[piece, 0, each] + real(0.5) * way * (slope + third * bend)
     area: Reals = areas[piece, each] + way * mean
     return area
+
+
+def _lost(areas: Reals, nodes: Reals, u: Place, z: Reals) -> Reals:
+    """sp_stored_lost of each curve, (curves,)."""
+    y = _where(nodes, z)
+    lost: Reals = _area(areas, nodes, y) + z * _way(y, u)
+    return lost
 
 
 def _where(nodes: Reals, z: Reals) -> Place:

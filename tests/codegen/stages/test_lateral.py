@@ -23,7 +23,7 @@ from springpot.codegen.scene import Coupling, Guard, ScenePlaces, Smoothing
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built
 
-SLIDING = replace(scene(number="float64"), places=ScenePlaces("lateral"))
+SLIDING = replace(scene(number="float64"), places=ScenePlaces("lateral", 8.0))
 MIDDLE_M = (0.005, 0.0)
 STEP_M = (0.01, 0.02)  # of the grid of `placed`
 # In float32 the second is kept in double.
@@ -83,18 +83,36 @@ def test_without_the_key_nothing_of_it_is_emitted() -> None:
         assert "lateral" not in text.replace("lateral force", "")
 
 
-def test_a_map_of_one_amount_has_no_lateral_force() -> None:
+@cache
+def even() -> Plan:
+    """A map of one amount, of a material with a slow branch."""
     model = placed("plain", 1)
     passive = model.hammerstein
     assert passive is not None and passive.places is not None
-    even = replace(passive.places, amounts=np.ones((3, 2, 1)))
-    model = replace(model, hammerstein=replace(with_places(passive, even), recovers=True))
-    position_m = at_depth(press(2.0), 0.02 * np.linspace(0.0, 1.0, 500))
-    with built(make_plan(model, SLIDING)) as library:
-        force_n, _ = slid(library, position_m)
-        held_n, _ = library.new_state().run(position_m[:, 2])
+    places = replace(passive.places, amounts=np.ones((3, 2, 1)))
+    return make_plan(
+        replace(model, hammerstein=replace(with_places(passive, places), recovers=True)), SLIDING
+    )
+
+
+def test_pressed_straight_into_a_map_of_one_amount_it_is_one_place() -> None:
+    depth_m = press(2.0)
+    with built(even()) as library:
+        force_n, _ = slid(library, at_depth(depth_m))
+        held_n, _ = library.new_state().run(depth_m)
     assert not np.any(force_n[:, :2])
     np.testing.assert_allclose(force_n[:, 2], held_n, atol=1e-12 * held_n.max())
+
+
+def test_fresh_ground_is_stiffer_and_drags() -> None:
+    depth_m = np.concatenate([press(2.0)[:250], np.full(3000, DEPTH_M)])
+    x_m = np.concatenate([np.zeros(2250), np.linspace(0.0, 0.015, 1000)])
+    with built(even()) as library:
+        stays, _ = slid(library, at_depth(depth_m, 0.002))
+        slides, _ = slid(library, at_depth(depth_m, 0.002 + x_m))
+    assert slides[-1, 2] > 1.05 * stays[-1, 2]
+    assert slides[-1, 0] < -0.01 * slides[-1, 2]
+    assert abs(slides[-1, 1]) < 1e-9
 
 
 def test_beyond_the_map_its_edge_is_felt_and_no_lateral_force() -> None:

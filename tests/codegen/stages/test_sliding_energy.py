@@ -59,7 +59,7 @@ def plan_of(model: Model) -> Plan:
     """The model as it is: no limit, no onset to speak of."""
     chosen = scene(number="float64")
     guard = replace(chosen.guard, max_force_n=1e4, onset_mm=1e-4)
-    return make_plan(model, replace(chosen, places=ScenePlaces("lateral"), guard=guard))
+    return make_plan(model, replace(chosen, places=ScenePlaces("lateral", 8.0), guard=guard))
 
 
 def random_motion(seed: int, presses: int = 3, legs: int = 6) -> np.ndarray:
@@ -127,7 +127,7 @@ PLANTED: dict[str, Sequence[Fault]] = {
     "a lateral force of the wrong sign": [("felt_n[0] -= here", "felt_n[0] += here")],
     "no lateral force": [("here.by_x * stored_j", "(sp_real)0"),
                          ("here.by_y * stored_j", "(sp_real)0")],
-    "what branches hold left out": [("stored += apart", "stored += (sp_real)0 * apart")],
+    "what branches hold left out": [("- lost;", "- sp_stored_area(its, curve, n, place);")],
 }  # fmt: skip
 
 
@@ -157,6 +157,32 @@ FORGETS = """for (uint32_t i = 0; crosses && i < passive.n_branches; i++) {
             state->lateral_held[r * passive.n_branches + i] = lateral_branch[i];
         }
         const sp_real *held ="""
+UNPAID = [(f"felt_n[{k}] -= config->drag_npm * state->drawn_m[{k}];", "") for k in (0, 1)]
+
+
+@pytest.mark.slow
+def test_fresh_ground_is_paid_for() -> None:
+    """Pressed slowly, rubbed to and fro, faster and faster in ever smaller ways, and let go."""
+    curve = np.ones(9)
+    passive = Hammerstein(
+        origin_m=0.0, span_m=SPAN_M, elastic_n=curve, tau_s=np.array([0.5]),
+        branch_n=8.0 * curve[None], radius_m=np.zeros(0), stop_n=np.zeros((0, 9)), bias_n=0.0,
+    )  # fmt: skip
+    places = Places(np.zeros(2), np.full(2, STEP_M), np.ones((2, 2, 1)), passive.slopes_n[None])
+    ticks_s = np.arange(0.0, 22.1, DT_S)
+    depth = np.interp(ticks_s, [0.0, 20.0, 22.0, 22.05, 22.1], [0.0, 0.8, 0.8, -0.01, -0.01])
+    rubs_s = np.clip(ticks_s - 20.0, 0.0, 2.0)
+    rub = np.exp(-rubs_s) * np.sin(2 * np.pi * (3.0 + 20.0 * rubs_s**2) * rubs_s)
+    position_m = np.column_stack([STEP_M * (0.5 + 0.2 * rub), STEP_M * (0.5 + 0.1 * rub),
+                                  SPAN_M * depth])  # fmt: skip
+    works = []
+    for planted in ([], UNPAID):
+        with sliding(plan_of(placed(passive, places)), planted) as built:
+            works.append(least_work(position_m, built.force_n(position_m)))
+    assert works[0] > -BOUND
+    assert works[1] < -100 * BOUND
+
+
 MOVES, RESTS = (
     "sp_lateral_move(&state->lateral, at, ",
     "        restart3(state, at);\n    }\n    const",

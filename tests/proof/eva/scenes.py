@@ -87,7 +87,7 @@ def emit_scene(proved: ProvedScene, folder: Path) -> Path:
     chosen = scene(number=proved.number, mode=proved.coupling, smoothing_s=smoothing_s)
     chosen = replace(
         chosen,
-        places=ScenePlaces("lateral" if slides else "held"),
+        places=ScenePlaces("lateral", 8.0) if slides else ScenePlaces(),
         guard=replace(chosen.guard, watchdog_ms=_WATCHDOG_MS),
         device=replace(chosen.device, velocity=proved.velocity),
     )

@@ -45,7 +45,7 @@ def plan_of(
             **runtime,
         ),
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
-        places=ScenePlaces("lateral" if lateral else "held"),
+        places=ScenePlaces("lateral", 8.0) if lateral else ScenePlaces(),
         smoothing=Smoothing(time_constant_s=8e-4 if mode == "tool" else 0.0),
         guard=Guard(outside="zero" if mode == "proxy" else "fallback"),
         device=Device(velocity=velocity),  # type: ignore[arg-type]
