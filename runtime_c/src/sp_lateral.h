@@ -152,11 +152,13 @@ static inline sp_real sp_lateral_slip(const sp_lateral_config *config, sp_latera
     const sp_real y = sp_abs(state->drawn_m[1]);
     const sp_real drawn_m = sp_sqrt(x * x + y * y);
     const sp_real width_m = config->width_m * sp_sqrt(u > (sp_real)0 ? u : (sp_real)0);
-    const sp_real most = config->drag_npm * width_m * drawn_m;
+    const sp_real takes_j = sp_bounded(renewal_j);
+    const sp_real most_j = config->drag_npm * width_m * drawn_m;
     sp_real renewed = (sp_real)0;
-    if (most > SP_SMALLEST && most > renewal_j) {
-        /* renewal_j / width_m is the drag, N: drag_npm times what stays drawn. */
-        const sp_real stays = renewal_j > (sp_real)0 ? renewal_j / most : (sp_real)0;
+    if (width_m > SP_SMALLEST && most_j > SP_SMALLEST && most_j > takes_j) {
+        /* The drag is takes_j / width_m, N: drag_npm times what stays drawn. */
+        const sp_real part = takes_j > (sp_real)0 ? takes_j / most_j : (sp_real)0;
+        const sp_real stays = part < (sp_real)1 ? part : (sp_real)1;
         const sp_real share = (drawn_m - stays * drawn_m) / width_m;
         renewed = share < SP_STORED_RENEWED ? share : SP_STORED_RENEWED;
         state->drawn_m[0] *= stays;
@@ -173,9 +175,9 @@ static inline void sp_lateral_renew(sp_real share, uint32_t n, const sp_real *g,
 {
     for (uint32_t i = 0; i < n; i++) {
         const sp_real more = share * (g[i] - held[i]);
-        held[i] = sp_flushed(held[i] + more);
+        held[i] = sp_flushed(sp_bounded(held[i] + more));
         if (slow != NULL) {
-            slow[i] = sp_flushed_double(slow[i] + (double)more);
+            slow[i] = sp_flushed_double(sp_bounded_double(slow[i] + (double)more));
         }
     }
 }
