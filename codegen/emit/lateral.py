@@ -48,8 +48,8 @@ def _renewed(step: MaxwellBranches, capacity: int) -> list[str]:
     at = f"r * {capacity}" + (f" + {step.first}" if step.first else "")
     slow = f"state->lateral_{step.names.prefix} + r * {step.count}" if step.double else "NULL"
     return [
-        f"sp_lateral_renew(renewed, {step.count}, state->lateral_before + {at},",
-        f"                 state->lateral_held + {at}, {slow});",
+        f"sp_drag_renew(renewed, {step.count}, state->lateral_before + {at},",
+        f"              state->lateral_held + {at}, {slow});",
     ]
 
 

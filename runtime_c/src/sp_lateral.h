@@ -9,31 +9,20 @@
  * so that over a tick at one place the work is at least the change of S, as each material's is, and
  * over a move of the place a it is that change. The place goes with a tool that touches; while the
  * tool is away it stays, for the tool would get what it is worth elsewhere for nothing. Off the
- * object the dent is left behind, and everything rests.
- *
- * Under a tip that slides by w comes fresh ground: of each branch the share w/c of what it has
- * relaxed is renewed, c the width of the contact. What that takes, at most, the tool pays for by
- * drag, through a spring that is drawn along and slips (docs/explanation/passivity.md). */
+ * object the dent is left behind, and everything rests. (docs/explanation/passivity.md). Fresh
+ * ground under the tool: sp_drag.h. */
 #ifndef SP_LATERAL_H
 #define SP_LATERAL_H
 
-#include <stddef.h>
 #include <stdint.h>
 
 #include "sp_map.h"
 #include "sp_number.h"
-#include "sp_stored.h"
-
-typedef struct {
-    sp_real m_per_piece; /* of the depth */
-    sp_real width_m;     /* of the contact at u = 1: a chord of a circle, in the mean */
-    sp_real drag_npm;    /* of the spring that is drawn along */
-} sp_lateral_config;
 
 typedef struct {
     sp_real at_m[3];    /* of the tool in the last tick: x, y, depth */
     sp_real off_m[2];   /* of the place that is felt, from there */
-    sp_real drawn_m[2]; /* how far that spring is, while the tool touches */
+    sp_real drawn_m[2]; /* how far the drag's spring is drawn (sp_drag.h) */
     sp_real unit[3];    /* direction of the force that was given */
     uint32_t lost;      /* 1: one axis was taken as true without a history, the others were not */
 } sp_lateral_state;
@@ -140,46 +129,6 @@ static inline void sp_lateral_add(sp_lateral_amount here, sp_real force_n, sp_re
     felt_n[0] -= here.by_x * stored_j;
     felt_n[1] -= here.by_y * stored_j;
     felt_n[2] += here.amount * force_n;
-}
-
-/* Let the spring slip to where it pays for what is renewed: renewal_j is at most what renewing all
- * of the branches takes, u the share of the depth. Adds its drag; returns the share of branches to
- * renew. */
-static inline sp_real sp_lateral_slip(const sp_lateral_config *config, sp_lateral_state *state,
-                                      sp_real u, sp_real renewal_j, sp_real *felt_n)
-{
-    const sp_real x = sp_abs(state->drawn_m[0]);
-    const sp_real y = sp_abs(state->drawn_m[1]);
-    const sp_real drawn_m = sp_sqrt(x * x + y * y);
-    const sp_real width_m = config->width_m * sp_sqrt(u > (sp_real)0 ? u : (sp_real)0);
-    const sp_real takes_j = sp_bounded(renewal_j);
-    const sp_real most_j = config->drag_npm * width_m * drawn_m;
-    sp_real renewed = (sp_real)0;
-    if (width_m > SP_SMALLEST && most_j > SP_SMALLEST && most_j > takes_j) {
-        /* The drag is takes_j / width_m, N: drag_npm times what stays drawn. */
-        const sp_real part = takes_j > (sp_real)0 ? takes_j / most_j : (sp_real)0;
-        const sp_real stays = part < (sp_real)1 ? part : (sp_real)1;
-        const sp_real share = (drawn_m - stays * drawn_m) / width_m;
-        renewed = share < SP_STORED_RENEWED ? share : SP_STORED_RENEWED;
-        state->drawn_m[0] *= stays;
-        state->drawn_m[1] *= stays;
-    }
-    felt_n[0] -= config->drag_npm * state->drawn_m[0];
-    felt_n[1] -= config->drag_npm * state->drawn_m[1];
-    return renewed;
-}
-
-/* Renew a share of n branches, of which g is the curve; slow: their states in double, or none. */
-static inline void sp_lateral_renew(sp_real share, uint32_t n, const sp_real *g, sp_real *held,
-                                    double *slow)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        const sp_real more = share * (g[i] - held[i]);
-        held[i] = sp_flushed(sp_bounded(held[i] + more));
-        if (slow != NULL) {
-            slow[i] = sp_flushed_double(sp_bounded_double(slow[i] + (double)more));
-        }
-    }
 }
 
 /* A part of a length, -1 to 1: the bounds act on rounding alone. */

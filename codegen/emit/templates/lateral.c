@@ -65,8 +65,8 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         sp_real renewal;
         const sp_real stored = sp_stored(&passive, &its, areas + r * @AREAS@, lateral_place,
                                          lateral_branch, held, @PLAY@, &renewal);
-        sp_lateral_add(here[r], force_n, stored * lateral.m_per_piece, felt_n);
-        renewal_j += here[r].amount * (renewal * lateral.m_per_piece);
+        sp_lateral_add(here[r], force_n, stored * m_per_piece, felt_n);
+        renewal_j += here[r].amount * (renewal * m_per_piece);
     }
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = felt_n[2];
@@ -77,7 +77,7 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         return (sp_real)0;
     }
     felt_n[2] = felt_n[2] > (sp_real)0 ? felt_n[2] : (sp_real)0;
-    const sp_real renewed = sp_lateral_slip(&lateral, &state->lateral, u, renewal_j, felt_n);
+    const sp_real renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
     for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
 @RENEW@    }
     for (uint32_t k = 0; k < 3; k++) {

@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Real, Reals, Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.literals import array_text, struct_text
+from springpot.codegen.literals import array_text, literal, struct_text
 from springpot.codegen.model.formulas import pieces_of_one
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
@@ -20,12 +20,11 @@ _DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at t
 
 
 @dataclass(frozen=True)
-class LateralConfig:
-    """sp_lateral_config of sp_lateral.h, member by member."""
+class DragConfig:
+    """sp_drag_config of sp_drag.h, member by member."""
 
-    m_per_piece: Real
     width_m: Real
-    drag_npm: Real
+    stiffness_npm: Real
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,15 +32,16 @@ class LateralStage:
     """What the lateral force needs beside a map.
 
     materials: a stage of each, which follows "lateral". areas: of each, (materials, areas), as
-    `stored_areas`.
+    `stored_areas`. m_per_piece: of the depth.
     """
 
     placed: PlacedCurves
     materials: tuple[HammersteinStage, ...]
     areas: Reals
-    config: LateralConfig
+    m_per_piece: Real
+    drag: DragConfig
 
-    headers = ("sp_stored.h", "sp_lateral.h")
+    headers = ("sp_stored.h", "sp_lateral.h", "sp_drag.h")
 
     @property
     def of_one(self) -> HammersteinStage:
@@ -75,7 +75,8 @@ class LateralStage:
         return [
             "/* Integrals of the curves of each material up to each node (sp_stored.h). */",
             array_text("areas", "sp_real", self.areas),
-            struct_text("lateral", "sp_lateral_config", self.config),
+            f"static const sp_real m_per_piece = {literal(self.m_per_piece)};",
+            struct_text("drag", "sp_drag_config", self.drag),
         ]
 
 
@@ -118,10 +119,8 @@ def lateral_stage(
     width_m = 0.5 * np.pi * np.sqrt(2e-3 * radius_mm * hammerstein.span_m)
     full = np.array([_of_branches(stage, its) for stage, its in zip(materials, areas, strict=True)])
     most_n = float(np.max(places.amounts @ full)) * m_per_piece / width_m
-    config = LateralConfig(
-        dtype(m_per_piece), dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m))
-    )
-    return LateralStage(placed, materials, areas.astype(dtype), config)
+    drag = DragConfig(dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m)))
+    return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag)
 
 
 def _of_branches(stage: HammersteinStage, areas: Samples) -> float:

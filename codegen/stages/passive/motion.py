@@ -49,7 +49,7 @@ class PassiveMotion:
         return np.concatenate([held.astype(real) for held in self._held]), self._play
 
     def renew(self, share: Any) -> None:
-        """sp_lateral_renew: of what each branch has relaxed, a share is as if it had not."""
+        """sp_drag_renew: of what each branch has relaxed, a share is as if it had not."""
         for step, held in zip(self._stage.steps, self._held, strict=True):
             g = self._before[step.first : step.first + step.count]
             more = share * (g - held.astype(g.dtype))

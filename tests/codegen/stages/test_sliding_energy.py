@@ -157,7 +157,7 @@ FORGETS = """for (uint32_t i = 0; crosses && i < passive.n_branches; i++) {
             state->lateral_held[r * passive.n_branches + i] = lateral_branch[i];
         }
         const sp_real *held ="""
-UNPAID = [(f"felt_n[{k}] -= config->drag_npm * state->drawn_m[{k}];", "") for k in (0, 1)]
+UNPAID = [(f"felt_n[{k}] -= config->stiffness_npm * drawn_m[{k}];", "") for k in (0, 1)]
 
 
 @pytest.mark.slow

@@ -121,13 +121,13 @@ def test_a_recorded_lump_is_felt_between_its_sites(tmp_path: Path) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("speed_mps", [0.005, 0.02, 0.08])
 def test_a_recorded_lump_is_felt_as_it_is_slid_over(speed_mps: float) -> None:
-    """Pressed to 3.5 mm, held for half a second, and slid over the smaller lump."""
+    """Pressed to 3.5 mm, held for half a second, and slid over the larger lump."""
     ticks = round(0.016 / speed_mps / DT_S)
-    x_m = np.concatenate([np.full(800, 0.002), np.linspace(0.002, 0.018, ticks)])
+    x_m = np.concatenate([np.full(800, 0.012), np.linspace(0.012, 0.028, ticks)])
     depth_m = np.full_like(x_m, 0.0035)
     depth_m[:300] = press(1.0 / 0.6, 0.0035)[:300]
-    position_m = np.column_stack([x_m, np.full_like(x_m, 0.011), depth_m])
-    true_n = ObjectMotion(parse_url("sim://lump?x=0.002&y=0.011"), DT_S, 4).slide(position_m)
+    position_m = np.column_stack([x_m, np.full_like(x_m, 0.019), depth_m])
+    true_n = ObjectMotion(parse_url("sim://lump?x=0.012&y=0.019"), DT_S, 4).slide(position_m)
     with built(make_plan(lump(), replace(scene(), places=ScenePlaces("lateral", 8.0)))) as library:
         state = library.new_state()
         found_n = np.array([state.step3(at)[0] for at in position_m])
