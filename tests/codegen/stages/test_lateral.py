@@ -169,6 +169,7 @@ def test_silence_in_three_axes_ends_as_in_one() -> None:
     [
         ({"coupling": Coupling(mode="proxy")}, "coupling"),
         ({"smoothing": Smoothing(0.01)}, "smoothing"),
+        ({"places": ScenePlaces("lateral")}, "tip_radius_mm"),
         ({"guard": Guard(outside="zero")}, "outside"),
         ({"guard": Guard(contact="always")}, "surface"),
     ],
