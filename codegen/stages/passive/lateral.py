@@ -94,7 +94,7 @@ def lateral_stage(
         raise _refused("the model has no map: train on recordings of places")
     if hammerstein.flow is not None or hammerstein.damage is not None:
         raise _refused("what a law with flow or damage has stored is not known")
-    at_rest = hammerstein.bias_n == 0.0 and hammerstein.origin_m == 0.0
+    at_rest = hammerstein.bias_n == 0.0 and hammerstein.origin_m >= 0.0
     if (scene.guard.contact or model.contact) != "surface" or not at_rest:
         raise _refused("the object has no surface to slide on")
     for key, value, only in (
