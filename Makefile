@@ -24,6 +24,11 @@ $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@# From its parent folder, a clone named springpot looks like a package without modules: the
+	@# finder of what is installed goes before that of folders, unless somebody names folders.
+	@echo 'import os, sys; "PYTHONPATH" in os.environ or sys.meta_path.sort(key=lambda f:' \
+	  '"Editable" not in getattr(f, "__name__", ""))' \
+	  > `$(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))'`/springpot_first.pth
 	@touch $@
 
 demo: $(STAMP)

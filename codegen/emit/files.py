@@ -12,6 +12,7 @@ import numpy as np
 from springpot.codegen.emit.glue import public_header, scene_header, scene_source
 from springpot.codegen.emit.golden import (
     backward_velocity,
+    golden_places,
     golden_positions,
     golden_slide,
     probe_inputs,
@@ -205,7 +206,7 @@ def golden_arrays(plan: Plan) -> list[str]:
     columns = {"golden_position": positions}
     if velocities is not None:
         columns["golden_velocity"] = velocities
-    run = run_reference(plan, positions, velocities)
+    run = run_reference(plan, positions, velocities, places=golden_places(plan))
     columns["golden_force"] = run.force_n
     if plan.features is not None and (probe := plan.features.probe()) is not None:
         columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))

@@ -12,6 +12,7 @@ from springpot.codegen.stages.stage import Probe
 
 LEG_TICKS = 60
 _GLITCH_M = 0.5
+_PLACE = (0.375, 0.75)  # of the map: where the second press of a golden motion is
 # Depths as shares of the trained range; below 0 is free air where there is contact.
 _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
 
@@ -54,6 +55,15 @@ def golden_slide(plan: Plan) -> NDArray[np.float32 | np.float64]:
         axes.append(float(first_m) + span_m * np.concatenate(legs))
     depths = golden_positions(plan)[: len(axes[0])]
     return np.stack([*axes, depths], axis=1).astype(plan.dtype)
+
+
+def golden_places(plan: Plan) -> list[tuple[int, tuple[float, float]]]:
+    """The place that is chosen before a tick of the first press; none without a map."""
+    if not plan.has_places or (law := plan.model.hammerstein) is None or law.places is None:
+        return []
+    first_m, last_m = law.places.first_m, law.places.last_m
+    x_m, y_m = (first_m + np.array(_PLACE) * (last_m - first_m)).astype(plan.dtype).tolist()
+    return [(3 * LEG_TICKS, (x_m, y_m))]
 
 
 def backward_velocity(

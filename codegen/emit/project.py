@@ -3,7 +3,7 @@
 import re
 from importlib.resources import files
 
-from springpot.codegen.emit.golden import LEG_TICKS
+from springpot.codegen.emit.golden import LEG_TICKS, golden_places
 from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.stage import Probe
@@ -49,6 +49,11 @@ def selftest(plan: Plan) -> str:
         LONG=literal(plan.dtype(plan.watchdog_s + 2.0 * plan.dt_s + LATCHED_S)),
         PROBE=text,
         SLIDE="" if plan.lateral is None else filled("slide.c", plan),
+        PLACE="".join(
+            f"        if (i == {tick}) {{\n            sp_place(&state, "
+            f"{', '.join(literal(plan.dtype(at)) for at in place_m)});\n        }}\n"
+            for tick, place_m in golden_places(plan)
+        ),
         FIRST="    if (probe_differs()) {\n        return 1;\n    }\n" if probe else "",
     )
 

@@ -3,6 +3,7 @@
 import json
 import logging
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
@@ -58,7 +59,16 @@ class _SaidLine(logging.Handler):
 
 @contextmanager
 def notices_said() -> Iterator[None]:
-    """Print what is noticed on standard error while this lasts."""
+    """Print what is noticed, and what Python warns of, on standard error while this lasts."""
+
+    def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
+        if category is UserWarning:  # of the Python interface, which a command may call
+            say(f"warning: {message}")
+        else:
+            shown(message, category, *place)
+
+    shown: Any = warnings.showwarning
+    warnings.showwarning = show  # type: ignore[assignment]
     logger, handler = logging.getLogger(NOTICES), _SaidLine()
     level, above = logger.level, logger.propagate
     logger.addHandler(handler)
@@ -67,6 +77,7 @@ def notices_said() -> Iterator[None]:
     try:
         yield
     finally:
+        warnings.showwarning = shown
         logger.removeHandler(handler)
         logger.setLevel(level)
         logger.propagate = above

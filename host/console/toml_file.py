@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.model.model_file import MODEL_SUFFIX
 from springpot.codegen.regular_file import read_bounded
 
 T = TypeVar("T")
@@ -23,6 +24,12 @@ def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
         raise UsageError(f"{path}: cannot be read ({error.strerror}): give a {what}") from None
     except DataError as error:
         raise UsageError(str(error)) from None
+    except UnicodeDecodeError:
+        raise UsageError(
+            f"{path}: not a {what}, which is text"
+            + (": it is a model, give --model or write a scene that names it"
+               if path.suffix == MODEL_SUFFIX else ": save it as UTF-8")
+        ) from None  # fmt: skip
     except (ValueError, TypeError, RecursionError) as error:
         raise UsageError(f"{path}: not a {what}: {str(error).splitlines()[0]}") from None
 

@@ -25,7 +25,7 @@ from springpot.host.emission.checksums import (
     require_replaceable,
     write_checksums,
 )
-from springpot.host.emission.felt import felt_notices
+from springpot.host.emission.felt import felt_notices, rate_notices
 from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
@@ -65,9 +65,10 @@ def emit(
         require_stable(plan)
     with folder_written_aside(folder) as aside:
         begin = time.perf_counter()
-        write_emission(plan, scene, model_file, aside, single)
+        write_emission(plan, plan.scene, model_file, aside, single)
         write_s = time.perf_counter() - begin
-        return _built(plan, aside, folder, write_s, accept_unmeasured)
+        emission = _built(plan, aside, folder, write_s, accept_unmeasured)
+        return replace(emission, notices=(*rate_notices(plan, scene), *emission.notices))
 
 
 @dataclass(frozen=True, eq=False)

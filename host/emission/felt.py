@@ -3,10 +3,8 @@
 from dataclasses import replace
 
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.plan.plan import Plan, make_plan
-
-FELT_SHARE = 0.8  # less is another object to a hand: the difference that it notices is 15 to 22 %
-_RATES_HZ = (1000.0, 2000.0, 4000.0, 8000.0)
+from springpot.codegen.plan.plan import FELT_SHARE, SERVED_HZ, Plan, make_plan
+from springpot.codegen.scene import Scene
 
 
 def felt_notices(plan: Plan) -> list[str]:
@@ -17,6 +15,17 @@ def felt_notices(plan: Plan) -> list[str]:
     return [
         f"warning: the hand feels {1e-3 * felt_npm:.3g} of the object's {1e-3 * object_npm:.3g} "
         f"N/mm, for {_why(plan)}: {_remedy(plan)}"
+    ]
+
+
+def rate_notices(plan: Plan, asked: Scene) -> list[str]:
+    """Say that a scene without a rate does not tick at that of the recordings; else nothing."""
+    if plan.scene.runtime.rate_hz == asked.runtime.rate_hz:
+        return []
+    return [
+        f"the scene ticks at {1.0 / plan.dt_s:g} Hz, for at the recordings' "
+        f"{1.0 / plan.model.dt_s:g} Hz a hand would feel less than {100 * FELT_SHARE:g} % of the "
+        "object's stiffness: if the device is served at another rate, state [runtime] rate_hz"
     ]
 
 
@@ -36,7 +45,7 @@ def _remedy(plan: Plan) -> str:
             "record at a higher rate, or take a kind of model that holds at any rate (hammerstein)"
         )
     found = max(
-        (faster for rate in _RATES_HZ if (faster := _at_rate(plan, rate)) is not None),
+        (faster for rate in SERVED_HZ if (faster := _at_rate(plan, rate)) is not None),
         key=lambda faster: (faster[1] >= FELT_SHARE * plan.stiffness_npm, -faster[0]),
         default=None,
     )

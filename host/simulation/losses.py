@@ -13,7 +13,8 @@ TAKEN, LOST, LATE = 0, 1, 2  # sp_closed_loop_scenario.dropped
 SPEEDS = {"": 1.0, "-fast": 4.0}  # times the trained speed
 GOOD_PER_LOST = 7  # samples that come for one that does not; 6.4 make up for it (sp_silence.h)
 APART_S = 0.03  # between losses, at least: a force may be wrong for 10 ms after each
-_SECONDS = 2.0
+_SECONDS, _CYCLES = 2.0, 1.5  # of a session, at least
+_LONGEST_CYCLE_S = 20.0  # of pressing and letting go: an object recorded slower is pressed faster
 _SHARE = 0.8  # of the trained depth
 _MIN_STROKE_TICKS = 24
 _SPACINGS = 50  # that are tried
@@ -27,17 +28,22 @@ def losing_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]
     longest = max(1, round(plan.watchdog_s / plan.dt_s) - 1)
     found = []
     for suffix, speed in SPEEDS.items():
-        stroke_ticks = _stroke_ticks(space, speed)
-        motion = _strokes(space, stroke_ticks)
+        trained_ticks = 2.0 * _stroke_ticks(space, speed)
+        cycle_ticks = min(trained_ticks, _LONGEST_CYCLE_S / plan.dt_s)
+        motion = _strokes(space, 0.5 * cycle_ticks)
+        seconds = max(_SECONDS, _CYCLES * cycle_ticks * plan.dt_s)
+        beyond = suffix != "" or cycle_ticks < trained_ticks
 
-        def press(motion: Motion = motion) -> Scenario:
-            return pressing(space, motion, force, hand, _SECONDS)
+        def press(motion: Motion = motion, seconds: float = seconds) -> Scenario:
+            return pressing(space, motion, force, hand, seconds)
 
-        def case(name: str, ends: bool = False, suffix: str = suffix) -> Case:
-            return Case(name + suffix, press(), ends=ends, beyond=suffix != "")
+        def case(
+            name: str, ends: bool = False, suffix: str = suffix, beyond: bool = beyond
+        ) -> Case:
+            return Case(name + suffix, press(), ends=ends, beyond=beyond)
 
         clean = case("clean")
-        n, cycle_ticks = len(clean.scenario.dt_s), 2.0 * stroke_ticks
+        n = len(clean.scenario.dt_s)
         for name, ticks in (("lost-1", 1), ("lost-2", 2), ("lost-10", min(10, longest))):
             lossy = case(name)
             lossy.scenario.dropped[loss_ticks(n, cycle_ticks, ticks, plan.dt_s)] = LOST

@@ -1,5 +1,6 @@
 """The linear loop of a scene: what `emit` refuses, and what it would allow instead."""
 
+from dataclasses import replace
 from typing import Any
 
 from springpot.codegen.coupling.auto import choose_coupling
@@ -11,7 +12,7 @@ from springpot.codegen.coupling.gains import (
 )
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.plan import SERVED_HZ, Plan, make_plan
 
 
 def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
@@ -68,7 +69,7 @@ def require_stable(plan: Plan) -> None:
     radius, limit_npmm = spectral_radius(plan), 1e-3 * loop.max_stiffness_npm()
     found = (
         f"spectral radius {radius:.4g} with the {DESIGN_HAND.name} hand, object "
-        f"{object_npmm:.3g} N/mm, this coupling allows {limit_npmm:.3g} N/mm"
+        f"{object_npmm:.4g} N/mm, this coupling allows {limit_npmm:.3g} N/mm"
     )
     if radius < 1.0:
         found += ": an object as stiff as that is passed where this one is touched first"
@@ -86,10 +87,29 @@ def _what_is_stable(plan: Plan) -> str:
     if not is_stable(plan, loop):
         return (
             f"no coupling is stable at {1 / plan.dt_s:g} Hz with {device.delay_samples} samples "
-            "of delay: raise runtime.rate_hz, or take a device of less delay"
+            f"of delay: {_what_holds_it(plan)}"
         )
     return (
         f'this would be stable: coupling.mode = "{found.mode}", stiffness_npm = '
         f"{found.stiffness_npm:g}, damping_nspm = {found.damping_nspm:g}, mass_kg = "
         f"{found.mass_kg:g}, no smoothing, no delay or a faster loop"
+    )
+
+
+def _what_holds_it(plan: Plan) -> str:
+    """The lowest rate at which a coupling is stable, if there is one, or what else would help."""
+    less = " or take a device of less delay" if plan.loop_device.delay_samples else ""
+    if not plan.model.exact_at_any_rate:
+        way = "record at a higher rate, or take a kind of model that holds at any (hammerstein)"
+        return way + less.replace(" or", ", or")
+    for rate_hz in SERVED_HZ:
+        if rate_hz * plan.dt_s <= 1.001:
+            continue
+        scene = replace(plan.scene, runtime=replace(plan.scene.runtime, rate_hz=rate_hz))
+        faster = make_plan(plan.model, scene, accept_unsafe=True)
+        if is_stable(faster, scene_loop(faster, DESIGN_HAND)):
+            return f"raise runtime.rate_hz to {rate_hz:g}{less.replace(' or', ', or')}"
+    return (
+        f"nor at a higher rate: {1e-3 * plan.stiffness_npm:.4g} N/mm are stiffer than a device "
+        f"can render{less.replace(' or', ':')}"
     )

@@ -48,6 +48,10 @@ def accuracy_findings(
     worst = max(speeds, key=lambda item: item.rmse_n)
     words += f"; greatest at {_speeds(worst)} (RMSE {plain(worst.rmse_n)} N)"
     todo = "compare kinds with springpot bench, or record more of what the tool will do"
+    rendered = result["rendering_n"] is not None and result["rendering_n"] > result["model_rmse_n"]
+    if rendered:
+        words += f"; the model alone misses {plain(result['model_rmse_n'])} N"
+        todo = "coupling and limits add the rest, not the model: do what springpot emit warns of"
     yield SceneFinding("Accuracy", grade, words, todo if grade != Grade.GOOD else "")
     side = "more" if mean_error_n > 0 else "less"
     one_sided = abs(mean_error_n) > _ONE_SIDED * rmse_n
@@ -56,7 +60,11 @@ def accuracy_findings(
         Grade.LOOK if one_sided else Grade.GOOD,
         f"{mean_error_n:+.3g} N: on average the C pushes {side} than the object"
         + (", which is most of its error" if one_sided else ""),
-        "check the zero and the tare of the recordings (springpot check)" if one_sided else "",
+        ""
+        if not one_sided
+        else todo
+        if rendered
+        else "check the zero and the tare of the recordings (springpot check)",
     )
 
 

@@ -27,6 +27,7 @@ from springpot.host.session.note_words import NOTE_NAMES
 from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
 from springpot.host.validation.by_place import PlaceError, place_errors
 from springpot.host.validation.seen import seen_by
+from springpot.host.validation.ticks import at_samples, at_ticks, samples_of
 from springpot.trainer.faces import Faces
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.limited import limited_each_n
@@ -112,8 +113,8 @@ def validate(
 ) -> Validation:
     """Replay every recording from a fresh state; with `device`, through the board of that URL too.
 
-    Raises DataError for another sampling rate, or where the C is not as emitted, unless that is
-    accepted; DeviceError where the board does not answer.
+    Raises DataError for a sampling rate that the scene cannot take, or where the C is not as
+    emitted, unless that is accepted; DeviceError where the board does not answer.
     """
     emitted = read_emission(folder, accept_edited)
     plan, model = emitted.plan, emitted.model
@@ -147,8 +148,9 @@ def _with_parts(
     errors, added = [], []
     pairs = zip(recordings, found.predicted_n, strict=True)
     objects = [pair for pair in pairs if not is_log_of(pair[0], found.manifest["hash"])]
-    alone = limited_each_n(model, [recording for recording, _ in objects])
-    for (recording, force_n), alone_n in zip(objects, alone, strict=True):
+    alone = limited_each_n(model, [at_ticks(recording, plan.dt_s) for recording, _ in objects])
+    for (recording, force_n), ticks_n in zip(objects, alone, strict=True):
+        alone_n = at_samples(ticks_n, recording, plan.dt_s)
         errors.append(alone_n - recording.force_n)
         added.append(force_n - alone_n)
     if not errors:
@@ -192,7 +194,8 @@ def _validated(
     logs: set[int] = set()
     mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
-    for motion in counted(motions_of(plan, recordings), "replaying"):
+    ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
+    for motion in counted(motions_of(plan, ticked), "replaying"):
         position = motion.depth_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
         place_m = recordings[motion.recordings[0]].place_m if plan.has_places else None
@@ -206,7 +209,7 @@ def _validated(
         first = recordings[motion.recordings[0]]
         again = repeat_session(replay, first, library.manifest["hash"])
         if again is None:
-            ramps[motion.recordings[0]] = start_up_ramp(notes)
+            ramps[motion.recordings[0]] = samples_of(start_up_ramp(notes), first, plan.dt_s)
         else:
             logs.add(motion.recordings[0])
             force = again[0]
@@ -217,10 +220,11 @@ def _validated(
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
         for number, start in zip(motion.recordings, motion.starts, strict=True):
-            its = slice(start, start + len(recordings[number].force_n))
-            predicted[number] = force[its].astype(np.float64)
+            its = slice(start, start + len(ticked[number].force_n))
+            force_n = force[its].astype(np.float64)
+            predicted[number] = at_samples(force_n, recordings[number], plan.dt_s)
     in_order = tuple(predicted[number] for number in range(len(recordings)))
-    longest = max(recordings, key=lambda recording: len(recording.position_m))
+    longest = max(ticked, key=lambda recording: len(recording.position_m))
     position = longest.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
     return Validation(

@@ -17,10 +17,13 @@ def zero_of(model: Model) -> Zero:
 def require_compatible(recording: Recording, model: Model, tick_s: float | None = None) -> None:
     """Raise DataError for another sampling rate, or another meaning of position 0.
 
-    tick_s: of the scene, which may have a rate of its own; without one, the model's.
+    tick_s: of the scene, which may have a rate of its own; without one, the model's. A model that
+    is exact at any rate takes slower recordings too, see `at_ticks`.
     """
     dt_s, whose = (model.dt_s, "model") if tick_s is None else (tick_s, "scene")
-    if abs(recording.dt_s / dt_s - 1.0) > 1e-3:
+    ticks_between = recording.dt_s / dt_s
+    slower = tick_s is not None and model.exact_at_any_rate and ticks_between > 1.0
+    if not slower and abs(ticks_between - 1.0) > 1e-3:
         raise DataError(
             f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
             f"{1 / dt_s:g} Hz: import it with --resample-hz {1 / dt_s:g}"

@@ -17,6 +17,7 @@ from springpot.codegen.short_repr import short_repr
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
 from springpot.trainer.models.motion import DepthMotion, motions, rows_in
+from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
 from springpot.trainer.recordings.spikes import hold_spikes
@@ -180,11 +181,13 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
     if not recordings:
         raise DataError("no recordings: give files or folders of recordings")
     first = recordings[0]
+    rates_hz = [recording.rate_hz for recording in recordings]
     for recording in recordings:
         if abs(recording.dt_s / first.dt_s - 1.0) > _STEP_TOLERANCE:
             raise DataError(
                 f"{recording.name} is sampled at {recording.rate_hz:g} Hz, {first.name} at "
-                f"{first.rate_hz:g} Hz: import both with one --resample-hz"
+                f"{first.rate_hz:g} Hz: import all with one rate, --resample-hz "
+                f"{min(max(rates_hz), MAX_UPSAMPLING * min(rates_hz)):.6g}"
             )
     return first.dt_s
 

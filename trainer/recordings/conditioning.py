@@ -11,6 +11,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality.signs import require_signs
 from springpot.trainer.recordings.recording import Recording
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
@@ -144,7 +145,12 @@ def _from_contact(recording: Recording, options: Conditioning, messages: list[st
         messages.append(f"{recording.name}: tare of {stated_n:g} N taken off")
         details: dict[str, Any] = {**recording.details, "tare_n": stated_n}
         return replace(recording, force_n=recording.force_n - stated_n, details=details)
-    found = find_contact(recording, stated_n, threshold_n)
+    try:
+        found = find_contact(recording, stated_n, threshold_n)
+    except DataError:
+        if not options.accept_signs:
+            require_signs([recording])  # a turned sign is the cause, and has another remedy
+        raise
     details = {**recording.details, "tare_n": found.tare_n}
     position_m = recording.position_m
     messages.append(f"{recording.name}: tare of {found.tare_n:.4g} N taken off")

@@ -104,8 +104,8 @@ def reason(
             f", {_share(nearest, peak_n)} of peak for {_share(chosen, peak_n)}: nobody feels that"
         )  # fmt: skip
     return (
-        f"passive by itself; trees are taken for {100 * gain:.0f} % less error, and the next, "
-        f"{nearest.name}, has {_percent(nearest.ratio)}{but}{passed}"
+        f"passive by itself; the next, {nearest.name}, has {_percent(nearest.ratio)}{but} (trees "
+        f"are taken for {100 * gain:.0f} % less, if a hand could feel it){passed}"
     )
 
 

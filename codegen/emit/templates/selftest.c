@@ -18,7 +18,7 @@ int sp_selftest(void)
 @FIRST@    sp_init(&state);
     sp_real force_n = (sp_real)0;
     for (size_t i = 0; i < sizeof golden_position / sizeof golden_position[0]; i++) {
-        const int notes = sp_step(&state, from_bits(golden_position[i]), @VELOCITY@, &force_n);
+@PLACE@        const int notes = sp_step(&state, from_bits(golden_position[i]), @VELOCITY@, &force_n);
         if (to_bits(force_n) != golden_force[i] || notes != (int)golden_notes[i]) {
             return 1 + (int)i;
         }

@@ -49,6 +49,18 @@ def validate_(
     fail_on_mismatch(folder, validation)
 
 
+def _between_samples(validation: Validation) -> str:
+    """What the C was given between the samples of recordings that are slower than the scene."""
+    tick_s = validation.manifest["dt_s"]
+    slower = [item for item in validation.recordings if item.dt_s > 1.001 * tick_s]
+    if not slower:
+        return ""
+    return (
+        f"; between those at {slower[0].rate_hz:g} Hz the C was given positions on a straight "
+        f"line, at its {1.0 / tick_s:g} Hz"
+    )
+
+
 def _parts(validation: Validation) -> str:
     """The model's own error, and what coupling, guard and limits make of it."""
     alone_n, added_n = validation.model_rmse_n, validation.rendering_n
@@ -82,7 +94,8 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         "signs": accepted_words(validation.manifest),
         "edited C": ", ".join(validation.edited),
         "samples": str(found.samples)
-        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
+        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else "")
+        + _between_samples(validation),
     }
     rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
     differ = f"{validation.mismatches} ticks differ"

@@ -25,6 +25,7 @@ _TIMES = 61  # of relaxation, as far as the recordings reach
 def moduli_figure(
     frequency_hz: Samples,
     law: Dynamic,
+    widths: tuple[Samples, Samples] | None,
     prony: Dynamic,
     measured: Sequence[tuple[float, complex]],
     extrapolated: NDArray[np.bool_],
@@ -33,11 +34,16 @@ def moduli_figure(
     unidentified: Sequence[str],
 ) -> str:
     """Draw as SVG. law, prony: dynamic values at the frequencies, of which some are extrapolated;
-    measured: frequency and value of each cyclic recording; relaxation: times (s), values."""
+    widths: half the 95 % intervals of the law's storage and loss; measured: frequency and value
+    of each cyclic recording; relaxation: times (s), values."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8.0, 3.4), layout="constrained")
         left, right = figure.subplots(1, 2)
-        for values, colour, name in ((law.real, PREDICTED, "storage"), (law.imag, ERROR, "loss")):
+        parts = ((law.real, PREDICTED, "storage"), (law.imag, ERROR, "loss"))
+        for k, (values, colour, name) in enumerate(parts):
+            if widths is not None:
+                low, high = values - widths[k], values + widths[k]
+                left.fill_between(frequency_hz, low, high, color=colour, alpha=0.2, lw=0)
             known = np.where(extrapolated, np.nan, values)
             left.loglog(frequency_hz, values, color=colour, lw=0.8, ls=":")
             left.loglog(frequency_hz, known, color=colour, label=f"{name}, law")
@@ -72,6 +78,7 @@ def material_result(
     """
     by, unit = (1.0, "n_per_m") if scale is None else (scale, "pa")
     dynamic = law.dynamic_npm(_FREQUENCIES_HZ)
+    widths = law.dynamic_interval_npm(_FREQUENCIES_HZ)
     low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
     band_hz = np.geomspace(low_hz, high_hz, len(_FREQUENCIES_HZ))
     ratio = prony.dynamic_npm(band_hz) / law.dynamic_npm(band_hz)
@@ -99,6 +106,8 @@ def material_result(
         "extrapolated": extrapolated(law).tolist(),
         "storage": (by * dynamic.real).tolist(),
         "loss": (by * dynamic.imag).tolist(),
+        "storage_interval_95": None if widths is None else (by * widths[0]).tolist(),
+        "loss_interval_95": None if widths is None else (by * widths[1]).tolist(),
         "loss_factor": {
             f"{hz:g}": float(value.imag / value.real)
             for hz, value in zip(_NAMED_HZ, named, strict=True)
@@ -155,6 +164,10 @@ def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> li
     beyond = extrapolated(law)
     columns = [_FREQUENCIES_HZ, dynamic.real, dynamic.imag, beyond]
     header = ["frequency_hz", f"storage_{unit}", f"loss_{unit}", "extrapolated"]
+    widths = law.dynamic_interval_npm(_FREQUENCIES_HZ)
+    if widths is not None:
+        columns += [by * width for width in widths]
+        header += [f"storage_interval_95_{unit}", f"loss_interval_95_{unit}"]
     _table(out / "moduli.csv", header, columns)
     low_hz, high_hz = law.covered_hz or _FREQUENCIES_HZ[[0, -1]].tolist()
     time_s = np.geomspace(0.1 / high_hz, 1.0 / low_hz, _TIMES)
@@ -172,6 +185,7 @@ def write_material(out: Path, law: Law, prony: Prony, scale: float | None) -> li
     figure = moduli_figure(
         _FREQUENCIES_HZ,
         dynamic,
+        None if widths is None else (by * widths[0], by * widths[1]),
         discretised,
         measured,
         beyond,

@@ -3,6 +3,7 @@
 import json
 import shutil
 import tempfile
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -40,10 +41,30 @@ def emit_scenes(
     for done, k in enumerate(of):
         progress(done, len(of))
         name = f"scenes/{k + 1:02d}"
-        _emit_stimulus(study.stimulus[k], beside, folder / name)
+        with warnings.catch_warnings(record=True) as doubts:
+            warnings.simplefilter("always")
+            _emit_stimulus(study.stimulus[k], beside, folder / name)
+        for doubt in doubts:
+            warnings.warn(f"stimulus {study.stimulus[k].name!r}: {doubt.message}", stacklevel=2)
         found[k] = _frozen(folder, name, study.stimulus[k].name)
     _require_alike(study, found)
+    _warn_of_twins(study, {k: folder / scene.folder for k, scene in found.items()})
     return found
+
+
+def _warn_of_twins(study: Study, folders: Mapping[int, Path]) -> None:
+    """Warn of two stimuli with the same forces along the motion of their self-tests."""
+    seen: dict[str, str] = {}
+    for k, folder in folders.items():
+        name = study.stimulus[k].name
+        for golden in folder.glob("*_golden.h"):
+            twin = seen.setdefault(golden.read_text(), name)
+            if twin != name:
+                warnings.warn(
+                    f"stimuli {twin!r} and {name!r} have the same forces: people would compare an "
+                    "object with itself",
+                    stacklevel=3,
+                )
 
 
 def _emit_stimulus(stimulus: Stimulus, beside: Path, out: Path) -> None:

@@ -12,7 +12,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
-from springpot.host.emission.felt import FELT_SHARE, felt_notices
+from springpot.host.emission.felt import FELT_SHARE, SERVED_HZ, felt_notices, rate_notices
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording
@@ -36,13 +36,30 @@ def with_rate(rate_hz: float | None, mode: str = "auto") -> Scene:
 @pytest.mark.parametrize("stiff", [0.5, 1.0, 2.5])
 def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
     model = fitted("hammerstein", 200.0, stiff)
-    (notice,) = felt_notices(make_plan(model, with_rate(None)))
+    (notice,) = felt_notices(make_plan(model, with_rate(200.0)))
     named = re.search(r"rate_hz = (\d+) gives ([\d.]+) N/mm", notice)
     assert named is not None, notice
     plan = make_plan(model, with_rate(float(named[1])))
     assert f"{1e-3 * plan.coupling.felt_npm:.3g}" == named[2]
     assert plan.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm
     assert felt_notices(plan) == []
+
+
+@pytest.mark.parametrize("stiff", [0.02, 0.5, 1.0, 2.5])
+def test_a_slow_recording_is_rendered_by_default(stiff: float) -> None:
+    model = fitted("hammerstein", 200.0, stiff)
+    plan = make_plan(model, with_rate(None))
+    assert felt_notices(plan) == []
+    slower = [rate for rate in (200.0, *SERVED_HZ) if rate * plan.dt_s < 0.999]
+    assert all(felt_notices(make_plan(model, with_rate(rate))) for rate in slower)
+    assert bool(rate_notices(plan, with_rate(None))) == (plan.dt_s < 0.004)
+
+
+def test_a_rate_from_1000_hz_on_is_kept() -> None:
+    plan = make_plan(fitted("hammerstein", 1000.0, 2.5), with_rate(None))
+    assert plan.dt_s == 0.001
+    assert felt_notices(plan)
+    assert rate_notices(plan, with_rate(None)) == []
 
 
 def test_a_kind_of_one_rate_and_a_late_device_have_other_remedies() -> None:
@@ -61,8 +78,8 @@ def test_a_stated_coupling_is_measured_too() -> None:
     assert felt_notices(make_plan(fitted("hammerstein", 200.0), with_rate(1000.0, "off"))) == []
 
 
-def test_a_slow_recording_renders_at_a_rate_of_its_scene() -> None:
-    slow = fitted("hammerstein", 5.0)
-    assert make_plan(slow, with_rate(1000.0)).dt_s == 1e-3
+def test_recordings_slower_than_any_loop_are_rendered() -> None:
+    assert make_plan(fitted("hammerstein", 5.0), with_rate(1000.0)).dt_s == 1e-3
+    assert make_plan(fitted("hammerstein", 5.0), with_rate(None)).dt_s <= 1e-3
     with pytest.raises(UsageError, match="rate_hz = 1000, at which it is as exact"):
-        make_plan(slow, with_rate(None))
+        make_plan(fitted("hammerstein", 5.0), with_rate(None, "off"))

@@ -17,6 +17,7 @@ from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.trial_build import built, uncoupled
+from springpot.host.simulation import losses
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.losses import (
     LATE,
@@ -124,6 +125,20 @@ def test_what_is_lost_and_at_which_rates() -> None:
         for share in (90, 50, 10):
             taken = np.mean(found[f"rate-{share}{suffix}"].dropped == TAKEN)
             assert taken == pytest.approx(share / 100, abs=0.01)
+
+
+@pytest.mark.parametrize("dt_s", [0.1, 1e-3])
+@pytest.mark.parametrize("cycle_s", [0.01, 1.9, 2.1, 30.0, 3e4])
+def test_losses_come_at_any_speed_and_rate(
+    dt_s: float, cycle_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each way of pressing an object, however slowly it was recorded, has losses in its strokes."""
+    plan = replace(plan_of("off"), dt_s=dt_s)
+    monkeypatch.setattr(losses, "_stroke_ticks", lambda space, speed: 0.5 * cycle_s / dt_s)
+    for case, _ in losing_cases(plan, np.zeros_like, DESIGN_HAND):
+        lossy = (case.scenario.dropped != TAKEN) | np.isnan(case.scenario.error_m)
+        assert np.any(lossy), case.name
+        assert case.beyond or cycle_s <= 20.0
 
 
 def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Losses:

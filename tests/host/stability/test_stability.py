@@ -3,17 +3,19 @@
 import dataclasses
 import json
 import os
+import re
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.small import DEPTH_M, model_file, press, scene, small_model, training
+from support.small import DEPTH_M, model_file, passive_model, press, scene, small_model, training
 
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.plan import SERVED_HZ, make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.cli import springpot
 from springpot.host.emission.emission import emit, read_emission
@@ -21,7 +23,7 @@ from springpot.host.native.trial_build import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.judgement import Grade, judge
-from springpot.host.stability.linear import require_stable, spectral_radius
+from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.host.stability.verdict import why_unbounded
 from springpot.host.stability.vibration import high_passed_rms
@@ -225,9 +227,24 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
 def test_no_coupling_is_advised_where_none_is_stable() -> None:
     plan = make_plan(small_model().stiffened(2e3), scene(), accept_unsafe=True)
     with pytest.raises(
-        UnsafeError, match=r"no coupling is stable at 1000 Hz .* raise runtime.rate_hz"
+        UnsafeError, match=r"no coupling is stable at 1000 Hz .* record at a higher"
     ):
         require_stable(plan)
+
+
+@pytest.mark.parametrize("stiffer", [60.0, 200.0, 800.0, 1e4, 1e5])
+def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
+    """Of a kind that holds at any rate; without a rate in the advice, none is stable."""
+    model, auto = passive_model().stiffened(stiffer), scene(mode="auto")
+    with pytest.raises(UnsafeError, match="no coupling is stable at 1000 Hz") as told:
+        require_stable(make_plan(model, auto, accept_unsafe=True))
+    advised = re.search(r"rate_hz to (\d+)", str(told.value))
+    assert advised is not None or "stiffer than such a device" in str(told.value)
+    for rate_hz in [float(advised[1])] if advised else SERVED_HZ:
+        plan = make_plan(
+            model, dataclasses.replace(auto, runtime=Runtime(rate_hz=rate_hz)), accept_unsafe=True
+        )
+        assert is_stable(plan, scene_loop(plan, DESIGN_HAND)) == bool(advised)
 
 
 def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:

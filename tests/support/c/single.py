@@ -73,6 +73,7 @@ def every_plan(target: str) -> Iterator[Plan]:
         recovers=True,
     )
     law = replace(hammerstein, hammerstein=laws)
+    yield plan_of("places", with_map(law), "float32", "off", target)
     yield plan_of("laws", law, "float32", "off", target, measured_step=True)
     amounts = np.linspace(0.2, 1.0, 12).reshape(3, 2, 2)
     places = Places(np.zeros(2), np.full(2, 0.01), amounts, np.outer([1.0, 0.3], slopes_n))
@@ -84,6 +85,16 @@ def every_plan(target: str) -> Iterator[Plan]:
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
     with mock.patch.object(stages.forest, "compact_forest", return_value=None):  # as if too big
         yield plan_of("wide", golden_forces.model("rf-fd"), "float32", "off", target)
+
+
+def with_map(model: Model) -> Model:
+    """An object of two materials, in amounts that differ from place to place."""
+    assert model.hammerstein is not None
+    slopes_n = model.hammerstein.slopes_n * np.array([[1.0], [0.5]])
+    amounts = np.linspace(0.2, 2.0, 12).reshape(3, 2, 2)
+    places = Places(np.array([0.0, -0.01]), np.array([0.01, 0.02]), amounts, slopes_n)
+    law = replace(model.hammerstein.with_slopes(places.most_n), places=places)
+    return replace(model, hammerstein=law)
 
 
 def write_single(plan: Plan, folder: Path) -> Path:

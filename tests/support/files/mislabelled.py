@@ -120,7 +120,7 @@ def _units() -> Iterator[Mislabelled]:
     text = _csv(strain, stress_mpa, position_header="Strain", force_header="Stress (MPa)")
     yield Mislabelled("strain", text, (), "refused", "--height")
     named = ("--map", "position=Strain:mm,force=Stress (MPa):MPa")
-    yield Mislabelled("stress-as-force", text, named, "refused", "not a unit of force")
+    yield Mislabelled("stress-as-force", text, named, "refused", "--area")
     named = ("--map", "position=Strain:33mm,force=Stress (MPa):18N")
     yield Mislabelled("strain-by-length", text, named, "right")
     named = ("--map", "position=Strain:-33mm,force=Stress (MPa):-18N")

@@ -20,9 +20,10 @@ from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
+from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.quality.signs import find_signs
+from springpot.trainer.recordings.quality.signs import find_signs, require_signs
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -238,3 +239,22 @@ def test_what_needs_no_acceptance_is_not_said() -> None:
         )
     ]
     assert "Signs" not in headings
+
+
+@pytest.mark.parametrize("found", [{"tare": "auto"}, {"contact_force": "auto"}])
+@pytest.mark.parametrize("offset_n", [-20.0, -1.0, 0.0, 5.0])
+@pytest.mark.parametrize("power", [1.0, 1.5, 3.0])
+def test_a_found_tare_hides_no_mirror_and_makes_none(
+    power: float, offset_n: float, found: dict[str, Any]
+) -> None:
+    """Presses out of free air: right whatever the cell's offset, mirrored if both signs are."""
+    time_s = np.arange(4000) / 500
+    x = 2.5e-3 * (1 - np.cos(2 * np.pi * time_s / 2)) - 1e-3
+    held = np.convolve(np.maximum(x, 0.0), np.exp(-np.arange(400) / 100) / 100)[: len(x)]
+    noise = np.random.default_rng(1).normal(0, 5e-3, len(x))
+    f = 8.0 * (np.maximum(x - 0.1 * held, 0.0) / 4e-3) ** power + noise
+    right, _ = condition(Recording("x", x, f + offset_n, 2e-3), Conditioning(**found))
+    assert not check_recordings([right]).refused
+    if offset_n == 0.0:
+        with pytest.raises(DataError, match="turn the sign round"):
+            require_signs([condition(Recording("x", -x, -f, 2e-3), Conditioning(**found))[0]])

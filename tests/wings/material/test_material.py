@@ -16,13 +16,8 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.host.wings.material.commands.material import material
-from springpot.host.wings.material.law.material import (
-    Law,
-    law_of,
-    layer_factor,
-    prony_of,
-    shear_pa_per_npm,
-)
+from springpot.host.wings.material.law.geometry import Geometry, layer_factor
+from springpot.host.wings.material.law.material import Law, law_of, prony_of
 from springpot.host.wings.material.result import material_result
 from springpot.trainer.features.fractional import gl_weights
 from springpot.trainer.features.values import highpass
@@ -35,7 +30,7 @@ from springpot.trainer.recordings.recording import Recording
 DT_S = 1e-3
 # Published for Ecoflex 00-30: G (1 + (T s)^order) with 23 kPa, 330 us, 0.32.
 ECOFLEX_PA, ECOFLEX_S, ECOFLEX_ORDER = 23e3, 330e-6, 0.32
-TIP_M, HEIGHT_M = 0.006, 0.035
+TIP = Geometry("flat", tip_mm=6.0, height_mm=35.0)
 
 
 def springpot_recordings(
@@ -60,7 +55,7 @@ def fitted(stiffness_npm: float, coefficient: float, order: float) -> Model:
 
 @cache
 def ecoflex() -> Model:
-    stiffness_npm = ECOFLEX_PA / shear_pa_per_npm(TIP_M, HEIGHT_M)
+    stiffness_npm = ECOFLEX_PA / TIP.shear_pa_per_npm
     return fitted(stiffness_npm, stiffness_npm * ECOFLEX_S**ECOFLEX_ORDER, ECOFLEX_ORDER)
 
 
@@ -81,7 +76,7 @@ def test_a_springpot_without_a_spring() -> None:
 
 def test_the_published_ecoflex_comes_back() -> None:
     law = law_of(ecoflex())
-    modulus_pa = shear_pa_per_npm(TIP_M, HEIGHT_M) * law.stiffness_npm
+    modulus_pa = TIP.shear_pa_per_npm * law.stiffness_npm
     assert modulus_pa == pytest.approx(ECOFLEX_PA, rel=0.01)
     assert law.order == pytest.approx(ECOFLEX_ORDER, abs=0.01)
     assert law.time_s == pytest.approx(ECOFLEX_S, rel=0.05)
@@ -206,17 +201,97 @@ def test_the_prony_series_is_the_law_where_it_was_recorded() -> None:
     assert prony.instant_npm > prony.long_term_npm > 0.0
 
 
-def test_geometry() -> None:
-    assert shear_pa_per_npm(0.006, None) == pytest.approx(1 / 0.024)
+def test_a_layer_under_a_flat_tip() -> None:
+    assert Geometry("flat", tip_mm=6.0).shear_pa_per_npm == pytest.approx(1 / 0.024)
     assert layer_factor(1e-3) == pytest.approx(1.0, abs=2e-3)
     # Hayes et al. (1972), table 1, Poisson's ratio 0.5.
     known = {0.2: 1.281, 0.4: 1.683, 0.6: 2.211, 0.8: 2.855, 1.0: 3.609}
     assert {ratio: layer_factor(ratio) for ratio in known} == pytest.approx(known, rel=5e-3)
-    with pytest.raises(UsageError, match="--tip-mm -6: give a size above 0"):
-        shear_pa_per_npm(-0.006, None)
     assert layer_factor(10.0) > layer_factor(9.9) > layer_factor(5.0)
-    with pytest.raises(UsageError, match=r"more than 20 times as wide.*both are in mm"):
-        shear_pa_per_npm(0.006, 0.000035)
+
+
+def test_each_shape_gives_the_modulus_of_its_published_force() -> None:
+    """Slopes of F(x) for G = 1 Pa, E = 3 G: Hertz, Sneddon, a bar under uniform stress."""
+    g, radius, angle, x, step = 1.0, 4e-3, np.radians(50.0), 1.3e-3, 1e-7
+    forces = {
+        Geometry("sphere", tip_mm=8.0, depth_mm=1.3): lambda d: (
+            16 / 3 * g * np.sqrt(radius) * d**1.5
+        ),
+        Geometry("cone", depth_mm=1.3, cone_deg=50.0): lambda d: (
+            8 / np.pi * g * np.tan(angle) * d**2
+        ),
+        Geometry("plates", tip_mm=8.0, height_mm=5.0): lambda d: (
+            3 * g * np.pi * radius**2 * d / 5e-3
+        ),
+    }
+    for geometry, force_n in forces.items():
+        slope_npm = (force_n(x + step) - force_n(x - step)) / (2 * step)
+        assert geometry.shear_pa_per_npm * slope_npm == pytest.approx(g, rel=1e-6), geometry
+    flat = Geometry("bonded-plates", tip_mm=20.0, height_mm=5.0)  # S = 1: three times as stiff
+    sliding = Geometry("plates", tip_mm=20.0, height_mm=5.0)
+    assert flat.shear_pa_per_npm == pytest.approx(sliding.shear_pa_per_npm / 3)
+
+
+@pytest.mark.parametrize(
+    ("geometry", "told"),
+    [
+        (Geometry("flat", tip_mm=-6.0), "--tip-mm -6: give a size above 0"),
+        (Geometry("flat", height_mm=6.0), "give --tip-mm as well"),
+        (Geometry("flat", 6.0, 0.035), "more than 20 times as wide.*both are in mm"),
+        (Geometry("sphere", tip_mm=6.0), "give --depth-mm as well"),
+        (Geometry("sphere", tip_mm=6.0, depth_mm=4.0), "deeper than the sphere's radius, 3 mm"),
+        (Geometry("sphere", 6.0, 35.0, 1.0), "--height-mm: --geometry sphere has no such size"),
+        (Geometry("cone", depth_mm=1.0, cone_deg=90.0), "below 90"),
+    ],
+)
+def test_sizes_that_do_not_fit_are_refused(geometry: Geometry, told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        _ = geometry.shear_pa_per_npm
+
+
+@pytest.mark.parametrize("sizes", [(0.02, None), (6.0, 0.035), (0.006, None)])
+def test_sizes_in_metres_are_refused(sizes: tuple[float, float | None]) -> None:
+    with pytest.raises(UsageError, match="mm deep: give mm"):
+        Geometry("flat", *sizes).require_plausible(3e-3)
+    for geometry in (TIP, Geometry("cone", depth_mm=2.0, cone_deg=45.0)):
+        geometry.require_plausible(3e-3)
+        assert geometry.words
+
+
+def test_what_begins_under_load_is_not_identified() -> None:
+    """What came before the first sample is felt in it: no interval can hold the truth."""
+    whole = springpot_recordings(1000.0, 400.0, 0.3)
+    assert not law_of(fit_model("springpot", "x", whole, FitOptions()).model).not_identified
+    for zero_force_n, left in ((0.0, False), (5.0, True)):
+        cut = [
+            dataclasses.replace(r, zero="first", details={"zero_force_n": zero_force_n})
+            for r in whole
+        ]  # fmt: skip
+        law = law_of(fit_model("springpot", "x", cut, FitOptions()).model)
+        assert ("begins under 5 N" in law.not_identified.get("stiffness_npm", "")) == left
+
+
+def test_the_interval_of_a_modulus_holds_the_truth() -> None:
+    """Of laws known exactly, with noise: 95 % intervals hold most of storage and loss."""
+    frequency_hz = np.array([0.2, 0.5, 1.0, 2.0, 5.0])
+    exact = Law(1000.0, 400.0, 0.3, {}).dynamic_npm(frequency_hz)
+    inside = []
+    for seed in range(4):
+        noise = np.random.default_rng(seed)
+        noisy = tuple(
+            dataclasses.replace(r, force_n=r.force_n + noise.normal(0, 0.05, len(r.force_n)))
+            for r in springpot_recordings(1000.0, 400.0, 0.3)
+        )
+        law = law_of(fit_model("springpot", "x", noisy, FitOptions()).model)
+        widths = law.dynamic_interval_npm(frequency_hz)
+        assert widths is not None
+        found = law.dynamic_npm(frequency_hz)
+        assert np.all(np.concatenate(widths) < 0.03 * np.abs(exact).max())
+        inside += [np.abs(found.real - exact.real) <= widths[0] + 1e-3 * exact.real]
+        inside += [np.abs(found.imag - exact.imag) <= widths[1] + 1e-3 * exact.real]
+    assert np.mean(inside) >= 0.8
+    none = dataclasses.replace(law, not_identified={"order": "one speed"})
+    assert none.dynamic_interval_npm(frequency_hz) is None
 
 
 def test_the_command_writes_tables(tmp_path: Path) -> None:

@@ -3,24 +3,26 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isclose
 from typing import Any
 
-from springpot.codegen.errors import UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import (
     Column,
     ColumnMap,
     guess_column,
     split_unit,
 )
-from springpot.trainer.recordings.formats.units import Quantity
+from springpot.trainer.recordings.formats.units import (
+    OF_SPECIMEN,
+    Quantity,
+    is_unit,
+    parts_of,
+)
 
 _WORDS: dict[Quantity, str] = {
     "position": "strain|dehnung|stauchung|déformation",
     "force": "stress|spannung|contrainte",
-}
-_FACTORS: dict[Quantity, dict[str, float]] = {
-    "position": {"%": 0.01, "mm/mm": 1.0, "m/m": 1.0, "in/in": 1.0, "1": 1.0, "-": 1.0},
-    "force": {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "n/mm2": 1e6, "n/mm²": 1e6, "psi": 6894.757},
 }
 _SI: dict[Quantity, str] = {"position": "m", "force": "N"}
 
@@ -38,32 +40,50 @@ class Specimen:
                 f"--area {self.area_m2:g} m2, --height {self.height_m:g} m: give both above 0"
             )
 
-    def columns(self, row: Sequence[str], units: Sequence[str]) -> ColumnMap:
-        """Map columns of engineering stress and strain; nothing if a row has not both, and time.
+    def columns(self, row: Sequence[str], stated: ColumnMap) -> ColumnMap:
+        """Columns of engineering stress and strain, and what a map states in their place.
 
-        units: the cells below the row, which may hold the units.
+        Nothing of them if a row has not both, and a time.
+        """
+        timed = "time" in stated or guess_column(row, "time")
+        both = stress_and_strain(row) if timed else {}
+        return {**{quantity: Column(row[index]) for quantity, index in both.items()}, **stated}
+
+    def in_si(
+        self, labels: Mapping[Quantity, str], below: Mapping[Quantity, str], stated: ColumnMap
+    ) -> ColumnMap:
+        """The map with each stress as a force, each strain as a way: `kPa` is `0.5N` of 5 cm2.
+
+        labels, below: header of each channel, and the cell of a row of units. A strain without a
+        unit is a ratio. Raises UsageError for another unit.
         """
         sizes: dict[Quantity, float] = {"position": self.height_m, "force": self.area_m2}
-        found: dict[Quantity, Column] = {}
-        both = stress_and_strain(row) if guess_column(row, "time") else {}
-        for quantity, index in both.items():
-            below = units[index].strip("()[] ") if index < len(units) else ""
-            unit = split_unit(row[index], quantity)[1] or below
-            factor = _FACTORS[quantity].get(unit.casefold())
-            if factor is None:
+        found = dict(stated)
+        for quantity, size in sizes.items():
+            column, label = stated.get(quantity) or Column(labels[quantity]), labels[quantity]
+            text = column.unit or split_unit(label, quantity)[1] or below.get(quantity, "")
+            named = re.search(_WORDS[quantity], label, re.I)
+            factor, unit = parts_of(text) if text else (1.0, "-" if quantity == "position" else "")
+            to_si = OF_SPECIMEN[quantity].get(unit.casefold() or "1")
+            if to_si is not None:
+                unit = f"{factor * to_si * size!r}{_SI[quantity]}"
+                found[quantity] = Column(label or column.header_or_number, unit)
+            elif named and not column.unit:
                 raise UsageError(
-                    f"--area, --height: column {row[index]!r} has none of the units "
-                    f"{', '.join(_FACTORS[quantity])}: map it, --map {quantity}=COL:FACTOR"
-                    f"{_SI[quantity]}"
+                    f"--area, --height: column {label!r} has none of the units "
+                    f"{', '.join(OF_SPECIMEN[quantity])}: say which, --map {quantity}={label}:UNIT"
                 )
-            found[quantity] = Column(row[index], f"{factor * sizes[quantity]!r}{_SI[quantity]}")
         return found
 
     def made_of(self, details: Mapping[str, Any]) -> bool:
-        """Return whether a reader took stress and strain, as a recording's details say."""
+        """Return whether a reader took a stress or strain, as a recording's details say."""
         units = details.get("units", {})
-        named = {q: str(units.get(q, {}).get("column", "")) for q in _WORDS}
-        return all(re.search(words, named[q], re.I) for q, words in _WORDS.items())
+        sizes = {"position": self.height_m, "force": self.area_m2}
+        return any(
+            isclose(abs(parts_of(str(units.get(q, {}).get("unit", "")))[0]), by * sizes[q])
+            for q in _WORDS
+            for by in OF_SPECIMEN[q].values()
+        )
 
 
 def stress_and_strain(row: Sequence[str]) -> dict[Quantity, int]:
@@ -78,3 +98,26 @@ def stress_and_strain(row: Sequence[str]) -> dict[Quantity, int]:
         if len(named) == 1:
             found[quantity] = named[0]
     return found if len(found) == len(_WORDS) else {}
+
+
+def require_no_stress(
+    where: str, labels: Mapping[Quantity, str], below: Mapping[Quantity, str], stated: ColumnMap
+) -> None:
+    """Raise DataError for a map that takes a column of stress for a force, or strain for a way.
+
+    A factor before the unit is the area or height, or 1: somebody has thought of it. labels, below:
+    as of `Specimen.in_si`.
+    """
+    for quantity, words in _WORDS.items():
+        column, label = stated.get(quantity), labels[quantity]
+        if column is None or not column.unit or re.match(r"\+?[\d.]|-(?!1\D)", column.unit):
+            continue
+        unit = split_unit(label, quantity)[1] or below.get(quantity, "")
+        named = re.search(words, label, re.I) and not is_unit(unit, quantity)
+        if named or unit.casefold() in OF_SPECIMEN[quantity]:
+            what = "strain" if quantity == "position" else "stress"
+            raise DataError(
+                f"{where}: column {label!r} is one of {what}, --map says {column.unit}: pass "
+                "--area M2 and --height M, the specimen's, and no unit for it; if it is in "
+                f"{column.unit} after all, {quantity}=COL:1{column.unit.lstrip('-1')}"
+            )

@@ -32,6 +32,12 @@ _FACTORS: dict[Quantity, dict[str, float]] = {
         "ozf": _POUND_KG / 16.0 * _GRAVITY_MPS2,
     },
 }  # fmt: skip
+# Of a specimen, each a force over its area or a way over its height; casefolded.
+_STRESSES = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "n/mm2": 1e6, "n/mm²": 1e6, "psi": 6894.757}
+_STRAINS = {"%": 0.01, "mm/mm": 1.0, "m/m": 1.0, "in/in": 1.0, "1": 1.0, "-": 1.0}
+OF_SPECIMEN: dict[Quantity, dict[str, float]] = {
+    "time": {}, "position": _STRAINS, "force": _STRESSES,
+}  # fmt: skip
 _WORDS: dict[Quantity, dict[str, str]] = {
     "time": {"msec": "ms", "millisecond": "ms", "milliseconds": "ms", "minutes": "min"},
     "position": {
@@ -90,15 +96,15 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     where: begins the message, for instance "press.csv, column 'Load'".
     Raises DataError for an unknown or missing unit, or a factor of zero.
     """
-    factor, unit = _parts(text)
+    factor, unit = parts_of(text)
     known = _FACTORS[quantity]
     if not unit:
         raise DataError(f"{where}: no unit of {quantity}: give one of {', '.join(known)}")
     symbol = _known(unit, quantity)
     if symbol is None:
         raise DataError(
-            f"{where}: {unit!r} is not a unit of {quantity}{_near(unit, quantity)}: "
-            f"give one of {', '.join(known)}, with a factor where needed (33mm)"
+            f"{where}: {unit!r} is not a unit of {quantity}{_near(unit, quantity)}"
+            f" give one of {', '.join(known)}, with a factor where needed (33mm)"
         )
     if factor == 0.0:
         raise DataError(f"{where}: a factor of 0 in {text!r} leaves nothing: give another")
@@ -140,7 +146,7 @@ def _check_agreement(
     place, text = next(
         ((o, t) for o, t in found.items() if o != "map" and t and is_unit(t, quantity)), ("", "")
     )
-    if not text or _known(_parts(stated)[1], quantity) == _known(_plain(text), quantity):
+    if not text or _known(parts_of(stated)[1], quantity) == _known(_plain(text), quantity):
         return
     ratio = factor_to_si(stated, quantity, where) / factor_to_si(text, quantity, where)
     if not math.isclose(abs(ratio), 1.0, rel_tol=1e-6):
@@ -155,7 +161,7 @@ def _map(quantity: Quantity, column: str, unit: str) -> str:
     return shlex.quote(f"{quantity}={column}:{unit}")
 
 
-def _parts(text: str) -> tuple[float, str]:
+def parts_of(text: str) -> tuple[float, str]:
     """The factor before a unit, 1 where there is none, and the unit."""
     match = _WITH_FACTOR.fullmatch(_plain(text))
     if match is None:
@@ -177,5 +183,8 @@ def _plain(text: str) -> str:
 
 def _near(unit: str, quantity: Quantity) -> str:
     """The unit that may be meant, but is not chosen unasked."""
+    if unit.casefold() in OF_SPECIMEN[quantity]:
+        what = "stress" if quantity == "force" else "strain"
+        return f", it is one of {what}: pass --area M2 and --height M, the specimen's; or"
     meant = _MEANT.get(unit.casefold()) if quantity == "force" else None
-    return f" (did you mean {meant}?)" if meant else ""
+    return f" (did you mean {meant}?):" if meant else ":"

@@ -68,32 +68,50 @@ def low_pass_delay_s(order: int, cutoff_hz: float) -> float:
     return float(np.sum(-1.0 / poles).real)
 
 
-def filter_findings(recording: Recording, cycles: Cycles | None) -> Iterator[Finding]:
-    """Yield a finding where a filter in the load cell delays force: no phase of the material's."""
-    if not (delay_s := filter_delay_s(recording)):
-        return
-    details = recording.details
-    order = int(details.get("load_cell_low_pass_order", 1))
-    what = f"the load cell was low-passed at {details['load_cell_low_pass_hz']:g} Hz, order {order}"
-    so_what = f"force comes about {delay_s * 1e3:.3g} ms late"
-    if cycles:
-        lag_rad = 2 * np.pi * cycles.frequency_hz * delay_s
-        if lag_rad < _FILTERED_RAD:
-            return
-        so_what += f", {lag_rad:.2g} rad at {cycles.frequency_hz:.3g} Hz"
-    yield warning(
-        "filter", recording.name, what, f"{so_what}: its phase is not the material's",
-        f"state it on import, --force-delay-s {delay_s:.4g}, if position is not filtered alike",
-    )  # fmt: skip
+def filter_findings(
+    recordings: Sequence[Recording], cycles: Sequence[Cycles | None], skew: Skew | None
+) -> Iterator[Finding]:
+    """Yield a finding for each filter of a load cell that delays force: no phase of the material's.
+
+    cycles: of each recording, None if it has none.
+    """
+    late: dict[float, list[tuple[str, float | None]]] = {}
+    for recording, own in zip(recordings, cycles, strict=True):
+        if delay_s := filter_delay_s(recording, skew):
+            hz = own.frequency_hz if own else None
+            if hz is None or 2 * np.pi * hz * delay_s >= _FILTERED_RAD:
+                late.setdefault(delay_s, []).append((recording.name, hz))
+    for delay_s, found in late.items():
+        names = [name for name, _ in found]
+        fastest_hz = max((hz for _, hz in found if hz is not None), default=None)
+        so_what = f"force comes about {delay_s * 1e3:.3g} ms late"
+        if fastest_hz is not None:
+            lag_rad = 2 * np.pi * fastest_hz * delay_s
+            so_what += f", {lag_rad:.2g} rad at {fastest_hz:.3g} Hz"
+        details = next(r.details for r in recordings if r.name == names[0])
+        yield warning(
+            "filter", names[0] if len(names) == 1 else f"{len(names)} recordings",
+            f"the load cell was low-passed at {details['load_cell_low_pass_hz']:g} Hz, order "
+            f"{details.get('load_cell_low_pass_order', 1)}",
+            f"{so_what}: its phase is not the material's",
+            f"state it on import, --force-delay-s {delay_s:.4g}, if position is not filtered alike",
+        )  # fmt: skip
 
 
-def filter_delay_s(recording: Recording) -> float:
-    """Delay of force by the load cell's own low-pass, s; 0 without one."""
+def filter_delay_s(recording: Recording, skew: Skew | None) -> float:
+    """Delay of force by the load cell's own low-pass, s; 0 without one.
+
+    0 too if a delay was stated or taken out, and if the data exclude it: where position went
+    through a filter alike, force is not late.
+    """
     cutoff_hz = recording.details.get("load_cell_low_pass_hz")
-    if cutoff_hz is None:
+    if cutoff_hz is None or recording.force_delay_s or "aligned_s" in recording.details:
         return 0.0
     order = int(recording.details.get("load_cell_low_pass_order", 1))
-    return low_pass_delay_s(order, float(cutoff_hz))
+    delay_s = low_pass_delay_s(order, float(cutoff_hz))
+    if skew is not None and abs(delay_s - skew.delay_s) > skew.uncertainty_s:
+        return 0.0
+    return delay_s
 
 
 def skew_findings(recordings: Sequence[Recording], skew: Skew | None) -> Iterator[Finding]:
@@ -103,12 +121,19 @@ def skew_findings(recordings: Sequence[Recording], skew: Skew | None) -> Iterato
     stated_s = np.mean([r.force_delay_s - r.position_delay_s for r in recordings])
     if abs(skew.delay_s - stated_s) <= skew.uncertainty_s:
         return
+    remedy = "state the delay on import (--force-delay-s), with --align to take it out"
+    taken_s = np.mean([r.details.get("aligned_s", 0.0) for r in recordings])
+    if taken_s:
+        remedy = (
+            f"{taken_s * 1e3:.3g} ms were taken out on import: import again without --align, or "
+            f"with {(taken_s + skew.delay_s) * 1e3:.2g} ms"
+        )
     yield warning(
         "alignment", f"all {len(recordings)} recordings",
         f"force seems to come {skew.delay_s * 1e3:.2g} +- {skew.uncertainty_s * 1e3:.2g} ms after "
         "position",
         "loss, and with it stability, would be learned wrong",
-        "state the delay on import (--force-delay-s), with --align to take it out",
+        remedy,
     )  # fmt: skip
 
 

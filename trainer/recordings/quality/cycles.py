@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
+from springpot.trainer.recordings.quality.motion import turning_points
 from springpot.trainer.recordings.recording import Recording
 
 _MIN_SHARE = 0.5  # of the position's variance that one tone must explain
@@ -13,6 +14,8 @@ _HARMONICS = 5
 _CUT_TOLERANCE = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
 _OFF_CENTRE = 0.1  # of the amplitude: a cycle about another mean is on the way in
 _MIN_CYCLES = 3  # that are left without it
+_EVEN_STROKES = (0.1, 0.02)  # of the whole travel: what counts as a stroke, large ones first
+_SAME_WAY, _SAME_TIME = 0.1, 0.3
 _CLOSED = 0.05  # of the travel
 SAME_PRESS = 0.02  # of the range of position or of force: rms difference of repeats
 _CURVE = 7  # degree: tissue stiffens tenfold within a tenth of its depth
@@ -49,6 +52,10 @@ def find_cycles(recording: Recording) -> Cycles | None:
         return None
     position_m, force_n = _moving(recording.position_m, recording.force_n)
     frequency = _frequency(position_m)
+    if frequency is None or frequency * len(position_m) < 1.5:
+        among = _even_strokes(position_m)
+        if among is not None and (tone := _frequency(position_m[among])) is not None:
+            position_m, force_n, frequency = position_m[among], force_n[among], tone
     # Fewer than 1.5 cycles: one closed press counts as a cycle of its own length.
     if frequency is None or frequency * len(position_m) < 1.5:
         if not _is_one_press(recording.position_m, recording.force_n):
@@ -105,6 +112,32 @@ def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
     if len(moved):
         begin, end = min(begin, int(moved[0])), max(end, int(moved[-1]) + 2)
     return position_m[begin:end], force_n[begin:end]
+
+
+def _even_strokes(position_m: Samples) -> slice | None:
+    """The longest run of three cycles or more alike, in way and time; None without one.
+
+    Rigs approach the object, wait, and leave it again: beside small cycles that is most of the
+    motion.
+    """
+    for share in _EVEN_STROKES:
+        turns = np.array(turning_points(position_m, share * float(np.ptp(position_m))), dtype=int)
+        if len(turns) < 2:
+            continue
+        ways_m, ticks = np.abs(np.diff(position_m[turns])), np.diff(turns)
+        runs, first = [], 0
+        for k in range(1, len(ways_m) + 1):
+            alike = k < len(ways_m) and (
+                abs(ways_m[k] / ways_m[first] - 1.0) < _SAME_WAY
+                and abs(ticks[k] / ticks[first] - 1.0) < _SAME_TIME
+            )
+            if not alike:
+                runs.append((k - first, first))
+                first = k
+        strokes, first = max(runs)
+        if strokes >= 2 * _MIN_CYCLES:
+            return slice(int(turns[first]), int(turns[first + strokes]) + 1)
+    return None
 
 
 def _way_in(position_m: Samples, period: float) -> int:

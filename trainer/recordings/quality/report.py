@@ -137,7 +137,7 @@ def check_recordings(given: Recordings) -> QualityReport:
         findings += spikes
     cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
     signs = [find_signs(recording) for recording in recordings]
-    for recording, own_cycles, own_signs in zip(recordings, cycles, signs, strict=True):
+    for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
         of_signs = list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
@@ -146,7 +146,6 @@ def check_recordings(given: Recordings) -> QualityReport:
             hum = hum_of(recording)
             findings += contact_findings(recording) if hum is None else hum_findings(recording, hum)
             findings += drift_findings(recording)
-        findings += filter_findings(recording, own_cycles)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
     findings += [] if refused else snap_findings(recordings)
     findings += speed_findings(recordings)
@@ -154,6 +153,7 @@ def check_recordings(given: Recordings) -> QualityReport:
     findings += place_findings(recordings, repeats)
     findings += repeat_findings(repeats)
     skew = estimate_skew([found for found in cycles if found])
+    findings += filter_findings(recordings, cycles, skew)
     findings += skew_findings(recordings, skew)
     return QualityReport(recordings, findings, cycles, signs, repeats, skew)
 
@@ -202,7 +202,7 @@ def _loss(recording: Recording, cycles: Cycles, skew: Skew | None) -> dict[str, 
     stated_s = recording.force_delay_s - recording.position_delay_s
     doubt_s = abs(skew.delay_s - stated_s) + skew.uncertainty_s
     if stated_s == 0.0:
-        doubt_s += filter_delay_s(recording)
+        doubt_s += filter_delay_s(recording, skew)
     rate = abs(cycles.skew_rad_per_s)
     lead_rad = cycles.lead_rad + rate * stated_s
     scale = cycles.energy_j / np.sin(cycles.lead_rad) if cycles.lead_rad else 0.0

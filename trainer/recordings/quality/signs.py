@@ -99,6 +99,9 @@ def find_signs(recording: Recording) -> Signs:
     force_vote, shape_vote = deeper_by_force(x, raw_n), deeper_by_slope(x, raw_n)
     if not lost.loops and shape_vote * (x[-1] - x[0]) < 0.0:
         shape_vote = 0  # without a way back the object relaxes along the stroke: its slope falls
+    if shape_vote < 0 and (tare_n := float(recording.details.get("tare_n", 0.0))):
+        # Of an object that is mirrored, what was found for free air is its deepest press.
+        force_vote = min(force_vote, deeper_by_force(x, raw_n + tare_n))
     evidence = force_vote + shape_vote
     inwards = -1 if evidence < 0 else 1  # the end of deeper positions
     return Signs(

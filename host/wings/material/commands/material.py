@@ -7,17 +7,27 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot import UsageError
 from springpot.console import PERCENT, POSITIVE, json_option, print_result
 
 if TYPE_CHECKING:
+    from springpot.host.wings.material.law.geometry import Shape
     from springpot.host.wings.material.law.material import Law
 
 
 @click.command()
 @click.argument("model", type=click.Path(path_type=Path))
-@click.option("--tip-mm", type=POSITIVE, help="Diameter of the flat round tip.")
+@click.option(
+    "--geometry",
+    type=click.Choice(["flat", "sphere", "cone", "plates", "bonded-plates"]),
+    default="flat",
+    help="Shape of the tip, or plates, which slide on the specimen or are bonded; default flat.",
+)
+@click.option(
+    "--tip-mm", type=POSITIVE, help="Diameter of the tip; between plates, the specimen's."
+)
 @click.option("--height-mm", type=POSITIVE, help="Height of the specimen; default: very high.")
+@click.option("--depth-mm", type=POSITIVE, help="Mean depth of a sphere or cone.")
+@click.option("--cone-deg", type=POSITIVE, help="Angle of a cone, from axis to side.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for tables and a figure.")
 @click.option(
     "--prony-error",
@@ -34,8 +44,11 @@ if TYPE_CHECKING:
 @json_option
 def material(
     model: Path,
+    geometry: Shape,
     tip_mm: float | None,
     height_mm: float | None,
+    depth_mm: float | None,
+    cone_deg: float | None,
     out: Path | None,
     prony_error: float,
     accept_unidentified: bool,
@@ -43,7 +56,8 @@ def material(
 ) -> None:
     """Material of a MODEL of kind springpot: shear moduli need the tip's size, else stiffness."""
     from springpot import read_model
-    from springpot.host.wings.material.law.material import law_of, prony_of, shear_pa_per_npm
+    from springpot.host.wings.material.law.geometry import Geometry
+    from springpot.host.wings.material.law.material import law_of, prony_of
     from springpot.host.wings.material.result import (
         material_result,
         require_identified,
@@ -51,23 +65,26 @@ def material(
         write_material,
     )
 
-    if height_mm is not None and tip_mm is None:
-        raise UsageError("--height-mm: give --tip-mm as well")
+    sizes = (tip_mm, height_mm, depth_mm, cone_deg)
     fitted = read_model(model)
     law, prony = law_of(fitted), prony_of(fitted)
-    scale = None
-    if tip_mm is not None:
-        scale = shear_pa_per_npm(1e-3 * tip_mm, None if height_mm is None else 1e-3 * height_mm)
+    scale, pressed = None, "give the sizes of tip and specimen, see `springpot material --help`"
+    if geometry != "flat" or any(size is not None for size in sizes):
+        of = Geometry(geometry, *sizes)
+        scale, pressed = of.shear_pa_per_npm, of.words
+        of.require_plausible(fitted.trained.max_m - fitted.trained.min_m)
     result = material_result(law, prony, scale, accept_unidentified)
     if out is not None and not accept_unidentified:
         require_identified(law)
     require_prony(result, prony_error)
     files = [] if out is None else write_material(out, law, prony, scale)
-    print_result(result | {"files": files}, as_json, material_rows(result, law, out))
+    print_result(result | {"files": files}, as_json, material_rows(result, law, out, pressed))
 
 
-def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[str, str]:
-    """Return a person's view."""
+def material_rows(
+    result: dict[str, Any], law: Law, out: Path | None, pressed: str
+) -> dict[str, str]:
+    """Return a person's view. pressed: what the modulus is taken from, or how to get one."""
     rows = {
         "stiffness": _quoted(law, "stiffness_npm", "N/m, at rest"),
         "coefficient": _quoted(law, "coefficient", "N s^order/m"),
@@ -81,8 +98,10 @@ def material_rows(result: dict[str, Any], law: Law, out: Path | None) -> dict[st
         width = "" if width_pa is None else f" +- {width_pa / 1e3:.2g}"
         sure = "not identified" if width_pa is None else "95 %"
         rows["shear modulus"] = (
-            f"{result['shear_modulus_pa'] / 1e3:.4g}{width} kPa ({sure}; small depths)"
+            f"{result['shear_modulus_pa'] / 1e3:.4g}{width} kPa ({sure}; small depths; {pressed})"
         )
+    elif result["unit"] != "pa":
+        rows["shear modulus"] = pressed
     if law.residual_percent is not None:
         rows["missed"] = f"{law.residual_percent:.3g} % of the force that varies, rms"
     low_hz, high_hz = law.covered_hz or (0.0, float("inf"))

@@ -12,10 +12,15 @@ import numpy as np
 from springpot import Recording
 from springpot.basics import Samples
 from springpot.host.wings.material.law.fractional_solid import Solid
+from springpot.host.wings.material.law.material import jackknife
 from springpot.modelling import Coverage, find_coverage, find_cycles
 
-_CONFIDENCE = 1.96  # standard errors of a 95 % interval
 _NEARLY = 1.02  # of the lowest RMS error
+_ORDER_STEP = 3e-4  # to which the search for the order is carried
+_BRANCHED = 5e-4  # of a stiffness: a sum of branches is the law within this
+_PRELOAD = 0.05  # of the force's range, in the first sample
+_RISING = 0.2  # of the mean stiffness: less is free air, in which a cell's offset is no load
+_START = 0.05  # of the travel, about the first sample
 _WIDEST_ORDER = 0.1  # half an interval
 _WIDEST_SHARE = 0.2  # of the stiffness that was recorded, half an interval
 _WIDER = "record a wider range of speeds, and longer holds"
@@ -37,18 +42,28 @@ def law_metadata(
     sizes_n: RMS of force, of what the law misses, and of its rate dependence.
     """
     names = [name for name in _NAMES if getattr(solid, name) is not None]
-    widths = {name: _jackknife([getattr(other, name) for other in others]) for name in names}
+    left_out = [[getattr(other, name) for name in _NAMES] for other in others]
+    widths = {
+        name: float(jackknife(np.array([getattr(other, name) for other in others])))
+        for name in names
+    }
     near = profile[0][profile[1] <= _NEARLY * profile[1].min()]
     low, high = float(near.min()), float(near.max())
     widths["order"] = max(widths["order"], (high - low) / 2)
+    for name, width in widths.items():  # no narrower than the fit's own grid and branches
+        rounding = _ORDER_STEP if name == "order" else _BRANCHED * abs(getattr(solid, name))
+        widths[name] = float(np.hypot(width, rounding))
     coverage = find_coverage(recordings)
     unidentified = _unidentified(solid, widths, (low, high), sizes_n, coverage)
+    if before := _unseen_before(recordings):
+        unidentified = dict.fromkeys(names, before) | unidentified
     return {
         "n_parameters": len(names) + (solid.bias_n != 0.0),
         "material": {
             name: [getattr(solid, name), None if name in unidentified else widths[name]]
             for name in names
         },
+        "left_out": left_out,
         "not_identified": unidentified,
         "residual_n": sizes_n[1],
         "residual_percent": 100.0 * sizes_n[1] / sizes_n[0] if sizes_n[0] else 0.0,
@@ -70,11 +85,21 @@ def _dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
     ]
 
 
-def _jackknife(values: Sequence[float]) -> float:
-    """Return half width of a 95 % interval."""
-    n, found = len(values), np.array(values)
-    error = np.sqrt((n - 1) / n * np.sum(np.square(found - found.mean())))
-    return float(_CONFIDENCE * error)
+def _unseen_before(recordings: Sequence[Recording]) -> str:
+    """Say that a recording begins in a pressed object, whose memory of it is not known; or ""."""
+    for recording in recordings:
+        x, f = recording.position_m, recording.force_n
+        load_n = float(f[0]) + float(recording.details.get("zero_force_n", 0.0))
+        near = np.abs(x - x[0]) <= _START * np.ptp(x)
+        if abs(load_n) <= _PRELOAD * np.ptp(f) or np.ptp(x[near]) == 0.0:
+            continue
+        slope = np.polyfit(x[near] - x[0], f[near], 1)[0]
+        if slope > _RISING * np.ptp(f) / np.ptp(x):
+            return (
+                f"{recording.name} begins under {load_n:.3g} N, and the object still relaxes from "
+                "what came before: record from before contact, or after a rest of ten recordings"
+            )
+    return ""
 
 
 def _unidentified(
@@ -96,7 +121,7 @@ def _unidentified(
     unidentified = {"order": why, "coefficient": why} if why else {}
     stiffness_npm = solid.dynamic_npm(coverage.band_hz[0])
     if why or widths["stiffness_npm"] > _WIDEST_SHARE * stiffness_npm:
-        unidentified["stiffness_npm"] = "no hold is long enough to show it: hold longer"
+        unidentified["stiffness_npm"] = why or "no hold is long enough to show it: hold longer"
     instant_npm = solid.instant_npm
     if instant_npm is not None and widths["instant_npm"] > _WIDEST_SHARE * instant_npm:
         unidentified["instant_npm"] = "no press is fast enough to show it: press faster"

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import gamma, isfinite
+from math import gamma
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,7 @@ from springpot.basics import Samples
 from springpot.host.wings.material.law.fractional_solid import branches_for
 
 _FINE = 0.01  # of the shortest time: time step of the branches of a relaxation
-_MAX_TIP = 20  # diameter over height: beyond, 40 nodes are too few
-_NODES = 40  # of the layer's integral equation
-_POISSON = 0.5  # rubbers keep their volume
-_KAPPA = 3.0 - 4.0 * _POISSON
+_CONFIDENCE = 1.96  # standard errors of a 95 % interval
 
 
 @dataclass(frozen=True)
@@ -26,7 +23,7 @@ class Law:
     do not show a number, and not_identified says why. instant_npm: of a fractional Zener solid,
     the stiffness of an instant step; else None. residual_percent: what the law misses of the
     force that varies, rms. covered_hz: frequencies of the recordings; measured: what cyclic ones
-    show by themselves.
+    show by themselves. left_out: the law of all recordings but a part each, of which intervals are.
     """
 
     stiffness_npm: float
@@ -38,6 +35,7 @@ class Law:
     residual_percent: float | None = None
     covered_hz: tuple[float, float] | None = None
     measured: Sequence[Mapping[str, float]] = ()
+    left_out: "Sequence[Law]" = ()
 
     @property
     def time_s(self) -> float | None:
@@ -54,6 +52,16 @@ class Law:
         if self.instant_npm is not None:
             part = part / (1.0 + part / (self.instant_npm - self.stiffness_npm))
         return (self.stiffness_npm + part).astype(np.complex128)
+
+    def dynamic_interval_npm(self, frequency_hz: Samples) -> tuple[Samples, Samples] | None:
+        """Half widths of the 95 % intervals of storage and loss, (n,), N/m: by the jackknife.
+
+        None if the recordings do not show the law.
+        """
+        if self.not_identified or not self.left_out:
+            return None
+        others = np.stack([other.dynamic_npm(frequency_hz) for other in self.left_out])
+        return jackknife(others.real), jackknife(others.imag)
 
     def relaxing_npm(self, time_s: Samples) -> Samples:
         """Return force after a step of unit depth, (n,), N/m."""
@@ -94,6 +102,17 @@ class Prony:
         return stiffness
 
 
+def jackknife(values: Samples) -> Samples:
+    """Half widths of the 95 % intervals, (...), of estimates that leave out a part each, (n, ...).
+
+    Efron and Stein (1981).
+    """
+    n = len(values)
+    squares = np.sum(np.square(values - values.mean(axis=0)), axis=0)
+    half: Samples = _CONFIDENCE * np.sqrt((n - 1) / n * squares)
+    return half
+
+
 def law_of(model: Model) -> Law:
     """Return numbers of a model of kind springpot. Raises UsageError for other kinds."""
     if model.kind != "springpot" or "material" not in model.provenance:
@@ -115,6 +134,10 @@ def law_of(model: Model) -> Law:
         residual_percent=provenance.get("residual_percent"),
         covered_hz=(covered[0], covered[1]) if covered else None,
         measured=provenance.get("measured", ()),
+        left_out=tuple(
+            Law(stiffness, coefficient, order, {}, instant_npm=instant)
+            for stiffness, coefficient, order, instant in provenance.get("left_out", ())
+        ),
     )
 
 
@@ -129,47 +152,3 @@ def prony_of(model: Model) -> Prony:
         tau_s=passive.tau_s[order],
         branch_npm=passive.branch_n[order, 0] / passive.span_m,
     )
-
-
-def shear_pa_per_npm(tip_m: float, height_m: float | None) -> float:
-    """Return shear modulus of unit stiffness under a flat round tip of diameter `tip_m`, 1/m.
-
-    F = 8 G a kappa x for an incompressible specimen that is wide, bonded to its base, and pressed
-    little; kappa of `layer_factor`, 1 where no height is given. Raises UsageError for sizes.
-    """
-    for name, value in (("--tip-mm", tip_m), ("--height-mm", height_m)):
-        if value is not None and not (isfinite(value) and value > 0.0):
-            raise UsageError(f"{name} {1e3 * value:g}: give a size above 0")
-    if height_m is not None and tip_m > _MAX_TIP * height_m:
-        raise UsageError(
-            f"--height-mm {1e3 * height_m:g}: a tip of {1e3 * tip_m:g} mm is more than {_MAX_TIP} "
-            "times as wide, beyond what the layer's equation is solved for: both are in mm"
-        )
-    radius_m = tip_m / 2.0
-    factor = 1.0 if height_m is None else layer_factor(radius_m / height_m)
-    return 1.0 / (8.0 * radius_m * factor)
-
-
-def layer_factor(radius_per_height: float) -> float:
-    """Return how much stiffer an incompressible layer on a rigid base is than a half space.
-
-    The integral equation of Lebedev and Ufliand (1958) for a flat punch, as in Hayes et al.
-    (1972), solved on Gauss-Legendre nodes. 1 for a thick specimen.
-    """
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    t, w = 0.5 * (nodes + 1.0), 0.5 * weights
-    # 1 - L falls as exp(-2 y): 20 heights are infinity.
-    fine, fine_weights = np.polynomial.legendre.leggauss(400)
-    y, dy = 10.0 * (fine + 1.0), 10.0 * fine_weights
-    cosines = np.cos(radius_per_height * np.outer(t, y))
-    kernel = radius_per_height * (cosines * ((1.0 - _layer_compliance(y)) * dy)) @ cosines.T
-    phi = np.linalg.solve(np.eye(_NODES) - 2.0 / np.pi * kernel * w, np.ones(_NODES))
-    return float(w @ phi)
-
-
-def _layer_compliance(y: Samples) -> Samples:
-    """Return compliance of a bonded layer against a half space's, wave number times height y."""
-    above = 2.0 * _KAPPA * np.sinh(2.0 * y) - 4.0 * y
-    below = 2.0 * _KAPPA * np.cosh(2.0 * y) + 4.0 * y**2 + 1.0 + _KAPPA**2
-    compliance: Samples = above / below
-    return compliance

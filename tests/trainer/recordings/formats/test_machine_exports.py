@@ -1,5 +1,6 @@
 """Files as machines of other trades write them: understood, or one line that says what they are."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ from support.small import press, soft_force, training
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.formats.column_map import guess_column
+from springpot.trainer.recordings.formats.column_map import guess_column, parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.recording import Recording
@@ -154,6 +155,47 @@ def test_stress_and_strain_are_of_a_specimen(tmp_path: Path) -> None:
         import_file(file, None, "none", None, specimen)
     with pytest.raises(UsageError, match="give both above 0"):
         Specimen(0.0, 0.02)
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        "time=1,position=2,force=3", "time=1:s,position=2:%,force=3:MPa", "position=2:%",
+        "time=10Hz,force=Stress:MPa", "position=Strain:2e-4m,force=3:500N", "force=3:1e3kPa",
+    ],
+)  # fmt: skip
+def test_a_specimen_is_read_by_any_map(chosen: str, tmp_path: Path) -> None:
+    specimen = Specimen(area_m2=5e-4, height_m=0.02)
+    file = tmp_path / "press.csv"
+    file.write_text(table("Time (s),Strain,Stress\n(s),(%),(MPa)", (1.0, 2e-4, 500.0)))
+    options = ImportOptions(specimen=specimen)
+    (found,) = import_file(file, parse_map(chosen), "none", None, options).recordings
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)
+    np.testing.assert_allclose(found.force_n, FORCE_N, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("header", "chosen"),
+    [
+        ("Time (s),Way (mm),Nominal_stress_kPa", "time=1,position=2,force=3:N"),
+        ("Time (s),Way (mm),Nominal_stress_kPa", "time=1,position=2,force=3:-1N"),
+        ("Time (s),Way (mm),Load (kPa)", "time=1,position=2,force=3:N"),
+        ("Time (s),Strain,Load (N)", "time=1,position=2:mm,force=3"),
+        ("Time (s),Way [-],Load (N)", "time=1,position=2:m,force=3"),
+    ],
+)
+def test_a_stress_is_no_force_unless_somebody_says_so(
+    header: str, chosen: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "press.csv"
+    file.write_text(table(header, (1.0, 1e-3, 1.0)))
+    with pytest.raises(DataError, match=r"--area M2 and --height M.* after all, .*=COL:1") as told:
+        import_file(file, parse_map(chosen), "none", None)
+    said = re.search(r"(\w+)=COL:(1\w+)", str(told.value))
+    assert said is not None
+    stated = re.sub(rf"({said[1]}=\d)[^,]*", rf"\1:{said[2]}", chosen)
+    (found,) = import_file(file, parse_map(stated), "none", None).recordings
+    assert len(found.force_n) == len(FORCE_N)
 
 
 def test_a_sentence_above_a_table_is_no_header(tmp_path: Path) -> None:

@@ -34,8 +34,9 @@ from springpot.trainer.recordings.formats.csv.decimals import (
     is_comma_number,
     is_number,
 )
-from springpot.trainer.recordings.formats.specimen import Specimen
+from springpot.trainer.recordings.formats.specimen import Specimen, require_no_stress
 from springpot.trainer.recordings.formats.units import (
+    OF_SPECIMEN,
     Quantity,
     Unit,
     factor_to_si,
@@ -75,24 +76,22 @@ def find_layout(
     """
     options = wanted_columns(columns)
     if all(q in columns and not stated_header(columns[q]) for q in options):
-        return _layout_by_numbers(path, head, columns, decimal)
+        return _layout_by_numbers(path, head, columns, decimal, specimen)
     best: tuple[int, Candidates, Cells] = (0, {}, [])
     for index in range(len(head)):
         for delimiter, row in split_line(head, index):
-            stated = columns
-            if specimen:
-                below = cells(head[index + 1], delimiter) if index + 1 < len(head) else []
-                stated = {**specimen.columns(row, below), **columns}
+            stated = specimen.columns(row, columns) if specimen else columns
             found = {q: _candidates(row, q, stated.get(q)) for q in options}
             found = {q: candidates for q, candidates in found.items() if candidates}
             if len(found) == len(options) <= len(row):
                 chosen = _only(path, index, row, found)
-                return _layout(path, head, delimiter, index, chosen, stated, decimal)
+                return _layout(path, head, delimiter, index, chosen, stated, decimal, specimen)
             if len(found) > len(best[1]):
                 best = (index, found, row)
-    if not best[1]:
-        index, row = above_numbers(head)
-        best = (index, {}, row)
+    index, row = above_numbers(head)
+    there = {q: its for q in options if (its := _candidates(row, q, columns.get(q)))}
+    if len(there) >= len(best[1]):  # the likelier header: numbers follow it
+        best = (index, there, row)
     if is_json(path):
         raise DataError(f"{path}: JSON, no table: save it as CSV, one row a sample, in its program")
     raise missing_columns(path, *best, columns)
@@ -120,7 +119,11 @@ def _only(path: Path, index: int, row: Cells, found: Candidates) -> dict[Quantit
 
 
 def _layout_by_numbers(
-    path: Path, head: Sequence[str], columns: ColumnMap, decimal: DecimalMark | None
+    path: Path,
+    head: Sequence[str],
+    columns: ColumnMap,
+    decimal: DecimalMark | None,
+    specimen: Specimen | None,
 ) -> Layout:
     """Find the first row with numbers in all columns; the row above it is the header."""
     chosen = {q: int(columns[q].header_or_number) - 1 for q in wanted_columns(columns)}
@@ -129,7 +132,7 @@ def _layout_by_numbers(
             if len(row) <= max(chosen.values()):
                 continue
             if all(is_number(row[i]) or is_comma_number(row[i]) for i in chosen.values()):
-                return _layout(path, head, delimiter, index - 1, chosen, columns, decimal)
+                return _layout(path, head, delimiter, index - 1, chosen, columns, decimal, specimen)
     numbers = ", ".join(str(i + 1) for i in chosen.values())
     raise DataError(
         f"{path}: no row has numbers in columns {numbers} (first {len(head)} rows read): "
@@ -145,6 +148,7 @@ def _layout(
     chosen: dict[Quantity, int],
     columns: ColumnMap,
     decimal: DecimalMark | None,
+    specimen: Specimen | None,
 ) -> Layout:
     if len(set(chosen.values())) < len(chosen):
         raise DataError(f"{path}: two channels would come from one column: correct --map")
@@ -158,6 +162,11 @@ def _layout(
     unit_row = _unit_row(below, chosen)
     if unit_row:
         first += 1
+    labels = {q: header[index] if index < len(header) else "" for q, index in chosen.items()}
+    if specimen:
+        columns = specimen.in_si(labels, unit_row, columns)
+    else:
+        require_no_stress(str(path), labels, unit_row, columns)
     units = column_units(path, header, chosen, columns, unit_row)
     found = []
     for quantity, index in chosen.items():
@@ -216,4 +225,5 @@ def _unit_row(row: Cells, chosen: dict[Quantity, int]) -> dict[Quantity, str]:
     units = {quantity: row[index].strip("()[]{} ") for quantity, index in chosen.items()}
     if any(is_number(unit) or is_comma_number(unit) or not unit for unit in units.values()):
         return {}
-    return units if any(is_unit(unit, quantity) for quantity, unit in units.items()) else {}
+    known = (is_unit(unit, q) or unit.casefold() in OF_SPECIMEN[q] for q, unit in units.items())
+    return units if any(known) else {}

@@ -36,17 +36,19 @@ def split_line(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
 
 
 def above_numbers(head: Sequence[str]) -> tuple[int, Cells]:
-    """Find a header of other words: a row of words with numbers at most three rows below it."""
+    """Find a header of other words: the fullest of the three rows above the first of numbers."""
     for index in range(len(head)):
         for delimiter, row in split_line(head, index):
-            if any(map(is_number_of_either_mark, row)):
+            if not all(map(is_number_of_either_mark, row)):
                 continue
-            below = (cells(line, delimiter) for line in head[index + 1 : index + 4])
-            if any(
-                len(one) >= len(row) and all(map(is_number_of_either_mark, one[: len(row)]))
-                for one in below
-            ):
-                return index, row
+            above = [(at, cells(head[at], delimiter)) for at in range(max(index - 3, 0), index)]
+            words = [
+                (at, one)
+                for at, one in above
+                if len(one) <= len(row) and not any(map(is_number_of_either_mark, one))
+            ]
+            if words:
+                return max(words, key=lambda found: sum(map(bool, found[1])))
     return 0, []
 
 
