@@ -13,7 +13,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.placed import PlacedCurves
-from springpot.codegen.stages.passive.stored import stored_areas
+from springpot.codegen.stages.passive.stored import RENEWED, stored_areas
 from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_width_of
 
 _DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at the trained depth
@@ -118,7 +118,10 @@ def lateral_stage(
     m_per_piece = hammerstein.span_m / pieces_of_one(hammerstein.nodes)
     # A sphere touches a circle of the radius sqrt(2 R d); its mean chord is pi/2 times that.
     width_m = 0.5 * np.pi * np.sqrt(2e-3 * radius_mm * hammerstein.span_m)
-    full = np.array([_of_branches(stage, its) for stage, its in zip(materials, areas, strict=True)])
+    # What renewing takes of branches that have relaxed, if their curves are straight.
+    full = RENEWED * np.array(
+        [_of_branches(stage, its) for stage, its in zip(materials, areas, strict=True)]
+    )
     most_n = float(np.max(places.amounts @ full)) * m_per_piece / width_m
     drag = DragConfig(dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m)))
     return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag)
