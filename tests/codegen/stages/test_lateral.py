@@ -56,10 +56,10 @@ def at_depth(depth_m: np.ndarray, x_m: Any = MIDDLE_M[0], y_m: Any = MIDDLE_M[1]
 @pytest.mark.parametrize("number", ["float32", "float64"])
 def test_same_bits_as_the_reference(number: str) -> None:
     plan = plan_of(number)
-    depth_m = np.concatenate([1.2 * press(4.0), wandering(3)[:300], press(4.0), np.zeros(5)])
+    depth_m = np.concatenate([1.2 * press(6.0), wandering(3)[:100], press(6.0), np.zeros(5)])
     turn = 12.0 * np.arange(len(depth_m)) / len(depth_m)
     position_m = at_depth(depth_m, 0.01 + 0.015 * np.sin(turn), 0.012 * np.cos(turn))
-    position_m[400:, 0] += 0.3
+    position_m[270:, 0] += 0.3
     position_m[100:103, 1] = np.nan
     position_m[150] = 5e3
     position_m = np.concatenate([position_m, np.full((40, 3), np.nan), position_m[-3:]])
