@@ -172,8 +172,8 @@ def test_fresh_ground_is_paid_for() -> None:
     ticks_s = np.arange(0.0, 22.1, DT_S)
     depth = np.interp(ticks_s, [0.0, 20.0, 22.0, 22.05, 22.1], [0.0, 0.8, 0.8, -0.01, -0.01])
     rubs_s = np.clip(ticks_s - 20.0, 0.0, 2.0)
-    rub = np.exp(-rubs_s) * np.sin(2 * np.pi * (3.0 + 20.0 * rubs_s**2) * rubs_s)
-    position_m = np.column_stack([STEP_M * (0.5 + 0.2 * rub), STEP_M * (0.5 + 0.1 * rub),
+    rub = np.exp(-0.5 * rubs_s) * np.sin(2 * np.pi * (3.0 + 5.0 * rubs_s**2) * rubs_s)
+    position_m = np.column_stack([STEP_M * (0.5 + 0.45 * rub), STEP_M * (0.5 + 0.4 * rub),
                                   SPAN_M * depth])  # fmt: skip
     works = []
     for planted in ([], UNPAID):
