@@ -2,6 +2,7 @@
 
 import re
 
+from springpot.codegen.emit.lateral import lateral_functions
 from springpot.codegen.emit.project import filled, prefixed
 from springpot.codegen.emit.step import hold, make_up, step, step_dt
 from springpot.codegen.emit.tick import restart, take_place, tick, tick_dt
@@ -20,6 +21,7 @@ def public_header(plan: Plan) -> str:
     text = (INCLUDE / "sp.h").read_text()
     text = _part(text, "any rate", plan.any_rate)
     text = _part(text, "places", plan.has_places)
+    text = _part(text, "lateral", plan.lateral is not None)
     text = text.replace('#include "sp_real.h"\n', "").replace("sp_scene.h", f"{prefix}_scene.h")
     text = re.sub(r"\bsp_real\b", plan.real, text)
     text = re.sub(r"\bSP_H\b", f"{prefix.upper()}_H", text)
@@ -95,6 +97,7 @@ def functions(plan: Plan, manifest: str) -> list[str]:
         step(plan),
         *([step_dt(plan)] if plan.any_rate else []),
         *([_place(plan)] if plan.has_places else []),
+        *lateral_functions(plan),
         _api(plan, manifest),
     ]
 
@@ -107,6 +110,8 @@ def constants(plan: Plan) -> str:
         struct_text("range", "sp_range_config", plan.range),
         struct_text("output", "sp_output_config", plan.output),
     ]
+    if plan.lateral is not None:
+        parts.append(struct_text("lateral_guard", "sp_guard_config", plan.lateral_guard))
     if plan.energy is not None:
         parts.append(struct_text("energy", "sp_energy_config", plan.energy))
     if plan.viscous_npm is not None:

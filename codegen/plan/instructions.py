@@ -23,9 +23,9 @@ class InstructionBound:
 
 
 def instruction_bound(plan: Plan) -> InstructionBound | None:
-    """Bound for the plan's target; None for a PC, for doubles in software, and for nested ifs."""
+    """Bound for the plan's target; None for a PC, doubles in software, nested ifs, three axes."""
     costs = COSTS.get(plan.scene.runtime.target)
-    if costs is None or plan.real == "double":
+    if costs is None or plan.real == "double" or plan.lateral is not None:
         return None
     regressor = 0.0 if plan.regressor is None else plan.regressor.instructions(costs)
     if regressor is None:

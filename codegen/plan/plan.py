@@ -28,6 +28,7 @@ from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.model_force import RangeConfig, Stages
 from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
+from springpot.codegen.stages.passive.lateral import LateralStage, lateral_stage
 from springpot.codegen.stages.stage import vector_width_of
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 
@@ -60,6 +61,7 @@ class Plan(Stages):
     viscous_npm: Real | None
     silence: SilenceConfig
     watchdog_s: float
+    lateral: LateralStage | None
     left_out: tuple[LeftOut, ...]
     accept_unsafe: bool
     stiffness_npm: float
@@ -114,6 +116,11 @@ class Plan(Stages):
         return self.passive is not None and self.passive.placed is not None
 
     @property
+    def lateral_guard(self) -> GuardConfig:
+        """Lateral positions that are believed: as far from 0 as a tool may wait, either way."""
+        return replace(self.guard, max_m=-self.guard.min_m)
+
+    @property
     def energy_acts(self) -> bool:
         """Tell whether the account of energy cuts the force, and does not only note it."""
         return self.scene.guard.energy == "account"
@@ -155,11 +162,12 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
     dt_s = _time_step(model, scene)
     watchdog_s = watchdog_s_of(scene, dt_s)
     contact = (scene.guard.contact or model.contact) == "surface"
-    stages, outside = _stages(model, scene, dt_s, dtype)
+    stages, outside = _stages(_sliding(model, scene), scene, dt_s, dtype)
     trained = RangeConfig(
         min_m=dtype(0.0 if contact else model.trained.min_m),
         max_m=dtype(model.trained.max_m),
     )
+    placed = stages.passive.placed if stages.passive is not None else None
     fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
     stiffness_npm = max_stiffness_npm(stages, model, trained, dt_s, dtype)
     choice = _coupling(scene, stiffness_npm, dt_s)
@@ -196,6 +204,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         viscous_npm=_viscous_npm(scene, dt_s, dtype),
         silence=silence_config(watchdog_s, dt_s, dtype),
         watchdog_s=float(dtype(watchdog_s)),
+        lateral=lateral_stage(model, placed, scene, dt_s, dtype),
         left_out=(
             *unused_orders(model, dtype),
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
@@ -206,6 +215,13 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         coupling=choice,
         outside=outside,
     )
+
+
+def _sliding(model: Model, scene: Scene) -> Model:
+    """What is slid on has a surface that recovers: without one it would pull, and be cut."""
+    if scene.places.mode == "held" or model.hammerstein is None:
+        return model
+    return replace(model, hammerstein=replace(model.hammerstein, recovers=True))
 
 
 def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[Stages, str]:

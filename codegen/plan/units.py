@@ -46,6 +46,7 @@ def planned_headers(plan: Plan) -> list[str]:
     headers += ["sp_couple.h"] if plan.couple is not None else []
     headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
     headers += ["sp_energy.h"] if plan.energy is not None else []
+    headers += plan.lateral.headers if plan.lateral is not None else ()
     return list(dict.fromkeys([*headers, "sp_output.h"]))
 
 
@@ -64,6 +65,7 @@ def state_members(plan: Plan) -> list[Member]:
         members.append(Member("sp_real smoothed_n", (REAL,)))
     if plan.energy is not None:
         members.append(Member("sp_energy_state energy", (REAL,) * 7))
+    members += plan.lateral.members if plan.lateral is not None else ()
     return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
 
 

@@ -57,6 +57,9 @@ if TYPE_CHECKING:
         Scene as Scene,
     )
     from springpot.codegen.scene import (
+        ScenePlaces as ScenePlaces,
+    )
+    from springpot.codegen.scene import (
         Smoothing as Smoothing,
     )
     from springpot.files import (

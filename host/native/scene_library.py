@@ -113,7 +113,7 @@ class SceneState:
     def __init__(self, library: SceneLibrary) -> None:
         self._library, self._loaded = library, library.loaded
         self._state = self._loaded.memory(library.state_bytes, f"{library._prefix}_state")
-        self._force = self._loaded.ffi.new(f"{library.real}[1]")
+        self._force = self._loaded.ffi.new(f"{library.real}[3]")
         library.function("init")(self._state)
 
     @property
@@ -144,22 +144,38 @@ class SceneState:
         notes = self._library.function("step")(self._state, position_m, velocity_mps, self._force)
         return self._force[0], notes
 
+    def step3(self, position_m: Reals) -> tuple[tuple[float, ...], int]:
+        """One tick at x, y and depth, (3,), m: force along them (N) and notes.
+
+        Raises UsageError if the scene has no lateral force.
+        """
+        if not hasattr(self._loaded.c, f"{self._library._prefix}_step3"):
+            raise UsageError('this scene has no lateral force: give it [places] mode = "lateral"')
+        at = self._loaded.ffi.new(f"{self._library.real}[3]", list(map(float, position_m)))
+        null = self._loaded.ffi.NULL
+        notes = self._library.function("step3")(self._state, at, null, self._force)
+        return tuple(self._force), notes
+
+    def idle3(self, dt_s: float) -> tuple[tuple[float, ...], int]:
+        """No sample came for dt_s: force along x, y and depth (N), and notes.
+
+        Raises UsageError for a bad dt_s.
+        """
+        notes = self._library.function("idle3")(self._state, dt_s, self._force)
+        return tuple(self._force), _taken(notes, dt_s)
+
     def step_dt(
         self, dt_s: float, position_m: float, velocity_mps: float = 0.0
     ) -> tuple[float, int]:
         """One tick over a measured dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
         step = self._library.function("step_dt")
         notes = step(self._state, dt_s, position_m, velocity_mps, self._force)
-        if notes < 0:
-            raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
-        return self._force[0], notes
+        return self._force[0], _taken(notes, dt_s)
 
     def idle(self, dt_s: float) -> tuple[float, int]:
         """No sample came for dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
         notes = self._library.function("idle")(self._state, dt_s, self._force)
-        if notes < 0:
-            raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
-        return self._force[0], notes
+        return self._force[0], _taken(notes, dt_s)
 
     def run(self, position_m: Reals, velocity_mps: Reals | None = None) -> tuple[Reals, int]:
         """A batch: forces, shape (n,), N, and all notes. Inputs are rounded to the scene's type."""
@@ -178,3 +194,10 @@ class SceneState:
         if notes < 0:
             raise UsageError("this scene reads the device's velocity: give velocity_mps")
         return force, notes
+
+
+def _taken(notes: int, dt_s: float) -> int:
+    """Notes of a call that takes dt_s. Raises UsageError if it took none."""
+    if notes < 0:
+        raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
+    return notes

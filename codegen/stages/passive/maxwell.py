@@ -84,22 +84,29 @@ class MaxwellBranches:
             for name, values in self.measured.items()
         )
 
-    def step(self, follows: str) -> list[str]:
-        """Lines of a tick, after `{follows}_branch` is known."""
-        return self._call(self.names.step, ["loss"], follows, [])
+    def step(self, follows: str, capacity: int = 0) -> list[str]:
+        """Lines of a tick, after `{follows}_branch` is known.
+
+        capacity: of branches, if there are several materials, of which this is `r` of the C.
+        """
+        return self._call(self.names.step, ["loss"], follows, [], capacity)
 
     def measured_step(self, follows: str) -> list[str]:
         """Lines of a measured time step, `dt_s`."""
         return self._call(self.names.measured_step, list(self.measured), follows, ["dt_s"])
 
-    def _call(self, function: str, tables: list[str], follows: str, more: list[str]) -> list[str]:
+    def _call(
+        self, function: str, tables: list[str], follows: str, more: list[str], capacity: int = 0
+    ) -> list[str]:
         prefix = self.names.prefix
         constants = [f"{prefix}_{table}" for table in tables]
         settings = [f"{self.count}", *([f"{follows}_place"] if self.by_depth else []), *more]
         at = f" + {self.first}" if self.first else ""
-        states = [f"{follows}_branch{at}", f"state->{follows}_before{at}"]
-        states += [f"state->{follows}_{prefix}"] if self.double else []
-        states += [f"state->{follows}_held{at}"]
+        its = f" + r * {capacity}" if capacity else ""
+        slow = f" + r * {self.count}" if capacity else ""
+        states = [f"{follows}_branch{at}", f"state->{follows}_before{its}{at}"]
+        states += [f"state->{follows}_{prefix}{slow}"] if self.double else []
+        states += [f"state->{follows}_held{its}{at}"]
         head = ", ".join([*constants, *settings])
         return [f"{function}({head},", f"    {', '.join(states)});"]
 

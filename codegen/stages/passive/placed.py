@@ -81,22 +81,22 @@ class PlacedCurves:
         states = f"&state->{name}_map, amounts, materials, state->{name}_curves"
         lines = [f"sp_map_take(&place_map, {states});"]
         if _STIFFEST in self.sizes:
-            begin = sum(size for _, size in self._before(_STIFFEST))
+            begin = self.begins[_STIFFEST]
             count, least = self.sizes[_STIFFEST], literal(self.least)
             lines.append(f"sp_map_raise(state->{name}_curves + {begin}, {count}, {least});")
         return lines
 
-    def _before(self, name: str) -> list[tuple[str, int]]:
-        """Arrays that come before one, and their sizes."""
-        arrays = list(self.sizes.items())
-        return arrays[: list(self.sizes).index(name)]
+    @property
+    def begins(self) -> dict[str, int]:
+        """Where each array begins among a material's numbers."""
+        first = np.cumsum([0, *self.sizes.values()]).tolist()
+        return dict(zip(self.sizes, first, strict=False))
 
     def pointers(self, name: str) -> list[str]:
         """Lines that declare the mixed arrays under the names of what is constant elsewhere."""
-        first = np.cumsum([0, *self.sizes.values()]).tolist()
         return [
             f"const sp_real *{array} = state->{name}_curves + {begin};"
-            for array, begin in zip(self.sizes, first, strict=False)
+            for array, begin in self.begins.items()
         ]
 
     def _grid(self, place_m: tuple[float, float]) -> tuple[Reals, Reals, Reals]:

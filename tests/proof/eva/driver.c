@@ -28,7 +28,7 @@ static sp_real anything(void)
 
 static int call(sp_real x, sp_real *force_n)
 {
-@PLACE@    switch (Frama_C_interval(0, @CALLS@)) {
+@PLACE@@SLIDE@    switch (Frama_C_interval(0, @CALLS@)) {
     case 0:
         return sp_step(&state, x, anything(), force_n);
     case 1:

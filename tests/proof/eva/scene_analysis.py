@@ -12,6 +12,7 @@ _PRECISION = Precision(
     apart={
         "sp_guard_position": 60, "sp_guard_plausible": 10, "sp_guard_velocity": 10,
         "sp_guard_share": 20, "sp_is_time": 10, "sp_idle": 10, "sp_step": 8, "sp_step_dt": 10,
+        "sp_step3": 8, "sp_idle3": 10, "sp_lateral_part": 10,
         "sp_hammerstein_still": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200,
         "sp_bins_search": 20,
     },
@@ -30,6 +31,13 @@ _OPTIONS = (
 _FLAGS = ("-I.", "-U__x86_64__", "-DSP_FOREST_X86_H")
 _PLACE = """    if (Frama_C_interval(0, 1)) {
         sp_place(&state, anything(), anything());
+    }
+"""
+_SLIDE = """    if (Frama_C_interval(0, 1)) {
+        const sp_real at[3] = {anything(), anything(), x};
+        sp_real slid_n[3];
+        return Frama_C_interval(0, 1) ? sp_step3(&state, at, NULL, slid_n)
+                                      : sp_idle3(&state, x, slid_n);
     }
 """
 # Bounds that the analysis tries, one after the other, for a number that grows in the loop.
@@ -53,6 +61,7 @@ def analyse_scene(
         ("@WHOLE@", ", ".join(map(str, sorted(_last_places(text))))),
         ("@LAWS@", str(int(laws))),
         ("@PLACE@", _PLACE if "void sp_place(" in text else ""),
+        ("@SLIDE@", _SLIDE if "int sp_step3(" in text else ""),
         ("@CALLS@", "2" if "sp_step_dt(" in text else "1"),
     ):
         driver = driver.replace(mark, value)

@@ -14,6 +14,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import ScenePlaces
 from springpot.trainer.kinds import KINDS, fit_model
 from springpot.trainer.models import hybrid
 from springpot.trainer.models.fit import FitOptions
@@ -73,15 +74,20 @@ def proved_scenes() -> Iterator[ProvedScene]:
                 yield ProvedScene(kind, cast(Mode, coupling), number)
     for coupling, number in (("off", "float32"), ("off", "float64"), ("proxy", "float32")):
         yield ProvedScene("placed", cast(Mode, coupling), number)
+    for number in ("float32", "float64"):
+        yield ProvedScene("sliding", "off", number)
     for kind in ("hammerstein", "rbf-pv"):
         yield ProvedScene(kind, "proxy", "float32", contact="always", velocity="device")
 
 
 def emit_scene(proved: ProvedScene, folder: Path) -> Path:
     """Write its C into folder/NAME; returns that."""
-    chosen = scene(number=proved.number, mode=proved.coupling, smoothing_s=8e-4)
+    slides = proved.kind == "sliding"
+    smoothing_s = 0.0 if slides else 8e-4
+    chosen = scene(number=proved.number, mode=proved.coupling, smoothing_s=smoothing_s)
     chosen = replace(
         chosen,
+        places=ScenePlaces("lateral", 8.0) if slides else ScenePlaces(),
         guard=replace(chosen.guard, watchdog_ms=_WATCHDOG_MS),
         device=replace(chosen.device, velocity=proved.velocity),
     )
@@ -97,13 +103,13 @@ def emit_scene(proved: ProvedScene, folder: Path) -> Path:
 def _model(kind: str) -> Model:
     if kind == "fir-fast":
         return fit_model("rbf-fd", "x", training(), replace(_OPTIONS, engine="fir-fast")).model
-    if kind not in ("by-depth", "placed"):
+    if kind not in ("by-depth", "placed", "sliding"):
         with mock.patch.multiple(hybrid, HYBRID_TREES=4, HYBRID_LEAF=300):
             return fit_model(kind, "x", training(), _OPTIONS).model
     model = _model("hammerstein")
     passive = model.hammerstein
     assert passive is not None
-    if kind == "placed":
+    if kind != "by-depth":
         slopes_n = np.stack([passive.slopes_n, 0.2 * passive.slopes_n])
         amounts = np.random.default_rng(1).uniform(0.0, 1.0, (3, 4, 2))
         places = Places(np.array([-0.01, 0.0]), np.array([0.01, 0.005]), amounts, slopes_n)

@@ -14,7 +14,7 @@ from springpot.codegen.emit.single import emit_single
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.plan import Plan, make_plan
-from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
+from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, ScenePlaces, Smoothing
 from support.c import golden_forces
 from support.small import damage, flow, small_model
 
@@ -30,6 +30,7 @@ def plan_of(
     mode: str,
     target: str = "host",
     velocity: str = "estimate",
+    lateral: bool = False,
     **runtime: Any,
 ) -> Plan:
     """The plan of a scene whose prefix is its name."""
@@ -44,6 +45,7 @@ def plan_of(
             **runtime,
         ),
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
+        places=ScenePlaces("lateral", 8.0) if lateral else ScenePlaces(),
         smoothing=Smoothing(time_constant_s=8e-4 if mode == "tool" else 0.0),
         guard=Guard(outside="zero" if mode == "proxy" else "fallback"),
         device=Device(velocity=velocity),  # type: ignore[arg-type]
@@ -59,6 +61,7 @@ def every_plan(target: str) -> Iterator[Plan]:
     hammerstein = golden_forces.model("hammerstein")
     passive = hammerstein.hammerstein
     assert passive is not None
+    slopes_n = passive.slopes_n
     laws = replace(
         passive,
         tau_s=np.array([0.01, 4e3, 0.2, 4e3]),  # two move in double only
@@ -72,6 +75,11 @@ def every_plan(target: str) -> Iterator[Plan]:
     law = replace(hammerstein, hammerstein=laws)
     yield plan_of("places", with_map(law), "float32", "off", target)
     yield plan_of("laws", law, "float32", "off", target, measured_step=True)
+    amounts = np.linspace(0.2, 1.0, 12).reshape(3, 2, 2)
+    places = Places(np.zeros(2), np.full(2, 0.01), amounts, np.outer([1.0, 0.3], slopes_n))
+    placed = replace(passive.with_slopes(places.most_n), places=places)
+    sliding = replace(hammerstein, hammerstein=placed)
+    yield plan_of("sliding", sliding, "float32", "off", target, lateral=True)
     always = replace(hammerstein, contact="always")
     yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -11,9 +12,14 @@ from support.small import DT_S, passive_model, press, scene
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_hash, read_model, write_model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.scene import ScenePlaces
 from springpot.host.emission.emission import emit
+from springpot.host.native.trial_build import built
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
+from springpot.host.simulation.bench import ObjectMotion
+from springpot.host.simulation.objects import parse_url
 from springpot.host.validation.validation import validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -83,16 +89,20 @@ def test_the_nodes_of_a_grid_cover_the_sites(sites: list[Site]) -> None:
     np.testing.assert_allclose(grid.weights.sum(axis=1), 1.0)
 
 
+@cache
+def lump() -> Model:
+    """A map of 5 x 5 recorded sites."""
+    with TemporaryDirectory() as folder:
+        protocol, sites = Path(folder) / "map.toml", Path(folder) / "sites"
+        protocol.write_text("[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 20\n")
+        bench = open_press_device("sim://lump")
+        record_session(bench, "sim://lump", "map", load_protocol(str(protocol), 0), sites)
+        return fit_model("auto", "lump", read_recordings([sites]), FitOptions()).model
+
+
 @pytest.mark.long
 def test_a_recorded_lump_is_felt_between_its_sites(tmp_path: Path) -> None:
-    (tmp_path / "map.toml").write_text("[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 20\n")
-    record_session(
-        open_press_device("sim://lump"), "sim://lump", "map",
-        load_protocol(str(tmp_path / "map.toml"), 0), tmp_path / "sites",
-    )  # fmt: skip
-    recordings = read_recordings([tmp_path / "sites"])
-    model = fit_model("auto", "lump", recordings, FitOptions()).model
-    write_model(tmp_path / "model.spm", model)
+    write_model(tmp_path / "model.spm", lump())
     emit(scene(energy="off"), tmp_path / "model.spm", tmp_path / "c")
     places = np.random.default_rng(7).uniform(0.0, 0.03, (20, 2)).tolist()
     motions = load_protocol("validation", 3)
@@ -106,3 +116,21 @@ def test_a_recorded_lump_is_felt_between_its_sites(tmp_path: Path) -> None:
     assert found.mismatches == 0 and len(percents) == 20
     assert np.exp(np.mean(np.log(percents))) < 2.4
     assert percents.max() < 7.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("speed_mps", [0.005, 0.02, 0.08])
+def test_a_recorded_lump_is_felt_as_it_is_slid_over(speed_mps: float) -> None:
+    """Pressed to 3.5 mm, held for half a second, and slid over the larger lump."""
+    ticks = round(0.016 / speed_mps / DT_S)
+    x_m = np.concatenate([np.full(800, 0.012), np.linspace(0.012, 0.028, ticks)])
+    depth_m = np.full_like(x_m, 0.0035)
+    depth_m[:300] = press(1.0 / 0.6, 0.0035)[:300]
+    position_m = np.column_stack([x_m, np.full_like(x_m, 0.019), depth_m])
+    true_n = ObjectMotion(parse_url("sim://lump?x=0.012&y=0.019"), DT_S, 4).slide(position_m)
+    with built(make_plan(lump(), replace(scene(), places=ScenePlaces("lateral", 8.0)))) as library:
+        state = library.new_state()
+        found_n = np.array([state.step3(at)[0] for at in position_m])
+    off_n, peak_n = (found_n - true_n)[800:], true_n[:, 2].max()
+    assert np.sqrt(np.mean(off_n[:, 2] ** 2)) < 0.1 * peak_n
+    assert np.corrcoef(true_n[800:, 0], found_n[800:, 0])[0, 1] > 0.85

@@ -1,0 +1,139 @@
+"""Materials side by side for a tool that slides on their map: sp_lateral.h."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from springpot.codegen.arrays import Real, Reals, Samples
+from springpot.codegen.errors import UsageError
+from springpot.codegen.literals import array_text, literal, struct_text
+from springpot.codegen.model.formulas import pieces_of_one
+from springpot.codegen.model.model import Model
+from springpot.codegen.scene import Scene
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.passive.placed import PlacedCurves
+from springpot.codegen.stages.passive.stored import RENEWED, stored_areas
+from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_width_of
+
+_DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at the trained depth
+
+
+@dataclass(frozen=True)
+class DragConfig:
+    """sp_drag_config of sp_drag.h, member by member."""
+
+    width_m: Real
+    stiffness_npm: Real
+
+
+@dataclass(frozen=True, eq=False)
+class LateralStage:
+    """What the lateral force needs beside a map.
+
+    materials: a stage of each, which follows "lateral". areas: of each, (materials, areas), as
+    `stored_areas`. m_per_piece: of the depth.
+    """
+
+    placed: PlacedCurves
+    materials: tuple[HammersteinStage, ...]
+    areas: Reals
+    m_per_piece: Real
+    drag: DragConfig
+
+    headers = ("sp_stored.h", "sp_lateral.h", "sp_drag.h")
+
+    @property
+    def of_one(self) -> HammersteinStage:
+        """The stage of the first material: all have the same numbers of everything."""
+        return self.materials[0]
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """State of each material, and what they share."""
+        count, config = len(self.materials), self.of_one.config
+        own = [
+            Member(f"double lateral_{step.names.prefix}[{count * step.count}]",
+                   (DOUBLE,) * (count * step.count))
+            for step in self.of_one.steps if step.double
+        ]  # fmt: skip
+        branches, stops = count * config.n_branches, config.n_stops
+        play = [Member(f"sp_real lateral_play[{stops}]", (REAL,) * stops)] if stops else []
+        return (
+            *own,
+            Member(f"sp_real lateral_before[{branches}]", (REAL,) * branches),
+            Member(f"sp_real lateral_held[{branches}]", (REAL,) * branches),
+            *play,
+            Member("sp_surface_state lateral_surface", (REAL, REAL)),
+            Member("sp_lateral_state lateral", (REAL,) * 10 + (U32,)),
+            Member("sp_guard_state guard_x", (REAL, REAL, U32, U32)),
+            Member("sp_guard_state guard_y", (REAL, REAL, U32, U32)),
+        )
+
+    def tables(self) -> list[str]:
+        """Definitions of its constant arrays."""
+        return [
+            "/* Integrals of the curves of each material up to each node (sp_stored.h). */",
+            array_text("areas", "sp_real", self.areas),
+            f"static const sp_real m_per_piece = {literal(self.m_per_piece)};",
+            struct_text("drag", "sp_drag_config", self.drag),
+        ]
+
+
+def lateral_stage(
+    model: Model, placed: PlacedCurves | None, scene: Scene, dt_s: float, dtype: type[Any]
+) -> LateralStage | None:
+    """Resolve `[places] mode`; placed: the model's map. None in the mode "held".
+
+    Raises UsageError if this model, or this scene, has no lateral force.
+    """
+    if scene.places.mode == "held":
+        return None
+    hammerstein = model.hammerstein
+    if hammerstein is None or hammerstein.places is None or placed is None:
+        raise _refused("the model has no map: train on recordings of places")
+    if hammerstein.flow is not None or hammerstein.damage is not None:
+        raise _refused("what a law with flow or damage has stored is not known")
+    at_rest = hammerstein.bias_n == 0.0 and hammerstein.origin_m >= 0.0
+    if (scene.guard.contact or model.contact) != "surface" or not at_rest:
+        raise _refused("the object has no surface to slide on")
+    for key, value, only in (
+        ("coupling.mode", scene.coupling.mode, "off"),
+        ("smoothing.time_constant_s", scene.smoothing.time_constant_s, 0.0),
+        ("guard.outside", scene.guard.outside, "fallback"),
+    ):
+        if value != only:
+            raise _refused(f"{key} is {value!r}, and has to be {only!r} for three axes")
+    radius_mm = scene.places.tip_radius_mm
+    if radius_mm is None:
+        raise _refused("give tip_radius_mm, of the tip that pressed the object")
+    places, vector_width = hammerstein.places, vector_width_of(scene.runtime)
+    materials = tuple(
+        hammerstein_stage(
+            hammerstein.with_slopes(its), dt_s, dtype, "lateral", vector_width, surface=False
+        )
+        for its in places.slopes_n
+    )
+    areas = np.stack([stored_areas(stage) for stage in materials])
+    m_per_piece = hammerstein.span_m / pieces_of_one(hammerstein.nodes)
+    # A sphere touches a circle of the radius sqrt(2 R d); its mean chord is pi/2 times that.
+    width_m = 0.5 * np.pi * np.sqrt(2e-3 * radius_mm * hammerstein.span_m)
+    # What renewing takes of branches that have relaxed, if their curves are straight.
+    full = RENEWED * np.array(
+        [_of_branches(stage, its) for stage, its in zip(materials, areas, strict=True)]
+    )
+    most_n = float(np.max(places.amounts @ full)) * m_per_piece / width_m
+    drag = DragConfig(dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m)))
+    return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag)
+
+
+def _of_branches(stage: HammersteinStage, areas: Samples) -> float:
+    """What branches that have not relaxed have stored at u = 1, N pieces."""
+    pieces, branches = stage.config.n_pieces, stage.config.n_branches
+    if pieces == 1:
+        return 0.5 * float(stage.branches[0, 1].sum())
+    return float(areas[pieces : pieces * (1 + branches)].reshape(pieces, branches)[-1].sum())
+
+
+def _refused(why: str) -> UsageError:
+    return UsageError(f'[places] mode = "lateral": {why}; or leave the mode out')
