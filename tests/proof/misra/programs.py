@@ -7,13 +7,14 @@ from unittest import mock
 
 import numpy as np
 from support.c import golden_forces
+from support.c.single import plan_of, with_map
 from support.paths import ROOT
 from support.small import damage, flow
 
 from springpot.codegen import stages
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene, Smoothing
 from springpot.host.boards.boards import BOARDS
 
@@ -57,7 +58,11 @@ def _scenes(folder: Path) -> list[Program]:
         passive, tau_s=tau_s, branch_n=weight, n_by_depth=2, rate_ratio=16.0, flow=flow(2.0),
         damage=damage(passive.elastic_n), recovers=True,
     )  # fmt: skip
-    made.append(_scene(folder, "laws", replace(hammerstein, hammerstein=laws), _FLOAT, _OFF))
+    law = replace(hammerstein, hammerstein=laws)
+    made.append(_scene(folder, "laws", law, _FLOAT, _OFF))
+    made.append(_written(folder, plan_of("places", with_map(law), "float32", "off")))
+    sliding = plan_of("sliding", with_map(hammerstein), "float32", "off", lateral=True)
+    made.append(_written(folder, sliding))
     velocity = Device(velocity="device")
     made.append(_scene(folder, "velocity", hammerstein, _FLOAT, _TOOL, velocity))
     with mock.patch.object(stages.forest, "compact_forest", return_value=None):  # as if too big
@@ -82,11 +87,15 @@ def _scene(
         smoothing=Smoothing(time_constant_s=1e-3),
         device=device or Device(),
     )
-    place = folder / name
+    return _written(folder, make_plan(model, scene, accept_unsafe=True))
+
+
+def _written(folder: Path, plan: Plan) -> Program:
+    place = folder / plan.scene.name
     place.mkdir(parents=True, exist_ok=True)
-    for file, text in emit_files(make_plan(model, scene, accept_unsafe=True)).items():
+    for file, text in emit_files(plan).items():
         (place / file).write_text(text)
-    return Program(f"scene {name}", tuple(sorted(place.glob("*.c"))), ())
+    return Program(f"scene {plan.scene.name}", tuple(sorted(place.glob("*.c"))), ())
 
 
 def _ports() -> list[Program]:

@@ -61,7 +61,6 @@ def every_plan(target: str) -> Iterator[Plan]:
     hammerstein = golden_forces.model("hammerstein")
     passive = hammerstein.hammerstein
     assert passive is not None
-    slopes_n = passive.slopes_n
     laws = replace(
         passive,
         tau_s=np.array([0.01, 4e3, 0.2, 4e3]),  # two move in double only
@@ -75,11 +74,7 @@ def every_plan(target: str) -> Iterator[Plan]:
     law = replace(hammerstein, hammerstein=laws)
     yield plan_of("places", with_map(law), "float32", "off", target)
     yield plan_of("laws", law, "float32", "off", target, measured_step=True)
-    amounts = np.linspace(0.2, 1.0, 12).reshape(3, 2, 2)
-    places = Places(np.zeros(2), np.full(2, 0.01), amounts, np.outer([1.0, 0.3], slopes_n))
-    placed = replace(passive.with_slopes(places.most_n), places=places)
-    sliding = replace(hammerstein, hammerstein=placed)
-    yield plan_of("sliding", sliding, "float32", "off", target, lateral=True)
+    yield plan_of("sliding", with_map(hammerstein), "float32", "off", target, lateral=True)
     always = replace(hammerstein, contact="always")
     yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
