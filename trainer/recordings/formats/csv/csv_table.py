@@ -3,7 +3,7 @@
 import csv
 import io
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from decimal import Decimal, InvalidOperation
 from itertools import islice
@@ -15,13 +15,19 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import split_unit
+from springpot.trainer.recordings.formats.csv.clock import clock_s, is_clock, printed_exponent
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout
 from springpot.trainer.recordings.formats.csv.csv_lines import cells
-from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT, is_number
+from springpot.trainer.recordings.formats.csv.decimals import (
+    COMMA_TO_POINT,
+    is_grouped,
+    is_number,
+    without_groups,
+)
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 UTF8 = "utf-8-sig"
-_TAIL_CHARACTERS = 1 << 16
+_TAIL_CHARACTERS, _TAIL_LINES = 1 << 16, 1000
 _MAX_EXPONENT = 300
 
 
@@ -35,10 +41,20 @@ def _last_exponent(number: str) -> list[int]:
 
 
 class CsvTable:
-    """The rows of numbers below a file's header."""
+    """The rows of numbers below a header.
 
-    def __init__(self, path: Path, layout: Layout, encoding: str) -> None:
-        self.path, self.layout, self.encoding = path, layout, encoding
+    lines: those of a block, from the layout's first line of numbers on; None: to the file's end.
+    """
+
+    def __init__(
+        self, path: Path, layout: Layout, encoding: str, lines: Sequence[str] | None = None
+    ) -> None:
+        self.path, self.layout, self.encoding, self.lines = path, layout, encoding, lines
+
+    def all_numbers(self) -> NDArray[np.float64] | None:
+        """Numbers in all columns, shape (rows, columns); None where some cell holds none."""
+        numbers = self._in_bulk(None)
+        return numbers if numbers.shape[1] == self.layout.width else None
 
     def numbers(self, options: list[int]) -> NDArray[np.float64]:
         """Some columns of all rows, shape (rows, columns), in the file's units.
@@ -46,22 +62,22 @@ class CsvTable:
         Reading every column in bulk checks the rows' lengths too. Where other columns hold text,
         the lengths are checked first; only reading row by row can name the row in a message.
         """
-        numbers = self._in_bulk(None)
-        if numbers.shape[1] == self.layout.width:
-            return numbers[:, options]
+        plain = self.all_numbers()
+        if plain is not None:
+            return plain[:, options]
         count = sum(1 for _ in self.rows())
         numbers = self._in_bulk(options)
         if numbers.shape == (count, len(options)):
             return numbers
-        values = [[self._number(line, row, i) for i in options] for line, row in self.rows()]
-        return np.reshape(values, (len(values), len(options)))
+        rows = list(self.rows())
+        return np.array([self._column(rows, index) for index in options]).T
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the 1-based line and the cells of each row of numbers; blank lines are none."""
-        width = self.layout.width
+        width, above = self.layout.width, self.layout.first_line - 1
         with self.path.open(encoding=self.encoding, newline="") as file:
-            above = self.layout.first_line - 1
-            reader = csv.reader(islice(file, above, None), delimiter=self.layout.delimiter)
+            lines = islice(file, above, None) if self.lines is None else self.lines
+            reader = csv.reader(lines, delimiter=self.layout.delimiter)
             try:
                 for found in reader:
                     # A delimiter at the end of each row begins no cell.
@@ -129,16 +145,25 @@ class CsvTable:
         column = self.layout.columns.get("time")
         if column is None:
             return 0.0
-        tail = self.path.read_bytes()[-_TAIL_CHARACTERS:]
-        if self.encoding == "utf-16":
-            tail = self.path.read_text(self.encoding)[-_TAIL_CHARACTERS:].encode()
         exponents = []
-        for line in tail.decode("utf-8", errors="ignore").splitlines():
+        for line in self._last_lines():
             row = cells(line, self.layout.delimiter)
-            if len(row) == self.layout.width and is_number(row[column], self.layout.decimal):
+            if len(row) - (row[-1:] == [""]) > self.layout.width or len(row) < self.layout.width:
+                continue
+            if self.layout.clock and is_clock(row[column]):
+                exponents.append(printed_exponent(row[column]))
+            elif is_number(row[column], self.layout.decimal):
                 exponents += _last_exponent(self._plain(row[column]))
         digit = 10.0 ** min(_MAX_EXPONENT, *exponents) if exponents else 0.0
         return digit * abs(self.layout.units["time"].to_si)
+
+    def _last_lines(self) -> Sequence[str]:
+        if self.lines is not None:
+            return self.lines[-_TAIL_LINES:]
+        tail = self.path.read_bytes()[-_TAIL_CHARACTERS:]
+        if self.encoding == "utf-16":
+            tail = self.path.read_text(self.encoding)[-_TAIL_CHARACTERS:].encode()
+        return tail.decode("utf-8", errors="ignore").splitlines()
 
     def _factor_of(self, label: str) -> float:
         try:
@@ -149,11 +174,34 @@ class CsvTable:
     def _plain(self, cell: str) -> str:
         return cell.translate(COMMA_TO_POINT) if self.layout.decimal == "comma" else cell
 
-    def _number(self, line: int, row: list[str], index: int) -> float:
-        cell = row[index].strip()
+    def _column(self, rows: list[tuple[int, list[str]]], index: int) -> list[float]:
+        found = [row[index].strip() for _, row in rows]
+        if self.layout.clock and index == self.layout.columns["time"]:
+            try:
+                return clock_s(found)
+            except ValueError as error:
+                number = int(error.args[0])
+                raise DataError(
+                    f"{self.path}, row {rows[number][0]}, column {index + 1}: {found[number]!r} is "
+                    "no stamp of a clock, as the others are: correct it in the source"
+                ) from None
+        found = without_groups(found, self.layout.decimal, self.layout.stated)
+        return [
+            self._number(line, cell, index) for (line, _), cell in zip(rows, found, strict=True)
+        ]
+
+    def _number(self, line: int, cell: str, index: int) -> float:
         if is_number(cell, self.layout.decimal):
             return float(self._plain(cell))
         what = f"{cell!r} is not a number" if cell else "the cell is empty"
+        if is_grouped(cell, self.layout.decimal):
+            mark = self.layout.decimal
+            raise DataError(
+                f"{self.path}, row {line}, column {index + 1}: {cell!r} may have a separator of "
+                f"thousands or another mark of decimals: pass --decimal {mark} if it is "
+                f"{self._plain(*without_groups([cell], mark, stated=True))}, else write all "
+                "numbers with one mark of decimals"
+            )
         if self.layout.decimal == "comma":
             what += " with a decimal comma, as the others are" if cell else ""
         elif is_number(cell.replace(",", ".")):
@@ -172,7 +220,7 @@ class CsvTable:
                     dtype=np.float64,
                     comments=None,
                     delimiter=self.layout.delimiter,
-                    skiprows=self.layout.first_line - 1,
+                    skiprows=self.layout.first_line - 1 if self.lines is None else 0,
                     usecols=columns,
                     quotechar='"',
                     encoding=self.encoding,
@@ -184,7 +232,11 @@ class CsvTable:
     @contextmanager
     def _source(self) -> Iterator[Path | IO[str]]:
         """The file itself, which is fastest, or its text with points in place of commas."""
-        if self.layout.decimal == "point":
+        comma = self.layout.decimal == "comma"
+        if self.lines is not None:
+            text = "".join(self.lines)
+            yield io.StringIO(text.translate(COMMA_TO_POINT) if comma else text)
+        elif not comma:
             yield self.path
         elif self.encoding != "utf-16":
             plain = self.path.read_bytes().translate(bytes.maketrans(b",.", b".!"))

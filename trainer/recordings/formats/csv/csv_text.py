@@ -5,9 +5,11 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import stated_rate_hz
+from springpot.trainer.recordings.formats.csv.csv_blocks import join_in_time, tables_of
 from springpot.trainer.recordings.formats.csv.csv_layout import find_layout
 from springpot.trainer.recordings.formats.csv.csv_table import UTF8, CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
@@ -22,41 +24,54 @@ _CHUNK_BYTES = 1 << 24
 
 
 def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-    """Read one recording, and how the file was understood.
+    """Read the recordings of a file, one for most files, and how the file was understood.
 
+    Blocks with headers of their own are recordings, those that count on in time are one.
     Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
     of another length and cells without a number.
     """
-    columns, encoding = request.columns, _encoding(path)
+    encoding = _encoding(path)
     with path.open(encoding=encoding) as file:
         head = _head(file)
     if not any(line.strip() for line in head):
         raise DataError(f"{path}: the file is empty: give one with a header and rows of numbers")
-    layout = find_layout(path, head, columns, request.decimal, request.specimen)
-    table = CsvTable(path, layout, encoding)
-    options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
-    numbers = table.numbers([layout.columns[quantity] for quantity in options])
-    scaled = {q: numbers[:, k] * layout.units[q].to_si for k, q in enumerate(options)}
-    guess = layout.guess + _NAMED.get(encoding, "")
-    rate_hz = stated_rate_hz(columns)
+    table = CsvTable(path, find_layout(path, head, request), encoding)
+    guess = table.layout.guess + _NAMED.get(encoding, "")
+    rate_hz = stated_rate_hz(request.columns)
+    numbers = table.all_numbers()
+    tables, left_out = ([table], "") if numbers is not None else tables_of(table, request)
     if rate_hz is not None:
-        scaled["time"] = np.arange(len(numbers)) / rate_hz
-        guess = f"time = rows counted at the stated {rate_hz:g} Hz{table.beside(rate_hz)}; {guess}"
+        beside = tables[0].beside(rate_hz)
+        guess = f"time = rows counted at the stated {rate_hz:g} Hz{beside}; {guess}"
+    raws = [_channels(each, numbers, rate_hz, guess) for each in tables]
+    raws, joined = join_in_time(raws)
+    return raws, guess + joined + left_out
+
+
+def _channels(
+    table: CsvTable, numbers: NDArray[np.float64] | None, rate_hz: float | None, guess: str
+) -> RawChannels:
+    """One table's channels in SI units. numbers: those of all columns, if they are read already."""
+    layout = table.layout
+    options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
+    chosen = [layout.columns[quantity] for quantity in options]
+    found = table.numbers(chosen) if numbers is None else numbers[:, chosen]
+    scaled = {q: found[:, k] * layout.units[q].to_si for k, q in enumerate(options)}
     units: dict[str, Any] = {q: unit.metadata() for q, unit in layout.units.items()}
     if rate_hz is not None:
+        scaled["time"] = np.arange(len(found)) / rate_hz
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
-    raw = RawChannels(
-        name=path.stem,
+    return RawChannels(
+        name=table.path.stem,
         time_s=scaled["time"],
         position_m=scaled["position"],
         force_n=scaled["force"],
         time_digit_s=table.printed_digit_s(),
-        source=str(path),
+        source=str(table.path),
         line_of=lambda sample: next(islice(table.rows(), sample, None))[0],
         details={"columns": guess, "units": units},
         place_m=table.place_m(),
     )
-    return [raw], guess
 
 
 # First bytes of files that are no text of numbers, and what they are.

@@ -1,0 +1,196 @@
+"""The tables of a CSV file that is not numbers to its end: text behind them, further blocks."""
+
+import csv
+import re
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import accumulate, islice
+from pathlib import Path
+
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_layout
+from springpot.trainer.recordings.formats.csv.csv_lines import Cells, cells, is_value
+from springpot.trainer.recordings.formats.csv.csv_missing import MissingColumnsError
+from springpot.trainer.recordings.formats.csv.csv_table import CsvTable
+from springpot.trainer.recordings.formats.file_format import FileRequest
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS, STEP_TOLERANCE
+
+_HEAD_LINES = 400
+_HEADER_ROWS = 3  # names, units and one more
+_LONGEST = 40  # letters of a line in a message
+
+
+def tables_of(whole: CsvTable, request: FileRequest) -> tuple[list[CsvTable], str]:
+    """Split a file into its tables, and say what is left out of it.
+
+    A block of numbers with a header of its own is a table. Left out are text behind the last
+    numbers, and blocks with other columns. Raises DataError for text in the middle of numbers.
+    """
+    path, layout = whole.path, whole.layout
+    with path.open(encoding=whole.encoding, newline="") as file:
+        lines = list(file)
+    tables: list[CsvTable] = []
+    left_out: list[str] = []
+    found: Layout | None = layout
+    while found is not None:
+        layout, begin = found, found.first_line - 1
+        end, text = _ends(lines, begin, layout)
+        tables.append(CsvTable(path, layout, whole.encoding, lines[begin:end]))
+        found = None
+        while found is None and text < len(lines):
+            numbers = _run_of_numbers(lines, text, layout)
+            if not numbers:
+                left_out.append(f"text from row {text + 1} on, {_short(lines[text])}")
+                break
+            found = _block(path, lines, range(end, numbers.start), numbers, request, layout)
+            if found is None:
+                left_out.append(f"other columns from row {text + 1} on, {_short(lines[text])}")
+            end = text = numbers.stop
+    return _long_enough(tables, left_out)
+
+
+def _ends(lines: Sequence[str], begin: int, layout: Layout) -> tuple[int, int]:
+    """Where the numbers end, without empty rows, and where the text behind them begins."""
+    reader = csv.reader(lines[begin:], delimiter=layout.delimiter)
+    end = text = begin
+    try:
+        for row in reader:
+            if _is_text(row, layout):
+                return end, text
+            text = begin + reader.line_num
+            if any(row[i].strip() for i in layout.columns.values() if i < len(row)):
+                end = text
+    except csv.Error:  # a cell that is too long: said when the rows are read
+        return len(lines), len(lines)
+    return end, len(lines)
+
+
+def _is_text(row: Cells, layout: Layout) -> bool:
+    """Tell a row of words from one of numbers in which something is wrong.
+
+    The first channel's cell is a word without digits: 'Maximum load', '8.12', 'N'. If it stands
+    alone in its row, it may hold digits.
+    """
+    found = [cell.strip() for cell in row if cell.strip()]
+    if len(found) < 2:
+        return not all(map(is_value, found))
+    first = layout.columns.get("time", layout.columns["position"])
+    return not re.search(r"\d", "".join(row[first:][:1])) and not all(map(is_value, found))
+
+
+def _run_of_numbers(lines: Sequence[str], begin: int, layout: Layout) -> range:
+    """The first rows of numbers from a line on: of any table, so they begin with two numbers."""
+    first = last = begin
+    for first in range(begin, len(lines)):
+        last = first
+        while last < len(lines) and _is_numbers(lines[last], layout):
+            last += 1
+        if last > first:
+            break
+    return range(first, last)
+
+
+def _is_numbers(line: str, layout: Layout) -> bool:
+    row = cells(line, layout.delimiter)
+    found = [cell for cell in row if cell]
+    of_layout = len(row) >= layout.width and all(is_value(row[i]) for i in layout.columns.values())
+    return of_layout or (len(found) > 1 and all(map(is_value, found[:2])))
+
+
+def _block(
+    path: Path,
+    lines: Sequence[str],
+    text: range,
+    numbers: range,
+    request: FileRequest,
+    layout: Layout,
+) -> Layout | None:
+    """Layout of numbers behind text, whose end is their header; None for other columns.
+
+    Raises DataError for a line that is no header: the numbers would go on behind it.
+    """
+    above = [lines[i] for i in text if lines[i].strip()]
+    width = len(cells(lines[numbers.start], layout.delimiter))
+    rows = [cells(line, layout.delimiter) for line in above[-_HEADER_ROWS:]]
+    header = any(
+        abs(len(row) - width) < 2 <= sum(map(bool, row)) and not any(map(is_value, row))
+        for row in rows
+    )
+    apart = len(above) < len(text)  # by an empty line
+    if header and (apart or len(above) > 1):
+        head = lines[: numbers.start + _HEAD_LINES]
+        try:
+            return find_layout(path, head, request, text)
+        except MissingColumnsError:
+            if apart or len(numbers) < MIN_ROWS:
+                return None
+    line = next(i for i in text if lines[i].strip())
+    raise DataError(
+        f"{path}, row {line + 1}: {_short(lines[line])} stands in the middle of numbers: correct "
+        "that row in the source"
+    )
+
+
+def _short(line: str) -> str:
+    words = " ".join(line.replace('"', "").split())
+    return repr(words if len(words) <= _LONGEST else f"{words[:_LONGEST]}...")
+
+
+def _long_enough(tables: list[CsvTable], left_out: list[str]) -> tuple[list[CsvTable], str]:
+    """The tables with rows enough for a recording, or all where no table has."""
+    whole = [table for table in tables if len(list(islice(table.rows(), MIN_ROWS))) == MIN_ROWS]
+    if whole:
+        left_out += [
+            f"fewer than {MIN_ROWS} rows from row {table.layout.first_line} on"
+            for table in tables
+            if table not in whole
+        ]
+    return whole or tables[:1], f"; left out: {'; '.join(left_out)}" if left_out else ""
+
+
+def join_in_time(raws: list[RawChannels]) -> tuple[list[RawChannels], str]:
+    """Join blocks that count on in time by one step of both; say what the others became."""
+    if len(raws) == 1:
+        return raws, ""
+    tests = [[raws[0]]]
+    for raw in raws[1:]:
+        if _counts_on(tests[-1][-1], raw):
+            tests[-1].append(raw)
+        else:
+            tests.append([raw])
+    rows = ", ".join(str(raw.line_of(0)) for raw in raws)
+    said = f"; {len(raws)} blocks of numbers, from rows {rows} on"
+    if len(tests) == 1:
+        return [_joined(raws)], f"{said}, which count on in time: one recording"
+    found = [replace(_joined(test), name=f"{test[0].name}-{k}") for k, test in enumerate(tests, 1)]
+    joined = " (those that count on in time joined)" if len(tests) < len(raws) else ""
+    return found, f"{said}: recordings {found[0].name} to {found[-1].name}{joined}"
+
+
+def _counts_on(before: RawChannels, after: RawChannels) -> bool:
+    steps_s = [float(np.median(np.diff(raw.time_s))) for raw in (before, after)]
+    between_s = float(after.time_s[0] - before.time_s[-1])
+    rounding_s = 2.0 * max(before.time_digit_s, after.time_digit_s)
+    slack_s = min(rounding_s + STEP_TOLERANCE * steps_s[0], 0.5 * min(steps_s))
+    same = before.details["units"] == after.details["units"] and before.place_m == after.place_m
+    return same and all(abs(between_s - step_s) <= slack_s for step_s in steps_s)
+
+
+def _joined(raws: Sequence[RawChannels]) -> RawChannels:
+    begins = list(accumulate((len(raw.time_s) for raw in raws), initial=0))
+
+    def line_of(sample: int) -> int:
+        block = bisect_right(begins, sample) - 1
+        return raws[block].line_of(sample - begins[block])
+
+    return replace(
+        raws[0],
+        time_s=np.concatenate([raw.time_s for raw in raws]),
+        position_m=np.concatenate([raw.position_m for raw in raws]),
+        force_n=np.concatenate([raw.force_n for raw in raws]),
+        line_of=line_of,
+    )
