@@ -155,6 +155,8 @@ def test_stress_and_strain_are_of_a_specimen(tmp_path: Path) -> None:
         import_file(file, None, "none", None, specimen)
     with pytest.raises(UsageError, match="give both above 0"):
         Specimen(0.0, 0.02)
+    with pytest.raises(UsageError, match=r"314 mm2 are --area 0\.000314; .*15 mm are .* 0\.015"):
+        Specimen(314.0, 15.0)
 
 
 @pytest.mark.parametrize(

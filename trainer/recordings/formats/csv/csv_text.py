@@ -11,9 +11,11 @@ from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import stated_rate_hz
 from springpot.trainer.recordings.formats.csv.csv_blocks import join_in_time, tables_of
 from springpot.trainer.recordings.formats.csv.csv_layout import find_layout
+from springpot.trainer.recordings.formats.csv.csv_lines import DELIMITERS, cells, is_value
 from springpot.trainer.recordings.formats.csv.csv_table import UTF8, CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS
 from springpot.trainer.recordings.formats.units import QUANTITIES
 
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
@@ -72,6 +74,20 @@ def _channels(
         details={"columns": guess, "units": units},
         place_m=table.place_m(),
     )
+
+
+def has_numbers(path: Path) -> bool:
+    """Return whether lines enough for a recording have two cells of numbers: prose has none."""
+    with path.open("rb") as file:
+        encoding = "utf-16" if file.read(2) in _UTF16_MARKS else "latin-1"
+    with path.open(encoding=encoding, errors="replace") as text:
+        found = (line for line in text if any(_has_two(line, mark) for mark in DELIMITERS))
+        return len(list(islice(found, MIN_ROWS))) == MIN_ROWS
+
+
+def _has_two(line: str, delimiter: str) -> bool:
+    row = cells(line, delimiter)
+    return 1 < sum(map(is_value, row)) >= (len(row) if delimiter == " " else 0)
 
 
 # First bytes of files that are no text of numbers, and what they are.

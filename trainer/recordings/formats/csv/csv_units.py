@@ -30,11 +30,14 @@ def labview_units(
     above: Sequence[str], delimiter: str, chosen: dict[Quantity, int]
 ) -> dict[Quantity, str]:
     """Units that a LabVIEW measurement file states in lines above its header: times are in s."""
-    for line in reversed(above):
-        row = cells(line, delimiter)
-        if row and row[0] == "Y_Unit_Label":
-            return {q: "s" if q == "time" else "".join(row[i:][:1]) for q, i in chosen.items()}
-    return {}
+    rows = [cells(line, delimiter) for line in above]
+    stated = {row[0]: row for row in rows if row}
+    if not any(key.startswith("***End_of_Header***") for key in stated):
+        return {}
+    labels = stated.get("Y_Unit_Label", [])
+    units = {q: "".join(labels[i:][:1]) for q, i in chosen.items() if q != "time"}
+    timed = "Time" in stated.get("X_Dimension", ["Time"])
+    return {**units, "time": "s"} if timed and "time" in chosen else units
 
 
 def clock_units(
