@@ -2,9 +2,12 @@
 
 import re
 import shlex
+from datetime import datetime, time, timedelta
+from itertools import product
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 
 from springpot.codegen.errors import DataError
@@ -47,6 +50,8 @@ ENDS = {
     "a table of results": ["", "Maximum (N),Modulus (MPa),Work (J)", "8.12,0.21,3.4", ""],
     "a table below its title": ["Results", "Maximum (N),Modulus (MPa),Work (J)", "8.12,0.21,3.4"],
     "statistics": ["", "Cycle,Peak (N)", "1,8.1", "2,8.0", "3,7.9", "Mean,8.0"],
+    "results with numbers in their names": ["Load at 10 %,8.12,N", "Cycle 2,8.0,7.9"],
+    "a rule": ["", "-----", "Operator;me"],
     "a date": ["", "Saved,11/24/2026 4:20:01 PM"],
 }
 
@@ -122,6 +127,20 @@ def test_blocks_without_a_recording_are_left_out(tmp_path: Path) -> None:
     assert "fewer than 3 rows from row 40 on" in found.guess
 
 
+def test_a_map_of_numbers_holds_for_all_blocks(tmp_path: Path) -> None:
+    text = [line.replace("Time,Position,Force", "a,b,c") for line in blocks(300)]
+    text = [line for line in text if line != "s,mm,N"]
+    found = load(tmp_path, text, "--map time=1:s,position=2:mm,force=3:N")
+    assert [len(recording.force_n) for recording in found.recordings] == [30, 30]
+
+
+def test_a_long_block_of_other_columns_may_stand_first(tmp_path: Path) -> None:
+    sweep = ["[step]", "Frequency (Hz),Modulus (MPa),Angle", *rows(0, 600), ""]
+    (recording,) = load(tmp_path, [*sweep, *blocks(30)]).recordings
+    assert len(recording.force_n) == 60
+    assert "in row 2, which has 'Frequency" in refusal(tmp_path, sweep)
+
+
 def test_an_unknown_unit_of_a_block_is_said(tmp_path: Path) -> None:
     text = blocks(30)
     text[-31] = "s,mm,furlongs"
@@ -157,6 +176,26 @@ def test_stamps_of_a_clock_pass_midnight(form: str, header: str, tmp_path: Path)
     assert "s after its first clock stamp" in found.guess
 
 
+@pytest.mark.parametrize(
+    "begin", [datetime(2026, 11, 24, 23, 59, 59), time(23, 59, 59), timedelta(hours=23.9999)]
+)
+def test_a_workbook_has_dates_and_times(begin: datetime | time | timedelta, tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    sheet = book.active
+    assert sheet is not None
+    sheet.append(["Time", "Position (mm)", "Force (N)"])
+    for k in range(100):
+        step = timedelta(milliseconds=20 * k)
+        if isinstance(begin, time):
+            stamp: object = (datetime.combine(datetime(2026, 1, 1), begin) + step).time()
+        else:
+            stamp = begin + step
+        sheet.append([stamp, k, 2 * k])
+    book.save(tmp_path / "press.xlsx")
+    (recording,) = import_file(tmp_path / "press.xlsx", None, "none", None).recordings
+    assert recording.dt_s == pytest.approx(0.02)
+
+
 def test_a_stamp_that_is_none_is_named(tmp_path: Path) -> None:
     lines = [HEADER, *[f"10:12:{k:02d},{k},{k}" for k in range(30)]]
     lines[5] = "10:12,3,3"
@@ -182,25 +221,27 @@ def test_labview_segments_have_the_units_of_their_own_lines(tmp_path: Path) -> N
     assert "row 12, which has 'X_Value', 'Voltage_0', 'Voltage_1'" in message
 
 
-def grouped(decimal: str, group: str, quote: str = "") -> list[str]:
-    numbers = [f"{k * 50.5:,.1f}" for k in range(30)]
-    swap = str.maketrans({",": group, ".": decimal})
-    return [f"{quote}{text.translate(swap)}{quote}" for text in numbers]
+READABLE = [
+    (delimiter, decimal, group, quote)
+    for delimiter, decimal, group, quote in product(
+        ";\t,", ".,", ".,'\u2019 \u00a0\u202f", ["", '"']
+    )
+    if group != decimal and (quote or delimiter not in (group, decimal))
+]
 
 
-@pytest.mark.parametrize(
-    ("delimiter", "decimal", "quote"),
-    [(";", ",", ""), (";", ".", ""), (",", ".", '"'), ("\t", ",", "")],
-)
+@pytest.mark.parametrize(("delimiter", "decimal", "group", "quote"), READABLE)
 def test_certain_separators_of_thousands_are_taken_out(
-    delimiter: str, decimal: str, quote: str, tmp_path: Path
+    delimiter: str, decimal: str, group: str, quote: str, tmp_path: Path
 ) -> None:
-    group = "," if decimal == "." else "."
-    lines = [delimiter.join(HEADER.split(","))]
-    for k, cell in enumerate(grouped(decimal, group, quote)):
-        lines.append(delimiter.join([f"{k / 50:.2f}".replace(".", decimal), str(k), cell]))
+    swap = str.maketrans({",": group, ".": decimal})
+    lines = [HEADER.replace(",", delimiter)]
+    for k in range(30):
+        numbers = (f"{number:,.1f}" for number in (k / 10, k, 1e5 * k + 0.5))
+        cells = [f"{quote}{number.translate(swap)}{quote}" for number in numbers]
+        lines.append(delimiter.join(cells))
     (recording,) = load(tmp_path, lines).recordings
-    np.testing.assert_allclose(recording.force_n, np.arange(30) * 50.5)
+    np.testing.assert_allclose(recording.force_n, 1e5 * np.arange(30) + 0.5)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,8 @@ import re
 from collections.abc import Iterable
 
 _STAMP = re.compile(
-    r"(?:(?P<date>\d{1,4}([-/.])\d{1,2}\2\d{1,4})(?:T|\s+))?"
+    r"(?:(?P<days>\d+) days?, )?"
+    r"(?:(?P<date>\d{1,4}(?P<between>[-/.])\d{1,2}(?P=between)\d{1,4})(?:T|\s+))?"
     r"(?:(?P<h>\d{1,4}):(?P<min>\d\d):(?P<s>\d\d(?:[.,:](?P<digits>\d*))?)"
     r"|(?P<only_min>\d{1,4}):(?P<only_s>\d\d[.,](?P<more_digits>\d+)))"
     r"\s*(?P<half>[ap]\.?m\.?)?\s*(?:Z|[+-]\d\d:?\d\d)?",
@@ -14,7 +15,11 @@ _DAY_S = 86400.0
 
 
 def is_clock(cell: str) -> bool:
-    """Return whether a cell is a clock's stamp: h:min:s or min:s.digits, perhaps behind a date."""
+    """Return whether a cell is a clock's stamp: h:min:s or min:s.digits, perhaps behind a date.
+
+    >>> is_clock("2026-11-24T10:12:00.020Z"), is_clock("1 day, 0:00:01"), is_clock("10:12")
+    (True, True, False)
+    """
     return _STAMP.fullmatch(cell) is not None
 
 
@@ -55,4 +60,5 @@ def _of_day_s(found: re.Match[str]) -> float:
     hours = int(found["h"])
     if found["half"]:
         hours = hours % 12 + (12 if found["half"].casefold().startswith("p") else 0)
+    hours += 24 * int(found["days"] or 0)
     return 3600.0 * hours + 60.0 * int(found["min"]) + float(re.sub("[,:]", ".", found["s"]))

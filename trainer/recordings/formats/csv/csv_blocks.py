@@ -19,8 +19,8 @@ from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, STEP_TOLERANCE
 
-_HEAD_LINES = 400
 _HEADER_ROWS = 3  # names, units and one more
+_WORD = re.compile(r"[^\W\d_]{2}|\D*$")
 _LONGEST = 40  # letters of a line in a message
 
 
@@ -72,14 +72,14 @@ def _ends(lines: Sequence[str], begin: int, layout: Layout) -> tuple[int, int]:
 def _is_text(row: Cells, layout: Layout) -> bool:
     """Tell a row of words from one of numbers in which something is wrong.
 
-    The first channel's cell is a word without digits: 'Maximum load', '8.12', 'N'. If it stands
-    alone in its row, it may hold digits.
+    The first channel's cell is a word, 'Maximum load', '8.12', 'N': one without digits, or that
+    begins with two letters. If it stands alone in its row, it is text if it is no number.
     """
-    found = [cell.strip() for cell in row if cell.strip()]
-    if len(found) < 2:
-        return not all(map(is_value, found))
     first = layout.columns.get("time", layout.columns["position"])
-    return not re.search(r"\d", "".join(row[first:][:1])) and not all(map(is_value, found))
+    word = _WORD.match("".join(row[first:][:1]).strip())
+    if word is None and sum(map(bool, row)) > 1:
+        return False
+    return not all(is_value(cell.strip()) for cell in row if cell.strip())
 
 
 def _run_of_numbers(lines: Sequence[str], begin: int, layout: Layout) -> range:
@@ -122,9 +122,8 @@ def _block(
     )
     apart = len(above) < len(text)  # by an empty line
     if header and (apart or len(above) > 1):
-        head = lines[: numbers.start + _HEAD_LINES]
         try:
-            return find_layout(path, head, request, text)
+            return find_layout(path, lines, request, text)
         except MissingColumnsError:
             if apart or len(numbers) < MIN_ROWS:
                 return None

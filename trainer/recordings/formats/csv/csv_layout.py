@@ -40,6 +40,7 @@ from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.specimen import require_no_stress
 from springpot.trainer.recordings.formats.units import Quantity, Unit
 
+_LINES = 400  # of numbers, that show their mark of decimals
 _COMMENT = "comment"  # LabVIEW's last column, in which few rows have a cell
 
 
@@ -64,12 +65,12 @@ class Layout:
 
 
 def find_layout(
-    path: Path, head: Sequence[str], request: FileRequest, among: range | None = None
+    path: Path, head: Sequence[str], request: FileRequest, among: Sequence[int] = ()
 ) -> Layout:
     """Find the layout from the file's first lines; what is requested overrides the guess.
 
     Where the map states a rate, no column of time is needed; with a specimen's sizes, stress and
-    strain are force and position. among: of `head`, the lines that may be the header; None: all.
+    strain are force and position. among: of `head`, the lines that may be the header; none: all.
     Raises DataError where a column or a unit is missing, unknown or ambiguous, and of those
     MissingColumnsError if no line names all columns.
     """
@@ -77,7 +78,7 @@ def find_layout(
     options = wanted_columns(columns)
     among = among or range(len(head))
     if all(q in columns and not stated_header(columns[q]) for q in options):
-        return _layout_by_numbers(path, head, request, among.start)
+        return _layout_by_numbers(path, head, request, among[0])
     best: tuple[int, Candidates, Cells] = (0, {}, [])
     for index in among:
         for delimiter, row in split_line(head, index):
@@ -148,7 +149,7 @@ def _layout(
     units_below = unit_row(below, chosen)
     if units_below:
         first += 1
-    rows = [cells(line, delimiter) for line in head[first:]] or [[]]
+    rows = [cells(line, delimiter) for line in head[first : first + _LINES]] or [[]]
     clock = "time" in chosen and any(is_clock(cell) for cell in rows[0][chosen["time"] :][:1])
     stated_units = units_below or labview_units(head[: max(header_index, 0)], delimiter, chosen)
     if clock:

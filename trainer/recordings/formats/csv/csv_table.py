@@ -5,7 +5,6 @@ import io
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from decimal import Decimal, InvalidOperation
 from itertools import islice
 from pathlib import Path
 from typing import IO
@@ -15,29 +14,13 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import split_unit
-from springpot.trainer.recordings.formats.csv.clock import clock_s, is_clock, printed_exponent
+from springpot.trainer.recordings.formats.csv.csv_cells import column_numbers, last_digit
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout
-from springpot.trainer.recordings.formats.csv.csv_lines import cells
-from springpot.trainer.recordings.formats.csv.decimals import (
-    COMMA_TO_POINT,
-    is_grouped,
-    is_number,
-    without_groups,
-)
+from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 UTF8 = "utf-8-sig"
 _TAIL_CHARACTERS, _TAIL_LINES = 1 << 16, 1000
-_MAX_EXPONENT = 300
-
-
-def _last_exponent(number: str) -> list[int]:
-    """Power of ten of the last printed digit, where there is one."""
-    try:
-        exponent = Decimal(number).as_tuple().exponent
-    except InvalidOperation:  # farther from 0 than even decimals go
-        return []
-    return [exponent] if isinstance(exponent, int) else []
 
 
 class CsvTable:
@@ -70,7 +53,8 @@ class CsvTable:
         if numbers.shape == (count, len(options)):
             return numbers
         rows = list(self.rows())
-        return np.array([self._column(rows, index) for index in options]).T
+        found = [column_numbers(self.path, self.layout, rows, index) for index in options]
+        return np.array(found).T
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the 1-based line and the cells of each row of numbers; blank lines are none."""
@@ -84,7 +68,7 @@ class CsvTable:
                     ended = len(found) == width + 1 and not found[-1].strip()
                     row = found[:-1] if ended else found
                     line = above + reader.line_num
-                    if not any(cell.strip() for cell in row) and len(row) < 2:
+                    if len(row) < 2 and not any(cell.strip() for cell in row):
                         continue
                     if len(row) != width:
                         raise DataError(
@@ -142,20 +126,9 @@ class CsvTable:
 
         Looks at the file's end: with a fixed number of significant digits it is the coarser one.
         """
-        column = self.layout.columns.get("time")
-        if column is None:
+        if "time" not in self.layout.columns:
             return 0.0
-        exponents = []
-        for line in self._last_lines():
-            row = cells(line, self.layout.delimiter)
-            if len(row) - (row[-1:] == [""]) > self.layout.width or len(row) < self.layout.width:
-                continue
-            if self.layout.clock and is_clock(row[column]):
-                exponents.append(printed_exponent(row[column]))
-            elif is_number(row[column], self.layout.decimal):
-                exponents += _last_exponent(self._plain(row[column]))
-        digit = 10.0 ** min(_MAX_EXPONENT, *exponents) if exponents else 0.0
-        return digit * abs(self.layout.units["time"].to_si)
+        return last_digit(self._last_lines(), self.layout) * abs(self.layout.units["time"].to_si)
 
     def _last_lines(self) -> Sequence[str]:
         if self.lines is not None:
@@ -170,45 +143,6 @@ class CsvTable:
             return factor_to_si(split_unit(label, "time")[1] or "s", "time", "")
         except DataError:
             return 1.0
-
-    def _plain(self, cell: str) -> str:
-        return cell.translate(COMMA_TO_POINT) if self.layout.decimal == "comma" else cell
-
-    def _column(self, rows: list[tuple[int, list[str]]], index: int) -> list[float]:
-        found = [row[index].strip() for _, row in rows]
-        if self.layout.clock and index == self.layout.columns["time"]:
-            try:
-                return clock_s(found)
-            except ValueError as error:
-                number = int(error.args[0])
-                raise DataError(
-                    f"{self.path}, row {rows[number][0]}, column {index + 1}: {found[number]!r} is "
-                    "no stamp of a clock, as the others are: correct it in the source"
-                ) from None
-        found = without_groups(found, self.layout.decimal, self.layout.stated)
-        return [
-            self._number(line, cell, index) for (line, _), cell in zip(rows, found, strict=True)
-        ]
-
-    def _number(self, line: int, cell: str, index: int) -> float:
-        if is_number(cell, self.layout.decimal):
-            return float(self._plain(cell))
-        what = f"{cell!r} is not a number" if cell else "the cell is empty"
-        if is_grouped(cell, self.layout.decimal):
-            mark = self.layout.decimal
-            raise DataError(
-                f"{self.path}, row {line}, column {index + 1}: {cell!r} may have a separator of "
-                f"thousands or another mark of decimals: pass --decimal {mark} if it is "
-                f"{self._plain(*without_groups([cell], mark, stated=True))}, else write all "
-                "numbers with one mark of decimals"
-            )
-        if self.layout.decimal == "comma":
-            what += " with a decimal comma, as the others are" if cell else ""
-        elif is_number(cell.replace(",", ".")):
-            what += " (decimal comma? write a point)"
-        raise DataError(
-            f"{self.path}, row {line}, column {index + 1}: {what}: correct it in the source"
-        )
 
     def _in_bulk(self, columns: list[int] | None) -> NDArray[np.float64]:
         """Read all or some columns, shape (rows, columns); (0, 0) where a cell holds no number."""

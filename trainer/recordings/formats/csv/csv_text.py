@@ -1,5 +1,7 @@
 """CSV files: numbers in columns with headers, separated by commas, semicolons or tabs."""
 
+import re
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from typing import IO, Any
@@ -10,8 +12,9 @@ from numpy.typing import NDArray
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import stated_rate_hz
 from springpot.trainer.recordings.formats.csv.csv_blocks import join_in_time, tables_of
-from springpot.trainer.recordings.formats.csv.csv_layout import find_layout
+from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_layout
 from springpot.trainer.recordings.formats.csv.csv_lines import DELIMITERS, cells, is_value
+from springpot.trainer.recordings.formats.csv.csv_missing import MissingColumnsError
 from springpot.trainer.recordings.formats.csv.csv_table import UTF8, CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
@@ -22,6 +25,7 @@ _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 _WINDOWS = "cp1252"
 _NAMED = {"utf-16": "; UTF-16 text", _WINDOWS: "; not UTF-8, read as Windows-1252"}
 _HEAD_LINES, _HEAD_LETTERS = 400, 1 << 18
+_WORD = re.compile(r"\W*[^\W\d]")
 _CHUNK_BYTES = 1 << 24
 
 
@@ -37,7 +41,7 @@ def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
         head = _head(file)
     if not any(line.strip() for line in head):
         raise DataError(f"{path}: the file is empty: give one with a header and rows of numbers")
-    table = CsvTable(path, find_layout(path, head, request), encoding)
+    table = CsvTable(path, _layout(path, head, encoding, request), encoding)
     guess = table.layout.guess + _NAMED.get(encoding, "")
     rate_hz = stated_rate_hz(request.columns)
     numbers = table.all_numbers()
@@ -48,6 +52,21 @@ def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
     raws = [_channels(each, numbers, rate_hz, guess) for each in tables]
     raws, joined = join_in_time(raws)
     return raws, guess + joined + left_out
+
+
+def _layout(path: Path, head: list[str], encoding: str, request: FileRequest) -> Layout:
+    """The first layout among the first lines, or below a longer table of other columns."""
+    try:
+        return find_layout(path, head, request)
+    except MissingColumnsError:
+        with path.open(encoding=encoding) as file:
+            lines = list(file)
+        words = [k for k in range(len(head), len(lines)) if _WORD.match(lines[k])]
+        if not words:
+            raise
+        with suppress(MissingColumnsError):
+            return find_layout(path, lines, request, words)
+        raise
 
 
 def _channels(

@@ -35,9 +35,9 @@ def labview_units(
     if not any(key.startswith("***End_of_Header***") for key in stated):
         return {}
     labels = stated.get("Y_Unit_Label", [])
-    units = {q: "".join(labels[i:][:1]) for q, i in chosen.items() if q != "time"}
     timed = "Time" in stated.get("X_Dimension", ["Time"])
-    return {**units, "time": "s"} if timed and "time" in chosen else units
+    second = "s" if timed else ""
+    return {q: second if q == "time" else "".join(labels[i:][:1]) for q, i in chosen.items()}
 
 
 def clock_units(

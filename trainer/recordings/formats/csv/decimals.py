@@ -11,8 +11,11 @@ COMMA_TO_POINT = str.maketrans({",": ".", ".": "!"})
 
 DecimalMark = Literal["point", "comma"]
 _MARKS: dict[DecimalMark, tuple[str, str]] = {"point": (".", ","), "comma": (",", ".")}
+_SPACES = " '\u2019\u00a0\u202f"  # and apostrophes: they separate nothing but thousands
 _GROUPED = {
-    mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}([{group}]\d{{3}})+([{decimal}]\d*)?")
+    mark: re.compile(
+        rf"[+-]?[1-9]\d{{0,2}}(?P<group>[{group}{_SPACES}])\d{{3}}((?P=group)\d{{3}})*([{decimal}]\d*)?"
+    )
     for mark, (decimal, group) in _MARKS.items()
 }
 _NOT_GROUPED = re.compile(r"[+-]?\d{4,}([.,]\d*)?")
@@ -42,17 +45,17 @@ def is_grouped(cell: str, decimal: DecimalMark) -> bool:
 def without_groups(cells: Sequence[str], decimal: DecimalMark, stated: bool) -> list[str]:
     """The cells of a column without separators of thousands, as they are where that is not certain.
 
-    Certain: somebody stated the mark of decimals, or one cell has both marks and no other cell
-    writes a thousand without a separator.
+    Certain: somebody stated the mark of decimals, or the separator is a space or an apostrophe, or
+    one cell has both marks and no other cell writes a thousand without a separator.
 
     >>> without_groups(["999.5", "1,007.7", "2,000"], "point", stated=False)
     ['999.5', '1007.7', '2000']
     """
     mark, group = _MARKS[decimal]
-    both = any(is_grouped(cell, decimal) and mark in cell for cell in cells)
-    if not stated and (not both or any(map(_NOT_GROUPED.fullmatch, cells))):
-        return list(cells)
-    return [cell.replace(group, "") if is_grouped(cell, decimal) else cell for cell in cells]
+    both = any(mark in cell and group in cell and is_grouped(cell, decimal) for cell in cells)
+    certain = stated or (both and not any(map(_NOT_GROUPED.fullmatch, cells)))
+    taken = str.maketrans("", "", _SPACES + (group if certain else ""))
+    return [cell.translate(taken) if is_grouped(cell, decimal) else cell for cell in cells]
 
 
 def decimal_mark(where: str, found: Iterable[tuple[int, str]]) -> DecimalMark:
