@@ -2,13 +2,9 @@
 
 import csv
 import re
-from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import replace
-from itertools import accumulate, islice
+from itertools import islice
 from pathlib import Path
-
-import numpy as np
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_layout
@@ -16,8 +12,7 @@ from springpot.trainer.recordings.formats.csv.csv_lines import Cells, cells, is_
 from springpot.trainer.recordings.formats.csv.csv_missing import MissingColumnsError
 from springpot.trainer.recordings.formats.csv.csv_table import CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.sampling import MIN_ROWS, STEP_TOLERANCE
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS
 
 _HEADER_ROWS = 3  # names, units and one more
 _WORD = re.compile(r"[^\W\d_]{2}|\D*$")
@@ -114,18 +109,21 @@ def _block(
     Raises DataError for a line that is no header: the numbers would go on behind it.
     """
     above = [lines[i] for i in text if lines[i].strip()]
-    width = len(cells(lines[numbers.start], layout.delimiter))
+    first = cells(lines[numbers.start], layout.delimiter)
     rows = [cells(line, layout.delimiter) for line in above[-_HEADER_ROWS:]]
-    header = any(
-        abs(len(row) - width) < 2 <= sum(map(bool, row)) and not any(map(is_value, row))
+    words = [
+        sum(map(bool, row))
         for row in rows
-    )
+        if abs(len(row) - len(first)) < 2 and not any(map(is_value, row))
+    ]
     apart = len(above) < len(text)  # by an empty line
-    if header and (apart or len(above) > 1):
+    if max(words, default=0) > 1 and (apart or len(above) > 1):
         try:
             return find_layout(path, lines, request, text)
         except MissingColumnsError:
-            if apart or len(numbers) < MIN_ROWS:
+            # 'Event', 'pause' above numbers of the same columns heads no other table.
+            named = max(words) >= sum(map(bool, first)) - (len(first) != layout.width)
+            if named and (apart or len(numbers) < MIN_ROWS):
                 return None
     line = next(i for i in text if lines[i].strip())
     raise DataError(
@@ -149,47 +147,3 @@ def _long_enough(tables: list[CsvTable], left_out: list[str]) -> tuple[list[CsvT
             if table not in whole
         ]
     return whole or tables[:1], f"; left out: {'; '.join(left_out)}" if left_out else ""
-
-
-def join_in_time(raws: list[RawChannels]) -> tuple[list[RawChannels], str]:
-    """Join blocks that count on in time by one step of both; say what the others became."""
-    if len(raws) == 1:
-        return raws, ""
-    tests = [[raws[0]]]
-    for raw in raws[1:]:
-        if _counts_on(tests[-1][-1], raw):
-            tests[-1].append(raw)
-        else:
-            tests.append([raw])
-    rows = ", ".join(str(raw.line_of(0)) for raw in raws)
-    said = f"; {len(raws)} blocks of numbers, from rows {rows} on"
-    if len(tests) == 1:
-        return [_joined(raws)], f"{said}, which count on in time: one recording"
-    found = [replace(_joined(test), name=f"{test[0].name}-{k}") for k, test in enumerate(tests, 1)]
-    joined = " (those that count on in time joined)" if len(tests) < len(raws) else ""
-    return found, f"{said}: recordings {found[0].name} to {found[-1].name}{joined}"
-
-
-def _counts_on(before: RawChannels, after: RawChannels) -> bool:
-    steps_s = [float(np.median(np.diff(raw.time_s))) for raw in (before, after)]
-    between_s = float(after.time_s[0] - before.time_s[-1])
-    rounding_s = 2.0 * max(before.time_digit_s, after.time_digit_s)
-    slack_s = min(rounding_s + STEP_TOLERANCE * steps_s[0], 0.5 * min(steps_s))
-    same = before.details["units"] == after.details["units"] and before.place_m == after.place_m
-    return same and all(abs(between_s - step_s) <= slack_s for step_s in steps_s)
-
-
-def _joined(raws: Sequence[RawChannels]) -> RawChannels:
-    begins = list(accumulate((len(raw.time_s) for raw in raws), initial=0))
-
-    def line_of(sample: int) -> int:
-        block = bisect_right(begins, sample) - 1
-        return raws[block].line_of(sample - begins[block])
-
-    return replace(
-        raws[0],
-        time_s=np.concatenate([raw.time_s for raw in raws]),
-        position_m=np.concatenate([raw.position_m for raw in raws]),
-        force_n=np.concatenate([raw.force_n for raw in raws]),
-        line_of=line_of,
-    )

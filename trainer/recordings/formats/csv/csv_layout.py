@@ -48,7 +48,8 @@ _COMMENT = "comment"  # LabVIEW's last column, in which few rows have a cell
 class Layout:
     """Layout of a table: cells to a row, 1-based line of the first numbers, columns from 0.
 
-    stated: somebody stated the mark of decimals. clock: times are a clock's stamps.
+    stated: somebody stated the mark of decimals. clock: times are a clock's stamps. beside: other
+    tests stand beside, and rows may end where only they have numbers.
     """
 
     delimiter: str
@@ -60,6 +61,7 @@ class Layout:
     decimal: DecimalMark
     stated: bool
     clock: bool
+    beside: bool
     unread_time: tuple[int, str] | None  # a column of time and its header, where a rate is stated
     place: tuple[tuple[int, float], ...] = ()  # columns place_x and place_y, and their factors to m
 
@@ -179,6 +181,7 @@ def _layout(
         decimal=mark,
         stated=request.decimal is not None,
         clock=clock,
+        beside=len(guess_column(header, "time")) > 1,
         unread_time=None if "time" in chosen else _time_beside(header),
         place=place_columns(path, header, below if units_below else []),
     )

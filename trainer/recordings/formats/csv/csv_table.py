@@ -59,6 +59,7 @@ class CsvTable:
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the 1-based line and the cells of each row of numbers; blank lines are none."""
         width, above = self.layout.width, self.layout.first_line - 1
+        shortest = max(self.layout.columns.values()) + 1 if self.layout.beside else width
         with self.path.open(encoding=self.encoding, newline="") as file:
             lines = islice(file, above, None) if self.lines is None else self.lines
             reader = csv.reader(lines, delimiter=self.layout.delimiter)
@@ -70,7 +71,7 @@ class CsvTable:
                     line = above + reader.line_num
                     if len(row) < 2 and not any(cell.strip() for cell in row):
                         continue
-                    if len(row) != width:
+                    if not shortest <= len(row) <= width:
                         raise DataError(
                             f"{self.path}, row {line}: {len(row)} cells, the rows above have "
                             f"{width}: correct or cut that row in the source"

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import stated_rate_hz
-from springpot.trainer.recordings.formats.csv.csv_blocks import join_in_time, tables_of
+from springpot.trainer.recordings.formats.csv.block_times import join_in_time
+from springpot.trainer.recordings.formats.csv.csv_blocks import tables_of
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_layout
 from springpot.trainer.recordings.formats.csv.csv_lines import DELIMITERS, cells, is_value
 from springpot.trainer.recordings.formats.csv.csv_missing import MissingColumnsError
