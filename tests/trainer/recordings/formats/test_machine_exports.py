@@ -58,7 +58,9 @@ def test_a_known_word_goes_before_one_of_another_trade() -> None:
     """Files that came in before come in as before."""
     assert guess_column(["Time", "Position", "Distance", "Load"], "position") == [1]
     assert guess_column(["Zeit", "Weg", "Kraft", "Kraft max"], "force") == [2]
-    assert guess_column(["Travel rate", "Gewicht"], "position") == []
+    assert guess_column(["Travel rate", "Gewicht", "X_Value"], "position") == []
+    assert guess_column(["Standardweg [mm]", "Stauchung [%]"], "position") == [0]
+    assert guess_column(["Prüfzeit [s]", "Stauchung [mm]"], "position") == [1]
 
 
 REFUSED = {
