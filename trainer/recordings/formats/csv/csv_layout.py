@@ -41,6 +41,7 @@ from springpot.trainer.recordings.formats.specimen import require_no_stress
 from springpot.trainer.recordings.formats.units import Quantity, Unit
 
 _LINES = 400  # of numbers, that show their mark of decimals
+_ABOVE = 50  # lines of a LabVIEW header
 _COMMENT = "comment"  # LabVIEW's last column, in which few rows have a cell
 
 
@@ -153,7 +154,9 @@ def _layout(
         first += 1
     rows = [cells(line, delimiter) for line in head[first : first + _LINES]] or [[]]
     clock = "time" in chosen and any(is_clock(cell) for cell in rows[0][chosen["time"] :][:1])
-    stated_units = units_below or labview_units(head[: max(header_index, 0)], delimiter, chosen)
+    stated_units = units_below or labview_units(
+        head[max(header_index - _ABOVE, 0) : max(header_index, 0)], delimiter, chosen
+    )
     if clock:
         header, columns, stated_units = clock_units(header, columns, stated_units, chosen["time"])
     labels = {q: header[index] if index < len(header) else "" for q, index in chosen.items()}
@@ -168,7 +171,12 @@ def _layout(
         found.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
         if clock and quantity == "time":
             found[-1] += " after its first clock stamp"
-    mark = _decimal(path, rows, first, chosen, request.decimal if delimiter != "," else None)
+    numbers = [
+        (n, row[i]) for n, row in enumerate(rows, first + 1) for i in chosen.values() if row[i:]
+    ]
+    mark = request.decimal
+    if mark is None or (delimiter == "," and not any("," in cell for _, cell in numbers)):
+        mark = decimal_mark(str(path), numbers)
     between = f"{DELIMITERS[delimiter]} between cells, "
     between += "decimal comma, " if mark == "comma" else ""
     return Layout(
@@ -190,17 +198,3 @@ def _layout(
 def _time_beside(header: Cells) -> tuple[int, str] | None:
     found = guess_column(header, "time")
     return (found[0], header[found[0]]) if len(found) == 1 else None
-
-
-def _decimal(
-    path: Path,
-    rows: Sequence[Cells],
-    first: int,
-    chosen: dict[Quantity, int],
-    stated: DecimalMark | None,
-) -> DecimalMark:
-    if stated:
-        return stated
-    columns = chosen.values()
-    numbers = [(n, row[i]) for n, row in enumerate(rows, first + 1) for i in columns if row[i:]]
-    return decimal_mark(str(path), numbers)
