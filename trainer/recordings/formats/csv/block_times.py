@@ -10,6 +10,8 @@ import numpy as np
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.sampling import STEP_TOLERANCE
 
+_MAX_NAMED = 6  # blocks in a message
+
 
 def join_in_time(raws: list[RawChannels]) -> tuple[list[RawChannels], str]:
     """Join blocks that count on in time by one step of both; say what the others became."""
@@ -21,7 +23,8 @@ def join_in_time(raws: list[RawChannels]) -> tuple[list[RawChannels], str]:
             tests[-1].append(raw)
         else:
             tests.append([raw])
-    rows = ", ".join(str(raw.line_of(0)) for raw in raws)
+    rows = ", ".join(str(raw.line_of(0)) for raw in raws[:_MAX_NAMED])
+    rows += ", ..." if raws[_MAX_NAMED:] else ""
     said = f"; {len(raws)} blocks of numbers, from rows {rows} on"
     if len(tests) == 1:
         return [_joined(raws)], f"{said}, which count on in time: one recording"

@@ -9,7 +9,7 @@ from pathlib import Path
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_layout
 from springpot.trainer.recordings.formats.csv.csv_lines import Cells, cells, is_value
-from springpot.trainer.recordings.formats.csv.csv_missing import MissingColumnsError
+from springpot.trainer.recordings.formats.csv.csv_missing import MAX_NAMED, MissingColumnsError
 from springpot.trainer.recordings.formats.csv.csv_table import CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS
@@ -146,4 +146,5 @@ def _long_enough(tables: list[CsvTable], left_out: list[str]) -> tuple[list[CsvT
             for table in tables
             if table not in whole
         ]
-    return whole or tables[:1], f"; left out: {'; '.join(left_out)}" if left_out else ""
+    named = "; ".join(left_out[:MAX_NAMED]) + ("; ..." if left_out[MAX_NAMED:] else "")
+    return whole or tables[:1], f"; left out: {named}" if left_out else ""
