@@ -42,9 +42,10 @@ class _AutoOrNumber(click.ParamType[Any]):
 AUTO_OR_N = _AutoOrNumber()
 # Files of a folder that may be recordings; others are named one by one.
 _OF_RECORDINGS = {
-    ".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".xlsx", ".tdms", ".mat", ".h5", ".hdf5",
-    ".blf", ".log", ".journal",
+    ".csv", ".tsv", ".tab", ".txt", ".dat", ".asc", ".tra", ".lvm", ".xlsx", ".tdms", ".mat",
+    ".h5", ".hdf5", ".blf", ".log", ".journal",
 }  # fmt: skip
+_MAX_NAMED = 12  # files in a message
 _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  # of a recording
 
 
@@ -150,13 +151,13 @@ def import_(
     )  # fmt: skip
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
+    listed = _listed(files)
     with progress_bar("import"):
         results = [
             import_file(file, mapping, zero, resample_hz, options)
-            for file in counted(_listed(files), "reading")
+            for file in counted(listed, "reading")
         ]
-    for result in results:
-        say(result.guess)
+    _say_guesses(listed, [result.guess for result in results])
     recordings = [recording for result in results for recording in result.recordings]
     if rest_s is not None:
         recordings = one_session(recordings, rest_s)
@@ -180,6 +181,15 @@ def _specimen(area_m2: float | None, height_m: float | None) -> Specimen | None:
     return Specimen(area_m2, height_m)
 
 
+def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:
+    """Say how the files were understood: once for all that were understood alike."""
+    alike: dict[str, list[Path]] = {}
+    for file, guess in zip(files, guesses, strict=True):
+        alike.setdefault(guess.removeprefix(f"{file}: "), []).append(file)
+    for guess, (first, *others) in alike.items():
+        say(f"{first}{f' and {len(others)} more' if others else ''}: {guess}")
+
+
 def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
     """Figures of each recording, with the file that it is in."""
     from springpot.trainer.recordings.quality.plausible import glance
@@ -196,33 +206,48 @@ def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
 
 
 def _show(rows: Sequence[dict[str, Any]]) -> None:
-    """Print two lines of each recording, or three where several were read."""
+    """Print two lines of each recording, or three where several were read and point elsewhere."""
+    said = {""} if len(rows) > 1 else {row["signs"]["words"] for row in rows}
     for row in rows:
         (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]
+        words = row["signs"]["words"]
         click.echo(
             f"{row['file']}  {row['samples']} samples at {row['rate_hz']:.6g} Hz, "
             f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N\n"
-            f"  {row['glance']}" + (f"\n  {row['signs']['words']}" if len(rows) > 1 else "")
+            f"  {row['glance']}" + ("" if words in said else f"\n  {words}")
         )
+        said.add(words)
 
 
 def _listed(paths: Sequence[Path]) -> list[Path]:
-    """The files, in order, with those of a folder in place of it. Raises UsageError for none."""
+    """The files, in order, with those of a folder in place of it: the left out are named.
+
+    Raises UsageError for a folder without recordings.
+    """
     found: list[Path] = []
     for path in paths:
         if not path.is_dir():
             found.append(path)
             continue
-        inside = sorted(
-            file
-            for file in path.iterdir()
-            if file.is_file() and file.suffix.casefold() in _OF_RECORDINGS
-        )
+        there = sorted(f for f in path.iterdir() if f.is_file() and not f.name.startswith("."))
+        inside = [file for file in there if _may_be_recording(file)]
         if not inside:
             kinds = ", ".join(sorted(_OF_RECORDINGS))
             raise UsageError(f"{path}: no file in this folder ends in {kinds}: name the files")
+        others = [file.name for file in there if file not in inside]
+        if others:
+            more = f" and {len(others) - _MAX_NAMED} more" if others[_MAX_NAMED:] else ""
+            say(f"{path}: left out, no recordings: {', '.join(others[:_MAX_NAMED])}{more}")
         found += inside
     return found
+
+
+def _may_be_recording(file: Path) -> bool:
+    """Tell a file of a folder by its ending; a .txt without a row of numbers is prose."""
+    from springpot.trainer.recordings.formats.csv.csv_text import has_numbers
+
+    ending = file.suffix.casefold()
+    return ending in _OF_RECORDINGS and (ending != ".txt" or has_numbers(file))
 
 
 def _write(out: Path, recordings: list[Recording]) -> list[Path]:

@@ -144,9 +144,15 @@ def test_a_folder_is_the_files_in_it(tmp_path: Path) -> None:
     assert "rig: no file in this folder ends in .asc" in str(empty.exception)
     for name in ("b.csv", "a.CSV", "older/c.csv"):
         (folder / name).write_text(TABLE)
-    (folder / "notes.md").write_text("no recording\n")
+    for name in ("notes.md", "LICENSE.txt", "README", "rig.json"):
+        (folder / name).write_text("No recording, as of 3, 5 or 7 May 2026,\n1.2, no warranty\n")
     (tmp_path / "d.csv").write_text(TABLE)
-    assert run(folder, tmp_path / "d.csv", "--out", tmp_path / "out").exit_code == 0
+    found = run(folder, tmp_path / "d.csv", "--out", tmp_path / "out")
+    assert found.exit_code == 0, found.exception
+    assert "left out, no recordings: LICENSE.txt, README, notes.md, rig.json\n" in found.stderr
+    assert found.stderr.count("time = column 1") == 1
+    assert "a.CSV and 2 more: time = column 1" in found.stderr
+    assert found.stdout.count("position grows into the object") <= 1
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["a.h5", "b.h5", "d.h5"]
 
 

@@ -315,11 +315,16 @@ def test_dialects_of_test_rigs(tmp_path: Path, text: str, encoding: str, newline
     assert ("UTF-16" in result.guess) == (encoding == "utf-16")
 
 
-def test_a_decimal_mark_can_be_stated(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("delimiter", "quote"), [(";", ""), (",", '"')])
+def test_a_decimal_mark_can_be_stated(delimiter: str, quote: str, tmp_path: Path) -> None:
     file = tmp_path / "rig.csv"
-    file.write_text("time_s;position_m;force_N\n0;1;1,000\n1;2;2,000\n2;3;4,500\n")
-    stated = import_file(file, None, "none", None, ImportOptions(decimal="comma"))
-    assert stated.recordings[0].force_n.tolist() == [1.0, 2.0, 4.5]
+    rows = "".join(f"{k};{k};{quote}{k + 1},500{quote}\n" for k in range(3))
+    file.write_text(f"time_s;position_m;force_N\n{rows}".replace(";", delimiter))
+    with pytest.raises(DataError, match="--decimal comma, or --decimal point if"):
+        import_file(file, None, "none", None)
+    for mark, scale in (("comma", 1.0), ("point", 1000.0)):
+        stated = import_file(file, None, "none", None, ImportOptions(decimal=mark))  # type: ignore[arg-type]
+        assert stated.recordings[0].force_n.tolist() == [1.5 * scale, 2.5 * scale, 3.5 * scale]
 
 
 def test_one_stray_comma_is_named_where_points_rule(tmp_path: Path) -> None:

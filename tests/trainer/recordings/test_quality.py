@@ -111,6 +111,29 @@ def test_quantisation() -> None:
     assert "quantisation" not in findings(fine)
 
 
+def ramps(step_m: float, speeds: tuple[int, ...] = (1,)) -> np.ndarray:
+    """Rest, ramps in at speeds in steps a sample, a hold after each, and the way out."""
+    steps = [np.zeros(50)]
+    for speed in speeds:
+        steps += [np.full(60, speed), np.zeros(300)]
+    steps += [np.full(60 * sum(speeds), -1)]
+    return step_m * np.cumsum(np.concatenate(steps))
+
+
+@pytest.mark.parametrize("speeds", [(1,), (1, 2), (2, 1, 4)])
+def test_ramps_of_constant_speed_are_no_coarse_sensor(speeds: tuple[int, ...]) -> None:
+    """20 um a sample are 1 mm/s at 50 Hz, not a sensor's step."""
+    position_m = np.round(ramps(20e-6, speeds), 8)
+    item = Recording("a", position_m, 3e3 * position_m + noise(0.01)[: len(position_m)], 0.02)
+    assert "quantisation" not in findings(item)
+
+
+def test_a_coarse_sensor_is_found_on_ramps_of_any_speed() -> None:
+    position_m = np.round(ramps(7e-6, (1, 2)) / 20e-6) * 20e-6
+    item = Recording("a", position_m, 3e3 * position_m + noise(0.01)[: len(position_m)], 0.02)
+    assert "position has steps of 2e-05 m" in findings(item)["quantisation"].what
+
+
 def test_one_speed() -> None:
     ramp_m = np.linspace(0, 10e-3, 4000)
     ramp = Recording("a", ramp_m, 500 * ramp_m + noise(0.01), 1e-3, zero="first")
@@ -347,6 +370,25 @@ def test_a_unit_that_was_stated_is_not_asked_for_again() -> None:
     assert "state it on import" in findings(slow)["unit"].line
     stated = replace(slow, details={"units": {"time": {"from": "map", "unit": "s"}}})
     assert "state it" not in findings(stated)["unit"].line
+
+
+@pytest.mark.parametrize(
+    ("form", "dt_s", "options", "doubted"),
+    [
+        ("{:.2f}", 0.5, [], False),
+        ("{:.2f}", 1.0, [], False),
+        ("{:.0f}", 1.0, [], True),  # sample numbers, or milliseconds
+        ("{:.0f}", 1.0, ["--resample-hz", "1"], False),
+    ],
+)
+def test_a_slow_test_is_logged_slowly(
+    form: str, dt_s: float, options: list[str], doubted: bool, tmp_path: Path
+) -> None:
+    position_mm = 2.0 * np.sin(np.arange(200) / 40.0) ** 2
+    lines = [f"{form.format(k * dt_s)},{x:.6f},{3 * x:.6f}" for k, x in enumerate(position_mm)]
+    text = "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
+    result = run_import(tmp_path, text, *options)
+    assert ("samples a second" in result.stderr) == doubted
 
 
 def test_the_rest_is_the_force_at_the_lowest_positions() -> None:

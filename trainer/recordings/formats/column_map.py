@@ -42,8 +42,24 @@ _OTHER_LABELS: dict[Quantity, set[str]] = {
     },
     "force": {"kraft", "standardkraft", "prüfkraft", "last"},
 }
+# Date and time in one column, and German words that may be a strain: taken where no other is found.
+_LAST_LABELS: dict[Quantity, set[str]] = {
+    "time": {"date", "datetime", "datum", "uhrzeit", "clock"},
+    "position": {"stauchung", "druckweg"},
+    "force": {"druckkraft"},
+}
 # "Compression stress" and "Extension rate" are neither positions nor forces.
-_NOT_A_LABEL = {"stress", "strain", "rate", "speed", "velocity", "setpoint", "command", "place"}
+_NOT_A_LABEL = {
+    "stress",
+    "strain",
+    "rate",
+    "speed",
+    "velocity",
+    "setpoint",
+    "command",
+    "place",
+    "dimension",
+}
 _BRACKETED_UNIT = re.compile(r"(.*?)[\s_,/]*[(\[{]\s*([^()\[\]{}]+?)\s*[)\]}]")
 _SEPARATED_UNIT = re.compile(r"(.+?)\s*[,/]\s*([^,/]+)")
 _APPENDED_UNIT = re.compile(r"(.+)[\s_]([^\s_]+)")
@@ -143,11 +159,11 @@ def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
 def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
     """Prefer a label that is one of the known words to one that only contains such a word."""
     labels = [_CAMEL.sub("_", split_unit(cell, quantity)[0]).casefold().strip() for cell in row]
-    for known in (_LABELS[quantity], _OTHER_LABELS[quantity]):
+    for known in (_LABELS[quantity], _OTHER_LABELS[quantity], _LAST_LABELS[quantity]):
         exact = [i for i, label in enumerate(labels) if label in known]
         if exact:
             return exact
-        words = [set(re.split(r"[\W\d_]+", label)) for label in labels]
+        words = [set(re.split(r"[\W\d_]+", label.replace("x_value", ""))) for label in labels]
         found = [i for i, w in enumerate(words) if w & known and not w & _NOT_A_LABEL]
         if found:
             return found

@@ -123,7 +123,8 @@ def _imported(
             recording = to_recording(raw, name, zero, resample_hz)
             recording, messages = condition(recording, options.conditioning)
         except DataError as error:
-            other = "; or leave such blocks out, --block KIND" if len(raws) > 1 else ""
+            kinds = len(raws) > 1 and "block" in raw.details
+            other = "; or leave such blocks out, --block KIND" if kinds else ""
             raise DataError(f"{error}{other}") from None
         recordings.append(recording)
         first = str(recording.details.get("first_row_cut", ""))

@@ -24,12 +24,13 @@ _WORDS: dict[Quantity, str] = {
     "position": "strain|dehnung|stauchung|déformation",
     "force": "stress|spannung|contrainte",
 }
+_MAX_SIZE = 1.0  # m2 or m: what is more is in mm2 or mm
 _SI: dict[Quantity, str] = {"position": "m", "force": "N"}
 
 
 @dataclass(frozen=True)
 class Specimen:
-    """Area under stress, m2, and height, m. Raises UsageError for a size that is not above 0."""
+    """Area under stress, m2, and height, m. Raises UsageError for a size that no specimen has."""
 
     area_m2: float
     height_m: float
@@ -39,6 +40,15 @@ class Specimen:
             raise UsageError(
                 f"--area {self.area_m2:g} m2, --height {self.height_m:g} m: give both above 0"
             )
+        sizes = (("--area", self.area_m2, "m2", 1e-6), ("--height", self.height_m, "m", 1e-3))
+        large = [
+            f"{option} {size:g} is in {unit}, and no specimen's: {size:g} m{unit} are "
+            f"{option} {to_si * size:g}"
+            for option, size, unit, to_si in sizes
+            if size >= _MAX_SIZE
+        ]
+        if large:
+            raise UsageError("; ".join(large))
 
     def columns(self, row: Sequence[str], stated: ColumnMap) -> ColumnMap:
         """Columns of engineering stress and strain, and what a map states in their place.

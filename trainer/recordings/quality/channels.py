@@ -12,6 +12,7 @@ from springpot.trainer.recordings.recording import Recording
 _CLIPPED_RUN = 5  # samples in a row exactly at the extreme
 _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
 _HELD_S = 0.02
+_RAMP_CHANGES = 0.1  # of moves: fewer changes of the step come from a ramp's begin and end
 _COARSE = 0.01  # quantisation step over the signal's range
 _JITTER = 0.05  # of a step
 # Beyond these a unit is doubted. Micrometres, millinewtons and 20 000 N load cells are real.
@@ -19,6 +20,7 @@ _TRAVEL_M = (1e-6, 1.0)
 _FORCE_N = (1e-5, 2e4)
 _RATE_HZ = (0.05, 1e6)
 _USUAL_HZ = (5.0, 1e6)  # slower stamps may be sample numbers, read as s
+_QUASI_STATIC_MPS = 1e-3  # such tests are logged slowly
 _SPEED_MPS = (0.0, 3.0)
 _STIFFNESS_NPM = (0.1, 1.2e6)  # cartilage has 1e6 under a tool of 8 mm
 
@@ -37,7 +39,11 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
 
 
 def quantisation_step(samples: Samples) -> float | None:
-    """Smallest step between values on a grid, in the channel's unit; None without a grid."""
+    """Smallest step between values on a grid, in the channel's unit; None without a grid.
+
+    Values a constant speed apart, on ramps between holds, are on no sensor's grid: on one, a speed
+    takes now more, now fewer of its steps.
+    """
     values = np.unique(samples)
     steps = np.diff(values)
     span = float(values[-1] - values[0])
@@ -46,7 +52,11 @@ def quantisation_step(samples: Samples) -> float | None:
         return None
     step = float(steps.min())
     off_grid = np.abs(steps / step - np.round(steps / step))
-    return step if len(values) < len(samples) / 2 and off_grid.max() < 0.2 else None
+    if len(values) >= len(samples) / 2 or off_grid.max() >= 0.2:
+        return None
+    taken = np.round(np.diff(samples) / step)  # steps of the grid from sample to sample
+    changes, moves = np.count_nonzero(np.diff(taken)), np.count_nonzero(taken)
+    return step if changes > _RAMP_CHANGES * moves else None
 
 
 def _channels(recording: Recording) -> tuple[tuple[str, Samples, str], ...]:
@@ -94,8 +104,12 @@ def _ratios(recording: Recording) -> Iterator[Finding]:
     steps_m = np.abs(np.diff(recording.position_m))
     speed_mps = float(np.quantile(steps_m, 0.99)) / recording.dt_s
     stiffness_npm = float(np.ptp(recording.force_n)) / float(np.ptp(recording.position_m))
+    # Sample numbers and milliseconds are whole numbers, slow logs have digits behind the point.
+    numbered = recording.details.get("sampling", {}).get("stamp_digit_s", 1.0) >= 1.0
+    slow = speed_mps < _QUASI_STATIC_MPS and not numbered
+    meant = slow or "resampled_hz" in recording.details
     for value, (low, high), what, units in (
-        (recording.rate_hz, _USUAL_HZ, "samples a second", "time"),
+        (_USUAL_HZ[0] if meant else recording.rate_hz, _USUAL_HZ, "samples a second", "time"),
         (speed_mps, _SPEED_MPS, "m/s of pressing", "position or time"),
         (stiffness_npm, _STIFFNESS_NPM, "N/m of stiffness", "position or force"),
     ):

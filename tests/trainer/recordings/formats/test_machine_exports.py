@@ -58,7 +58,9 @@ def test_a_known_word_goes_before_one_of_another_trade() -> None:
     """Files that came in before come in as before."""
     assert guess_column(["Time", "Position", "Distance", "Load"], "position") == [1]
     assert guess_column(["Zeit", "Weg", "Kraft", "Kraft max"], "force") == [2]
-    assert guess_column(["Travel rate", "Gewicht"], "position") == []
+    assert guess_column(["Travel rate", "Gewicht", "X_Value"], "position") == []
+    assert guess_column(["Standardweg [mm]", "Stauchung [%]"], "position") == [0]
+    assert guess_column(["Prüfzeit [s]", "Stauchung [mm]"], "position") == [1]
 
 
 REFUSED = {
@@ -155,6 +157,8 @@ def test_stress_and_strain_are_of_a_specimen(tmp_path: Path) -> None:
         import_file(file, None, "none", None, specimen)
     with pytest.raises(UsageError, match="give both above 0"):
         Specimen(0.0, 0.02)
+    with pytest.raises(UsageError, match=r"314 mm2 are --area 0\.000314; .*15 mm are .* 0\.015"):
+        Specimen(314.0, 15.0)
 
 
 @pytest.mark.parametrize(

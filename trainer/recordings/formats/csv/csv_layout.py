@@ -11,44 +11,47 @@ from springpot.trainer.recordings.formats.column_map import (
     ColumnMap,
     column_units,
     guess_column,
-    split_unit,
 )
+from springpot.trainer.recordings.formats.csv.clock import is_clock
 from springpot.trainer.recordings.formats.csv.csv_lines import (
     DELIMITERS,
     Cells,
     above_numbers,
     cells,
+    is_value,
     split_line,
 )
 from springpot.trainer.recordings.formats.csv.csv_missing import (
-    MAX_NAMED,
     Candidates,
     is_json,
     missing_columns,
     stated_header,
     wanted_columns,
+    which_column,
 )
-from springpot.trainer.recordings.formats.csv.decimals import (
-    DecimalMark,
-    decimal_mark,
-    is_comma_number,
-    is_number,
+from springpot.trainer.recordings.formats.csv.csv_units import (
+    clock_units,
+    labview_units,
+    place_columns,
+    unit_row,
 )
-from springpot.trainer.recordings.formats.specimen import Specimen, require_no_stress
-from springpot.trainer.recordings.formats.units import (
-    OF_SPECIMEN,
-    Quantity,
-    Unit,
-    factor_to_si,
-    is_unit,
-)
+from springpot.trainer.recordings.formats.csv.decimals import DecimalMark, decimal_mark
+from springpot.trainer.recordings.formats.file_format import FileRequest
+from springpot.trainer.recordings.formats.specimen import require_no_stress
+from springpot.trainer.recordings.formats.units import Quantity, Unit
 
+_LINES = 400  # of numbers, that show their mark of decimals
+_ABOVE = 50  # lines of a LabVIEW header
 _COMMENT = "comment"  # LabVIEW's last column, in which few rows have a cell
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Layout of a file: cells to a row, 1-based line of the first numbers, columns from 0."""
+    """Layout of a table: cells to a row, 1-based line of the first numbers, columns from 0.
+
+    stated: somebody stated the mark of decimals. clock: times are a clock's stamps. beside: other
+    tests stand beside, and rows may end where only they have numbers.
+    """
 
     delimiter: str
     width: int
@@ -57,35 +60,39 @@ class Layout:
     units: dict[Quantity, Unit]
     guess: str
     decimal: DecimalMark
+    stated: bool
+    clock: bool
+    beside: bool
     unread_time: tuple[int, str] | None  # a column of time and its header, where a rate is stated
     place: tuple[tuple[int, float], ...] = ()  # columns place_x and place_y, and their factors to m
 
 
 def find_layout(
-    path: Path,
-    head: Sequence[str],
-    columns: ColumnMap,
-    decimal: DecimalMark | None = None,
-    specimen: Specimen | None = None,
+    path: Path, head: Sequence[str], request: FileRequest, among: Sequence[int] = ()
 ) -> Layout:
-    """Find the layout from the file's first lines; `columns` and `decimal` override the guess.
+    """Find the layout from the file's first lines; what is requested overrides the guess.
 
-    Where `columns` states a rate, no column of time is needed; with a specimen's sizes, stress and
-    strain are force and position.
-    Raises DataError where a column or a unit is missing, unknown or ambiguous.
+    Where the map states a rate, no column of time is needed; with a specimen's sizes, stress and
+    strain are force and position. among: of `head`, the lines that may be the header; none: all.
+    Raises DataError where a column or a unit is missing, unknown or ambiguous, and of those
+    MissingColumnsError if no line names all columns.
     """
+    columns, specimen = request.columns, request.specimen
     options = wanted_columns(columns)
+    among = among or range(len(head))
     if all(q in columns and not stated_header(columns[q]) for q in options):
-        return _layout_by_numbers(path, head, columns, decimal, specimen)
+        return _layout_by_numbers(path, head, request, among[0])
     best: tuple[int, Candidates, Cells] = (0, {}, [])
-    for index in range(len(head)):
+    for index in among:
         for delimiter, row in split_line(head, index):
             stated = specimen.columns(row, columns) if specimen else columns
             found = {q: _candidates(row, q, stated.get(q)) for q in options}
             found = {q: candidates for q, candidates in found.items() if candidates}
             if len(found) == len(options) <= len(row):
-                chosen = _only(path, index, row, found)
-                return _layout(path, head, delimiter, index, chosen, stated, decimal, specimen)
+                chosen = {q: candidates[0] for q, candidates in found.items()}
+                if any(len(candidates) > 1 for candidates in found.values()):
+                    raise which_column(path, index, row, found)
+                return _layout(path, head, delimiter, index, chosen, stated, request)
             if len(found) > len(best[1]):
                 best = (index, found, row)
     index, row = above_numbers(head)
@@ -107,32 +114,16 @@ def _candidates(row: Cells, quantity: Quantity, column: Column | None) -> list[i
     return exact or [i for i, cell in enumerate(row) if cell.casefold() == options.casefold()]
 
 
-def _only(path: Path, index: int, row: Cells, found: Candidates) -> dict[Quantity, int]:
-    for quantity, columns in found.items():
-        if len(columns) > 1:
-            names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns[:MAX_NAMED])
-            raise DataError(
-                f"{path}, row {index + 1}: {quantity} may be column {names}: "
-                f"choose by number, --map {quantity}={columns[0] + 1}:UNIT"
-            )
-    return {quantity: columns[0] for quantity, columns in found.items()}
-
-
-def _layout_by_numbers(
-    path: Path,
-    head: Sequence[str],
-    columns: ColumnMap,
-    decimal: DecimalMark | None,
-    specimen: Specimen | None,
-) -> Layout:
+def _layout_by_numbers(path: Path, head: Sequence[str], request: FileRequest, begin: int) -> Layout:
     """Find the first row with numbers in all columns; the row above it is the header."""
+    columns = request.columns
     chosen = {q: int(columns[q].header_or_number) - 1 for q in wanted_columns(columns)}
-    for index in range(len(head)):
+    for index in range(begin, len(head)):
         for delimiter, row in split_line(head, index):
             if len(row) <= max(chosen.values()):
                 continue
-            if all(is_number(row[i]) or is_comma_number(row[i]) for i in chosen.values()):
-                return _layout(path, head, delimiter, index - 1, chosen, columns, decimal, specimen)
+            if all(is_value(row[i]) for i in chosen.values()):
+                return _layout(path, head, delimiter, index - 1, chosen, columns, request)
     numbers = ", ".join(str(i + 1) for i in chosen.values())
     raise DataError(
         f"{path}: no row has numbers in columns {numbers} (first {len(head)} rows read): "
@@ -147,8 +138,7 @@ def _layout(
     header_index: int,
     chosen: dict[Quantity, int],
     columns: ColumnMap,
-    decimal: DecimalMark | None,
-    specimen: Specimen | None,
+    request: FileRequest,
 ) -> Layout:
     if len(set(chosen.values())) < len(chosen):
         raise DataError(f"{path}: two channels would come from one column: correct --map")
@@ -159,22 +149,34 @@ def _layout(
     below = cells(head[first], delimiter) if first < len(head) else []
     if header and header[-1].casefold() in ("", _COMMENT) and len(below) == len(header) - 1:
         header = header[:-1]  # a column without cells, or a delimiter at the header's end, is none
-    unit_row = _unit_row(below, chosen)
-    if unit_row:
+    units_below = unit_row(below, chosen)
+    if units_below:
         first += 1
+    rows = [cells(line, delimiter) for line in head[first : first + _LINES]] or [[]]
+    clock = "time" in chosen and any(is_clock(cell) for cell in rows[0][chosen["time"] :][:1])
+    stated_units = units_below or labview_units(
+        head[max(header_index - _ABOVE, 0) : max(header_index, 0)], delimiter, chosen
+    )
+    if clock:
+        header, columns, stated_units = clock_units(header, columns, stated_units, chosen["time"])
     labels = {q: header[index] if index < len(header) else "" for q, index in chosen.items()}
-    if specimen:
-        columns = specimen.in_si(labels, unit_row, columns)
+    if request.specimen:
+        columns = request.specimen.in_si(labels, stated_units, columns)
     else:
-        require_no_stress(str(path), labels, unit_row, columns)
-    units = column_units(path, header, chosen, columns, unit_row)
+        require_no_stress(str(path), labels, stated_units, columns)
+    units = column_units(path, header, chosen, columns, stated_units)
     found = []
     for quantity, index in chosen.items():
         name = f"{header[index]!r} " if header[index:] and header[index] else ""
         found.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
-    mark: DecimalMark = "point"
-    if delimiter != ",":
-        mark = decimal or _decimal(path, head, delimiter, first, chosen)
+        if clock and quantity == "time":
+            found[-1] += " after its first clock stamp"
+    numbers = [
+        (n, row[i]) for n, row in enumerate(rows, first + 1) for i in chosen.values() if row[i:]
+    ]
+    mark = request.decimal
+    if mark is None or (delimiter == "," and not any("," in cell for _, cell in numbers)):
+        mark = decimal_mark(str(path), numbers)
     between = f"{DELIMITERS[delimiter]} between cells, "
     between += "decimal comma, " if mark == "comma" else ""
     return Layout(
@@ -185,45 +187,14 @@ def _layout(
         units=units,
         guess=f"{', '.join(found)}; {between}numbers from row {first + 1}",
         decimal=mark,
+        stated=request.decimal is not None,
+        clock=clock,
+        beside=len(guess_column(header, "time")) > 1,
         unread_time=None if "time" in chosen else _time_beside(header),
-        place=_place_columns(path, header, below if unit_row else []),
+        place=place_columns(path, header, below if units_below else []),
     )
-
-
-def _place_columns(path: Path, header: Cells, unit_row: Cells) -> tuple[tuple[int, float], ...]:
-    """Columns that say where the object was pressed, x and y, and factors to m; none without."""
-    labels = [split_unit(cell, "position") for cell in header]
-    found = []
-    for name in ("place_x", "place_y"):
-        for index, (label, unit) in enumerate(labels):
-            if label.casefold() == name:
-                below = unit_row[index].strip("()[]{} ") if index < len(unit_row) else ""
-                where = f"{path}, column {header[index]!r}"
-                found.append((index, factor_to_si(unit or below, "position", where)))
-    if len(found) == 1:
-        raise DataError(f"{path}: a place has place_x and place_y: add the other column")
-    return tuple(found[:2])
 
 
 def _time_beside(header: Cells) -> tuple[int, str] | None:
     found = guess_column(header, "time")
     return (found[0], header[found[0]]) if len(found) == 1 else None
-
-
-def _decimal(
-    path: Path, head: Sequence[str], delimiter: str, first: int, chosen: dict[Quantity, int]
-) -> DecimalMark:
-    rows = [(n, cells(line, delimiter)) for n, line in enumerate(head[first:], first + 1)]
-    numbers = [(n, row[i]) for n, row in rows for i in chosen.values() if i < len(row)]
-    return decimal_mark(str(path), numbers)
-
-
-def _unit_row(row: Cells, chosen: dict[Quantity, int]) -> dict[Quantity, str]:
-    """Return the units in the row below the header, or nothing where it is not a row of units."""
-    if len(row) <= max(chosen.values()):
-        return {}
-    units = {quantity: row[index].strip("()[]{} ") for quantity, index in chosen.items()}
-    if any(is_number(unit) or is_comma_number(unit) or not unit for unit in units.values()):
-        return {}
-    known = (is_unit(unit, q) or unit.casefold() in OF_SPECIMEN[q] for q, unit in units.items())
-    return units if any(known) else {}

@@ -3,7 +3,12 @@
 import csv
 from collections.abc import Iterator, Sequence
 
-from springpot.trainer.recordings.formats.csv.decimals import is_comma_number, is_number
+from springpot.trainer.recordings.formats.csv.clock import is_clock
+from springpot.trainer.recordings.formats.csv.decimals import (
+    is_comma_number,
+    is_grouped,
+    is_number,
+)
 
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "space"}
 _MIN_COLUMNS, _MAX_COLUMNS = 2, 1024
@@ -30,7 +35,7 @@ def split_line(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
             continue
         if delimiter == " ":
             below = cells(head[index + 1], " ") if index + 1 < len(head) else []
-            if len(below) != len(row) or not all(map(is_number_of_either_mark, below)):
+            if len(below) != len(row) or not all(map(is_value, below)):
                 continue
         yield delimiter, row
 
@@ -39,19 +44,20 @@ def above_numbers(head: Sequence[str]) -> tuple[int, Cells]:
     """Find a header of other words: the fullest of the three rows above the first of numbers."""
     for index in range(len(head)):
         for delimiter, row in split_line(head, index):
-            if not all(map(is_number_of_either_mark, row)):
+            if not all(map(is_value, row[:-1] if not row[-1] else row)):
                 continue
             above = [(at, cells(head[at], delimiter)) for at in range(max(index - 3, 0), index)]
             words = [
                 (at, one)
                 for at, one in above
-                if len(one) <= len(row) and not any(map(is_number_of_either_mark, one))
+                if len(one) <= len(row) and not any(map(is_value, one))
             ]
             if words:
                 return max(words, key=lambda found: sum(map(bool, found[1])))
     return 0, []
 
 
-def is_number_of_either_mark(cell: str) -> bool:
-    """Return whether a cell is a number with a decimal point or a decimal comma."""
-    return is_number(cell) or is_comma_number(cell)
+def is_value(cell: str) -> bool:
+    """Return whether a cell is a number with either mark of decimals, or a clock's stamp."""
+    number = is_number(cell) or is_comma_number(cell)
+    return number or is_grouped(cell, "point") or is_grouped(cell, "comma") or is_clock(cell)

@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import pairwise
 from pathlib import Path
 
 from springpot.codegen.errors import DataError
@@ -29,6 +30,28 @@ def stated_header(column: Column | None) -> str:
     return column.header_or_number if column and isinstance(column.header_or_number, str) else ""
 
 
+class MissingColumnsError(DataError):
+    """No line of a file names all columns."""
+
+
+def which_column(path: Path, index: int, row: Cells, found: Candidates) -> DataError:
+    """Say which columns may be a channel, or that there are several tests, and what to pass."""
+    sets = list(zip(*map(sorted, found.values()), strict=False))
+    many = all(len(columns) == len(sets) > 1 for columns in found.values())
+    if many and all(max(one) < min(other) for one, other in pairwise(sets)):
+        maps = [",".join(f"{q}={i + 1}" for q, i in zip(found, one, strict=True)) for one in sets]
+        return DataError(
+            f"{path}, row {index + 1}: {len(sets)} tests side by side: import each by itself, with "
+            f"an --out of its own: --map {', --map '.join(maps[:MAX_NAMED])}"
+        )
+    quantity, columns = next((q, its) for q, its in found.items() if len(its) > 1)
+    names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns[:MAX_NAMED])
+    return DataError(
+        f"{path}, row {index + 1}: {quantity} may be column {names}: "
+        f"choose by number, --map {quantity}={columns[0] + 1}:UNIT"
+    )
+
+
 def missing_columns(
     path: Path, index: int, found: Candidates, row: Cells, columns: ColumnMap
 ) -> DataError:
@@ -41,22 +64,22 @@ def missing_columns(
     over = re.search("frequen|temperatur", names, re.I)
     if over and re.search("modul", names, re.I):
         what = "frequency" if over[0].casefold() == "frequen" else "temperature"
-        return DataError(
+        return MissingColumnsError(
             f"{path}: moduli over {what}{header}: no recording; springpot learns from position "
             "and force over time: export the samples of the test"
         )
     if found.keys() == {"time"} and stress_and_strain(row):
-        return DataError(
+        return MissingColumnsError(
             f"{path}: stress and strain in place of force and position{header}: pass --area M2 and "
             "--height M, the specimen's, in m2 and m (5e-4, 0.02)"
         )
     if missing == ["time"] and row:
-        return DataError(
+        return MissingColumnsError(
             f"{path}: found no column of time{header}: if its samples were taken evenly, pass "
             "--map time=RATEHz, RATE how many in a second; without it nobody knows how fast the "
             "object was pressed"
         )
-    return DataError(
+    return MissingColumnsError(
         f"{path}: found no column of {' or of '.join(missing)}{header}: pass --map {EXAMPLE}, "
         "where COL is a header or a column's number"
     )

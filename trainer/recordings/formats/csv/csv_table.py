@@ -3,9 +3,8 @@
 import csv
 import io
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from decimal import Decimal, InvalidOperation
 from itertools import islice
 from pathlib import Path
 from typing import IO
@@ -15,30 +14,30 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import split_unit
+from springpot.trainer.recordings.formats.csv.csv_cells import column_numbers, last_digit
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout
-from springpot.trainer.recordings.formats.csv.csv_lines import cells
-from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT, is_number
+from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 UTF8 = "utf-8-sig"
-_TAIL_CHARACTERS = 1 << 16
-_MAX_EXPONENT = 300
-
-
-def _last_exponent(number: str) -> list[int]:
-    """Power of ten of the last printed digit, where there is one."""
-    try:
-        exponent = Decimal(number).as_tuple().exponent
-    except InvalidOperation:  # farther from 0 than even decimals go
-        return []
-    return [exponent] if isinstance(exponent, int) else []
+_TAIL_CHARACTERS, _TAIL_LINES = 1 << 16, 1000
 
 
 class CsvTable:
-    """The rows of numbers below a file's header."""
+    """The rows of numbers below a header.
 
-    def __init__(self, path: Path, layout: Layout, encoding: str) -> None:
-        self.path, self.layout, self.encoding = path, layout, encoding
+    lines: those of a block, from the layout's first line of numbers on; None: to the file's end.
+    """
+
+    def __init__(
+        self, path: Path, layout: Layout, encoding: str, lines: Sequence[str] | None = None
+    ) -> None:
+        self.path, self.layout, self.encoding, self.lines = path, layout, encoding, lines
+
+    def all_numbers(self) -> NDArray[np.float64] | None:
+        """Numbers in all columns, shape (rows, columns); None where some cell holds none."""
+        numbers = self._in_bulk(None)
+        return numbers if numbers.shape[1] == self.layout.width else None
 
     def numbers(self, options: list[int]) -> NDArray[np.float64]:
         """Some columns of all rows, shape (rows, columns), in the file's units.
@@ -46,31 +45,33 @@ class CsvTable:
         Reading every column in bulk checks the rows' lengths too. Where other columns hold text,
         the lengths are checked first; only reading row by row can name the row in a message.
         """
-        numbers = self._in_bulk(None)
-        if numbers.shape[1] == self.layout.width:
-            return numbers[:, options]
+        plain = self.all_numbers()
+        if plain is not None:
+            return plain[:, options]
         count = sum(1 for _ in self.rows())
         numbers = self._in_bulk(options)
         if numbers.shape == (count, len(options)):
             return numbers
-        values = [[self._number(line, row, i) for i in options] for line, row in self.rows()]
-        return np.reshape(values, (len(values), len(options)))
+        rows = list(self.rows())
+        found = [column_numbers(self.path, self.layout, rows, index) for index in options]
+        return np.array(found).T
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the 1-based line and the cells of each row of numbers; blank lines are none."""
-        width = self.layout.width
+        width, above = self.layout.width, self.layout.first_line - 1
+        shortest = max(self.layout.columns.values()) + 1 if self.layout.beside else width
         with self.path.open(encoding=self.encoding, newline="") as file:
-            above = self.layout.first_line - 1
-            reader = csv.reader(islice(file, above, None), delimiter=self.layout.delimiter)
+            lines = islice(file, above, None) if self.lines is None else self.lines
+            reader = csv.reader(lines, delimiter=self.layout.delimiter)
             try:
                 for found in reader:
                     # A delimiter at the end of each row begins no cell.
                     ended = len(found) == width + 1 and not found[-1].strip()
                     row = found[:-1] if ended else found
                     line = above + reader.line_num
-                    if not any(cell.strip() for cell in row) and len(row) < 2:
+                    if len(row) < 2 and not any(cell.strip() for cell in row):
                         continue
-                    if len(row) != width:
+                    if not shortest <= len(row) <= width:
                         raise DataError(
                             f"{self.path}, row {line}: {len(row)} cells, the rows above have "
                             f"{width}: correct or cut that row in the source"
@@ -126,41 +127,23 @@ class CsvTable:
 
         Looks at the file's end: with a fixed number of significant digits it is the coarser one.
         """
-        column = self.layout.columns.get("time")
-        if column is None:
+        if "time" not in self.layout.columns:
             return 0.0
+        return last_digit(self._last_lines(), self.layout) * abs(self.layout.units["time"].to_si)
+
+    def _last_lines(self) -> Sequence[str]:
+        if self.lines is not None:
+            return self.lines[-_TAIL_LINES:]
         tail = self.path.read_bytes()[-_TAIL_CHARACTERS:]
         if self.encoding == "utf-16":
             tail = self.path.read_text(self.encoding)[-_TAIL_CHARACTERS:].encode()
-        exponents = []
-        for line in tail.decode("utf-8", errors="ignore").splitlines():
-            row = cells(line, self.layout.delimiter)
-            if len(row) == self.layout.width and is_number(row[column], self.layout.decimal):
-                exponents += _last_exponent(self._plain(row[column]))
-        digit = 10.0 ** min(_MAX_EXPONENT, *exponents) if exponents else 0.0
-        return digit * abs(self.layout.units["time"].to_si)
+        return tail.decode("utf-8", errors="ignore").splitlines()
 
     def _factor_of(self, label: str) -> float:
         try:
             return factor_to_si(split_unit(label, "time")[1] or "s", "time", "")
         except DataError:
             return 1.0
-
-    def _plain(self, cell: str) -> str:
-        return cell.translate(COMMA_TO_POINT) if self.layout.decimal == "comma" else cell
-
-    def _number(self, line: int, row: list[str], index: int) -> float:
-        cell = row[index].strip()
-        if is_number(cell, self.layout.decimal):
-            return float(self._plain(cell))
-        what = f"{cell!r} is not a number" if cell else "the cell is empty"
-        if self.layout.decimal == "comma":
-            what += " with a decimal comma, as the others are" if cell else ""
-        elif is_number(cell.replace(",", ".")):
-            what += " (decimal comma? write a point)"
-        raise DataError(
-            f"{self.path}, row {line}, column {index + 1}: {what}: correct it in the source"
-        )
 
     def _in_bulk(self, columns: list[int] | None) -> NDArray[np.float64]:
         """Read all or some columns, shape (rows, columns); (0, 0) where a cell holds no number."""
@@ -172,7 +155,7 @@ class CsvTable:
                     dtype=np.float64,
                     comments=None,
                     delimiter=self.layout.delimiter,
-                    skiprows=self.layout.first_line - 1,
+                    skiprows=self.layout.first_line - 1 if self.lines is None else 0,
                     usecols=columns,
                     quotechar='"',
                     encoding=self.encoding,
@@ -184,7 +167,11 @@ class CsvTable:
     @contextmanager
     def _source(self) -> Iterator[Path | IO[str]]:
         """The file itself, which is fastest, or its text with points in place of commas."""
-        if self.layout.decimal == "point":
+        comma = self.layout.decimal == "comma"
+        if self.lines is not None:
+            text = "".join(self.lines)
+            yield io.StringIO(text.translate(COMMA_TO_POINT) if comma else text)
+        elif not comma:
             yield self.path
         elif self.encoding != "utf-16":
             plain = self.path.read_bytes().translate(bytes.maketrans(b",.", b".!"))

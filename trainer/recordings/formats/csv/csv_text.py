@@ -1,62 +1,113 @@
 """CSV files: numbers in columns with headers, separated by commas, semicolons or tabs."""
 
+import re
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import stated_rate_hz
-from springpot.trainer.recordings.formats.csv.csv_layout import find_layout
+from springpot.trainer.recordings.formats.csv.block_times import join_in_time
+from springpot.trainer.recordings.formats.csv.csv_blocks import tables_of
+from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_layout
+from springpot.trainer.recordings.formats.csv.csv_lines import DELIMITERS, cells, is_value
+from springpot.trainer.recordings.formats.csv.csv_missing import MissingColumnsError
 from springpot.trainer.recordings.formats.csv.csv_table import UTF8, CsvTable
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS
 from springpot.trainer.recordings.formats.units import QUANTITIES
 
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 _WINDOWS = "cp1252"
 _NAMED = {"utf-16": "; UTF-16 text", _WINDOWS: "; not UTF-8, read as Windows-1252"}
 _HEAD_LINES, _HEAD_LETTERS = 400, 1 << 18
+_WORD = re.compile(r"\W*[^\W\d]")
 _CHUNK_BYTES = 1 << 24
 
 
 def read_csv(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-    """Read one recording, and how the file was understood.
+    """Read the recordings of a file, one for most files, and how the file was understood.
 
+    Blocks with headers of their own are recordings, those that count on in time are one.
     Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
     of another length and cells without a number.
     """
-    columns, encoding = request.columns, _encoding(path)
+    encoding = _encoding(path)
     with path.open(encoding=encoding) as file:
         head = _head(file)
     if not any(line.strip() for line in head):
         raise DataError(f"{path}: the file is empty: give one with a header and rows of numbers")
-    layout = find_layout(path, head, columns, request.decimal, request.specimen)
-    table = CsvTable(path, layout, encoding)
-    options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
-    numbers = table.numbers([layout.columns[quantity] for quantity in options])
-    scaled = {q: numbers[:, k] * layout.units[q].to_si for k, q in enumerate(options)}
-    guess = layout.guess + _NAMED.get(encoding, "")
-    rate_hz = stated_rate_hz(columns)
+    table = CsvTable(path, _layout(path, head, encoding, request), encoding)
+    guess = table.layout.guess + _NAMED.get(encoding, "")
+    rate_hz = stated_rate_hz(request.columns)
+    numbers = table.all_numbers()
+    tables, left_out = ([table], "") if numbers is not None else tables_of(table, request)
     if rate_hz is not None:
-        scaled["time"] = np.arange(len(numbers)) / rate_hz
-        guess = f"time = rows counted at the stated {rate_hz:g} Hz{table.beside(rate_hz)}; {guess}"
+        beside = tables[0].beside(rate_hz)
+        guess = f"time = rows counted at the stated {rate_hz:g} Hz{beside}; {guess}"
+    raws = [_channels(each, numbers, rate_hz, guess) for each in tables]
+    raws, joined = join_in_time(raws)
+    return raws, guess + joined + left_out
+
+
+def _layout(path: Path, head: list[str], encoding: str, request: FileRequest) -> Layout:
+    """The first layout among the first lines, or below a longer table of other columns."""
+    try:
+        return find_layout(path, head, request)
+    except MissingColumnsError:
+        with path.open(encoding=encoding) as file:
+            lines = list(file)
+        words = [k for k in range(len(head), len(lines)) if _WORD.match(lines[k])]
+        if not words:
+            raise
+        with suppress(MissingColumnsError):
+            return find_layout(path, lines, request, words)
+        raise
+
+
+def _channels(
+    table: CsvTable, numbers: NDArray[np.float64] | None, rate_hz: float | None, guess: str
+) -> RawChannels:
+    """One table's channels in SI units. numbers: those of all columns, if they are read already."""
+    layout = table.layout
+    options = [quantity for quantity in QUANTITIES if quantity in layout.columns]
+    chosen = [layout.columns[quantity] for quantity in options]
+    found = table.numbers(chosen) if numbers is None else numbers[:, chosen]
+    scaled = {q: found[:, k] * layout.units[q].to_si for k, q in enumerate(options)}
     units: dict[str, Any] = {q: unit.metadata() for q, unit in layout.units.items()}
     if rate_hz is not None:
+        scaled["time"] = np.arange(len(found)) / rate_hz
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
-    raw = RawChannels(
-        name=path.stem,
+    return RawChannels(
+        name=table.path.stem,
         time_s=scaled["time"],
         position_m=scaled["position"],
         force_n=scaled["force"],
         time_digit_s=table.printed_digit_s(),
-        source=str(path),
+        source=str(table.path),
         line_of=lambda sample: next(islice(table.rows(), sample, None))[0],
         details={"columns": guess, "units": units},
         place_m=table.place_m(),
     )
-    return [raw], guess
+
+
+def has_numbers(path: Path) -> bool:
+    """Return whether lines enough for a recording have two cells of numbers: prose has none."""
+    with path.open("rb") as file:
+        encoding = "utf-16" if file.read(2) in _UTF16_MARKS else "latin-1"
+    with path.open(encoding=encoding, errors="replace") as text:
+        found = (line for line in text if any(_has_two(line, mark) for mark in DELIMITERS))
+        return len(list(islice(found, MIN_ROWS))) == MIN_ROWS
+
+
+def _has_two(line: str, delimiter: str) -> bool:
+    row = cells(line, delimiter)
+    return 1 < sum(map(is_value, row)) >= (len(row) if delimiter == " " else 0)
 
 
 # First bytes of files that are no text of numbers, and what they are.

@@ -30,14 +30,14 @@ def read_workbook(path: Path, request: FileRequest) -> tuple[list[RawChannels], 
             file = Path(folder) / "sheet.tsv"
             file.write_text(text, encoding="utf-8")
             try:
-                (raw,), guess = read_csv(file, request)
+                found, guess = read_csv(file, request)
             except DataError as error:
                 refusals.append((title, str(error).replace(str(file), source)))
                 continue
-            lines = _lines(raw)
-        raws.append(
-            replace(raw, name=f"{path.stem}-{title}", source=source, line_of=lines.__getitem__)
-        )
+            for raw in found:
+                name = f"{path.stem}-{title}{raw.name.removeprefix(file.stem)}"
+                lines = _lines(raw)
+                raws.append(replace(raw, name=name, source=source, line_of=lines.__getitem__))
         guesses.append(f"sheet {title!r}: {guess}")
     if not raws:
         empty = f"{path}: no sheet has cells: give a workbook with a table, one row a sample"
