@@ -108,7 +108,10 @@ static inline void sp_map_take(const sp_map_config *config, sp_map_state *state,
     const uint32_t n = config->n_materials;
     const sp_real *near = amounts + (i * config->nodes_y + j) * n;
     const sp_real *far = near + config->nodes_y * n;
-    sp_real amount[SP_MAP_MATERIALS] = {(sp_real)0};
+    sp_real amount[SP_MAP_MATERIALS];
+    for (uint32_t r = 0; r < SP_MAP_MATERIALS; r++) {
+        amount[r] = (sp_real)0;
+    }
     for (uint32_t r = 0; r < n; r++) {
         const sp_real low = ((sp_real)1 - x) * ((sp_real)1 - y) * near[r];
         const sp_real left = ((sp_real)1 - x) * y * near[r + n];
