@@ -165,12 +165,6 @@ def _layout(
     else:
         require_no_stress(str(path), labels, stated_units, columns)
     units = column_units(path, header, chosen, columns, stated_units)
-    found = []
-    for quantity, index in chosen.items():
-        name = f"{header[index]!r} " if header[index:] and header[index] else ""
-        found.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
-        if clock and quantity == "time":
-            found[-1] += " after its first clock stamp"
     numbers = [
         (n, row[i]) for n, row in enumerate(rows, first + 1) for i in chosen.values() if row[i:]
     ]
@@ -185,7 +179,7 @@ def _layout(
         first_line=first + 1,
         columns=chosen,
         units=units,
-        guess=f"{', '.join(found)}; {between}numbers from row {first + 1}",
+        guess=f"{_understood(labels, chosen, units, clock)}; {between}numbers from row {first + 1}",
         decimal=mark,
         stated=request.decimal is not None,
         clock=clock,
@@ -193,6 +187,21 @@ def _layout(
         unread_time=None if "time" in chosen else _time_beside(header),
         place=place_columns(path, header, below if units_below else []),
     )
+
+
+def _understood(
+    labels: dict[Quantity, str],
+    chosen: dict[Quantity, int],
+    units: dict[Quantity, Unit],
+    clock: bool,
+) -> str:
+    found = []
+    for quantity, index in chosen.items():
+        name = f"{labels[quantity]!r} " if labels[quantity] else ""
+        found.append(f"{quantity} = column {index + 1} {name}in {units[quantity].text}")
+        if clock and quantity == "time":
+            found[-1] += " after its first clock stamp"
+    return ", ".join(found)
 
 
 def _time_beside(header: Cells) -> tuple[int, str] | None:
