@@ -28,7 +28,7 @@ class Runtime:
     __pydantic_config__ = _CLOSED
     rate_hz: Annotated[float, Interval(ge=10, le=8000)] | None = None
     """Ticks a second; another rate than the model's only where all its parts are exact at any.
-    Default: the model's own, or a faster one if a loop at that would not hold the object."""
+    Default: the model's own, or 1000 if a loop at that would not hold the object."""
     number: Number = "float32"
     """Type of all numbers in the C."""
     target: Target = "host"

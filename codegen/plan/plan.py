@@ -140,17 +140,15 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
     """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together.
 
     Without a rate, a scene ticks at the recordings'; if that is below 1000 Hz and holds no coupling
-    that leaves the object's stiffness, and the model is exact at any rate, at the lowest of
-    `SERVED_HZ` that does. Raises UnsafeError for gains that are a unit error, unless accepted.
+    that leaves the object's stiffness, and the model is exact at any rate, at 1000 Hz. Raises
+    UnsafeError for gains that are a unit error, unless accepted.
     """
     runtime = scene.runtime
     slow = runtime.rate_hz is None and model.dt_s * SERVED_HZ[0] > 1.001
     if not (slow and model.exact_at_any_rate and scene.coupling.mode == "auto"):
         return _plan(model, scene, accept_unsafe)
-    own_hz = () if 1.0 / model.dt_s < RATES_HZ[0] * 0.999 else (1.0 / model.dt_s,)
-    for rate_hz in (*own_hz, *SERVED_HZ):
-        stated = None if rate_hz in own_hz else rate_hz
-        plan = _plan(model, replace(scene, runtime=replace(runtime, rate_hz=stated)), accept_unsafe)
+    if 1.0 / model.dt_s >= RATES_HZ[0] * 0.999:
+        plan = _plan(model, scene, accept_unsafe)
         if plan.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm:
             return plan
     served = replace(scene, runtime=replace(runtime, rate_hz=SERVED_HZ[0]))

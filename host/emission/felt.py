@@ -23,7 +23,7 @@ def rate_notices(plan: Plan, asked: Scene) -> list[str]:
     if plan.scene.runtime.rate_hz == asked.runtime.rate_hz:
         return []
     return [
-        f"the scene ticks at {1.0 / plan.dt_s:g} Hz, for at the recordings' "
+        f"warning: the scene ticks at {1.0 / plan.dt_s:g} Hz, for at the recordings' "
         f"{1.0 / plan.model.dt_s:g} Hz a hand would feel less than {100 * FELT_SHARE:g} % of the "
         "object's stiffness: if the device is served at another rate, state [runtime] rate_hz"
     ]

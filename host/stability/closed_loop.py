@@ -19,6 +19,7 @@ from springpot.host.stability.losses import Losses, Stroked, ended, latched_s, l
 from springpot.host.stability.vibration import Vibration, high_passed_rms, vibration_of
 
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
+FARTHEST, _STEP = 3.0, 0.1  # of it too, for an object that bears a push no sooner
 STIFFER = 10.0
 MORE_DELAY = (0, 1)  # samples, beyond the device's own
 
@@ -117,6 +118,22 @@ def stiff_plan(plan: Plan) -> Plan:
     return make_plan(plan.model.stiffened(STIFFER), scene)
 
 
+def _deepest_m(rendered: Rendered, space: Workspace, case: Case) -> float:
+    """How deep a tool may come, m: of a push, also where the object itself bears it.
+
+    An object that relaxes, or is not stiffer when deep, bears a push only far below the trained
+    depth, without any vibration.
+    """
+    deepest_m = space.at(DEEPEST)
+    push_n = float(case.scenario.push_n.max())
+    if push_n > 0.0:
+        ticks = len(case.scenario.dt_s)
+        for share in np.arange(DEEPEST, FARTHEST, _STEP):
+            if rendered.force(np.full(ticks, space.at(float(share))))[-1] >= push_n:
+                return space.at(float(share) + _STEP)
+    return deepest_m
+
+
 def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) -> Outcome:
     """One case with one hand; more_delay: samples beyond the delay of the scene's device."""
     plan, space = rendered.plan, Workspace.of(rendered.plan)
@@ -127,7 +144,7 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
     allowed = (trace.force_n >= min_n) & (trace.force_n <= max_n)
     deepest_m = float(trace.position_m.max())
     give_m = max_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
-    inside = deepest_m <= space.base_m + DEEPEST * space.span_m + give_m
+    inside = deepest_m <= _deepest_m(rendered, space, case) + give_m
     still = [trace.velocity_mps[part] for part in case.still or (slice(None),)]
     error_n = np.sqrt(np.mean((trace.felt_n - model_only_n) ** 2))
     return Outcome(

@@ -156,7 +156,10 @@ def _stability(emission: Emission) -> str:
     if found is None:
         return "not checked"
     active, cells = found.model_map.active(False)
-    return f"spectral radius {found.spectral_radius:.4f}, {active} of {cells} cells active"
+    return (
+        f"spectral radius {found.spectral_radius:.4f}, {active} of {cells} cells active; "
+        "the closed loop with hands: springpot stability"
+    )
 
 
 @click.command()
