@@ -76,7 +76,9 @@ def accuracy(
     error = np.concatenate(errors)
     measured = np.concatenate([measured for measured, _ in counted])
     if not measured.any():
-        raise DataError("the measured force is 0 everywhere: there is nothing to compare with")
+        raise DataError(
+            "the measured force is 0 everywhere, as of a session that a watchdog ended at once: there is nothing to compare with"
+        )
     each = np.array([rms(values) for values in errors])
     rmse_n = rms(error)
     return Accuracy(

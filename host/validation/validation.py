@@ -212,8 +212,8 @@ def _validated(
             ramps[motion.recordings[0]] = samples_of(start_up_ramp(notes), first, plan.dt_s)
         else:
             logs.add(motion.recordings[0])
-            force = again[0]
-            mismatches += again[1]
+            force, notes, differs = again
+            mismatches += differs
         if board is not None:
             force, others = board.compared(replay, position, velocity)
             mismatches += others
@@ -251,8 +251,8 @@ def is_log_of(recording: Recording, scene_hash: str) -> bool:
 
 def repeat_session(
     replay: Replay, recording: Recording, scene_hash: str
-) -> tuple[NDArray[Any], int] | None:
-    """Make the calls of a session's log again: forces (n,), N, and ticks that give other bits.
+) -> tuple[NDArray[Any], NDArray[Any], int] | None:
+    """Make the calls of a session's log again: forces (n,), N, notes, and ticks of other bits.
 
     None for what is no log of this scene.
     """
@@ -271,7 +271,7 @@ def repeat_session(
     sent_otherwise = bits_differ(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
     silenced = (call & (NONE | SILENT | UNSENT)) != 0
     mismatches = int(np.sum((other | sent_otherwise) & ((call & NONE) == 0)))
-    return np.where(silenced, felt, force), mismatches
+    return np.where(silenced, felt, force), notes, mismatches
 
 
 def proxy_positions(
