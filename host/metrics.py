@@ -77,7 +77,8 @@ def accuracy(
     measured = np.concatenate([measured for measured, _ in counted])
     if not measured.any():
         raise DataError(
-            "the measured force is 0 everywhere, as of a session that a watchdog ended at once: there is nothing to compare with"
+            "the measured force is 0 everywhere, as in a session that a watchdog ended at once: "
+            "there is nothing to compare with"
         )
     each = np.array([rms(values) for values in errors])
     rmse_n = rms(error)
