@@ -1,7 +1,8 @@
 """Sphinx extension: pages of the reference are completed from the code while they are read.
 
 A line `<!-- generated: NAME -->` of a page becomes the Markdown that the generator of that name
-makes; nothing of it is kept in the repository.
+makes; nothing of it is kept in the repository. A line in asterisks below it is for those who read
+the page there: where else that is said.
 """
 
 import re
@@ -32,7 +33,7 @@ GENERATORS: dict[str, Callable[[], str]] = {
     "python names": python_name_list,
     "wire": wire_messages,
 }
-_MARK = re.compile(r"^<!-- generated: (.*) -->$", re.M)
+_MARK = re.compile(r"^<!-- generated: (.*) -->$(?:\n\*.*\*$)?", re.M)
 
 
 def completed(text: str) -> str:
