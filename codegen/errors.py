@@ -32,7 +32,7 @@ class DataError(SpringpotError, ValueError):
 
     >>> Recording("a", [0, 14], [0, 1], 1e-3)
     Traceback (most recent call last):
-    springpot.codegen.errors.DataError: a: position_m spans 13.72 m: are these mm? ...
+    springpot.codegen.errors.DataError: a: position_m spans 14 m: are these mm? ...
     """
 
 
