@@ -129,7 +129,10 @@ def emission_rows(emission: Emission) -> dict[str, str]:
         "hash": emission.hash,
     }
     if bound := emission.manifest.get("instructions"):
-        rows["instructions"] = f"at most {bound['tick']} a tick, {bound['restart']} at a restart"
+        rows["instructions"] = (
+            f"at most {bound['tick']} a tick, {bound['restart']} at a restart, "
+            f"{bound['after_silence']} in the first tick after a silence"
+        )
     if forest := emission.manifest.get("forest"):
         rows["trees"] = _trees(forest, emission)
     for item in left_out:
