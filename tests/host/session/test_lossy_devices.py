@@ -7,7 +7,7 @@ import pytest
 from support.peer import peer, wait_until
 from support.small import model_file, scene
 
-from springpot.codegen.reference.notes import LATCHED, RAMPED
+from springpot.codegen.reference.notes import ENERGY, LATCHED, RAMPED
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import IDLE, NONE
@@ -57,6 +57,10 @@ def test_losses_are_not_felt(tmp_path, device, mode):
         assert abs(idle - result["sequence_gaps"]) <= 4 + result["unused_samples"]
     clean_n = loss_free_n(folder, read)
     known = ((call & (IDLE | NONE)) == 0) & ((notes & RAMPED) == 0) & (read.position_m > 0)
+    # On a machine that holds the peer up, the account of energy may cut the force for a release.
+    cut = (notes & ENERGY) != 0
+    assert np.mean(cut) < 0.15
+    known &= ~cut
     known[1:] &= known[:-1]
     pressed = known & (clean_n > 0.05 * clean_n.max())
     assert np.count_nonzero(pressed) > 1000
