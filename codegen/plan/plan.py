@@ -216,7 +216,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
 
 
 def _sliding(model: Model, scene: Scene) -> Model:
-    """What is slid on has a surface that recovers: without one it would pull, and be cut."""
+    """Give a model that is slid on a surface that recovers: without one it would pull."""
     if scene.places.mode == "held" or model.hammerstein is None:
         return model
     return replace(model, hammerstein=replace(model.hammerstein, recovers=True))

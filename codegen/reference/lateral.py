@@ -39,7 +39,7 @@ class _Axis:
         self._agreeing, self._started = 0, False
 
     def plausible(self, x: Any) -> bool:
-        """Whether a tool may be there."""
+        """Tell whether a tool may be at these positions."""
         return bool(self._config.min_m <= x <= self._config.max_m)
 
     def position(self, x: Any, ticks: Any) -> tuple[Any, int]:

@@ -98,18 +98,19 @@ def _what_is_stable(plan: Plan) -> str:
 
 def _what_holds_it(plan: Plan) -> str:
     """The lowest rate at which a coupling is stable, if there is one, or what else would help."""
-    less = " or take a device of less delay" if plan.loop_device.delay_samples else ""
+    less_delay = "take a device of less delay" if plan.loop_device.delay_samples else ""
+    either = f", or {less_delay}" if less_delay else ""
     if not plan.model.exact_at_any_rate:
         way = "record at a higher rate, or take a kind of model that holds at any (hammerstein)"
-        return way + less.replace(" or", ", or")
+        return way + either
     for rate_hz in SERVED_HZ:
         if rate_hz * plan.dt_s <= 1.001:
             continue
         scene = replace(plan.scene, runtime=replace(plan.scene.runtime, rate_hz=rate_hz))
         faster = make_plan(plan.model, scene, accept_unsafe=True)
         if is_stable(faster, scene_loop(faster, DESIGN_HAND)):
-            return f"raise runtime.rate_hz to {rate_hz:g}{less.replace(' or', ', or')}"
+            return f"raise runtime.rate_hz to {rate_hz:g}{either}"
     return (
         f"nor at a higher rate: {1e-3 * plan.stiffness_npm:.4g} N/mm are stiffer than a device "
-        f"can render{less.replace(' or', ':')}"
+        f"can render{': ' + less_delay if less_delay else ''}"
     )

@@ -29,7 +29,7 @@ class DragConfig:
 
 @dataclass(frozen=True, eq=False)
 class LateralStage:
-    """What the lateral force needs beside a map.
+    """Hold what the lateral force needs beside a map.
 
     materials: a stage of each, which follows "lateral". areas: of each, (materials, areas), as
     `stored_areas`. m_per_piece: of the depth.
@@ -128,7 +128,7 @@ def lateral_stage(
 
 
 def _of_branches(stage: HammersteinStage, areas: Samples) -> float:
-    """What branches that have not relaxed have stored at u = 1, N pieces."""
+    """Return the stored energy of branches that have not relaxed, at u = 1, N pieces."""
     pieces, branches = stage.config.n_pieces, stage.config.n_branches
     if pieces == 1:
         return 0.5 * float(stage.branches[0, 1].sum())

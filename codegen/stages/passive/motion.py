@@ -44,7 +44,7 @@ class PassiveMotion:
 
     @property
     def memory(self) -> tuple[Reals, Reals]:
-        """What each branch holds, (branches,), N, and the play of each stop, (stops,)."""
+        """Return what branches hold, (branches,), N, and the play of stops, (stops,)."""
         real = self._stage.spring.dtype
         return np.concatenate([held.astype(real) for held in self._held]), self._play
 

@@ -88,7 +88,7 @@ class PlacedCurves:
 
     @property
     def begins(self) -> dict[str, int]:
-        """Where each array begins among a material's numbers."""
+        """Index at which each array begins among a material's numbers."""
         first = np.cumsum([0, *self.sizes.values()]).tolist()
         return dict(zip(self.sizes, first, strict=False))
 

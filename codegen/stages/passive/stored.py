@@ -20,7 +20,7 @@ def stored_areas(stage: HammersteinStage) -> Samples:
 
 
 def _areas(nodes: Reals) -> Samples:
-    """Of curves (J + 1, 2, curves), up to the first J nodes, (J, curves)."""
+    """Integrate curves (J + 1, 2, curves) up to their first J nodes, (J, curves)."""
     value, slope = nodes[:-1, 0].astype(np.float64), nodes[:, 1].astype(np.float64)
     pieces = value + slope[:-1] / 2.0 + (slope[1:] - slope[:-1]) / 6.0
     areas: Samples = np.concatenate([np.zeros((1, nodes.shape[2])), np.cumsum(pieces, axis=0)])

@@ -161,7 +161,7 @@ def test_a_map_that_would_not_be_passive_is_no_model(field: str, value: np.ndarr
         model_bytes(replace(model, hammerstein=wrong))
 
 
-def least_work(model: Model, position: np.ndarray, taken: list[Any]) -> float:
+def min_work(model: Model, position: np.ndarray, taken: list[Any]) -> float:
     """Least work until any tick off the object, over peak force x depth."""
     passive = make_plan(model, scene(number="float64")).passive
     assert passive is not None
@@ -171,7 +171,7 @@ def least_work(model: Model, position: np.ndarray, taken: list[Any]) -> float:
     return float(work_j[position[1:] <= 0].min() / (force_n.max() * position.max()))
 
 
-def least_of(seed: int) -> float:
+def min_work_of(seed: int) -> float:
     """Least work of presses at random places of a random map."""
     rng = np.random.default_rng(seed)
     model = placed(("plain", "all")[seed % 2], 1 + seed % 3, seed)
@@ -181,17 +181,17 @@ def least_of(seed: int) -> float:
     position = np.interp(ways, np.arange(len(corners)), corners)
     free = rng.choice(np.flatnonzero(position <= 0)[1:], 6, replace=False).tolist()
     places = map(tuple, rng.uniform(-0.01, 0.03, (6, 2)).tolist())
-    return least_work(model, position, [(0, (0.0, 0.0)), *zip(free, places, strict=True)])
+    return min_work(model, position, [(0, (0.0, 0.0)), *zip(free, places, strict=True)])
 
 
 def test_no_press_at_any_places_gives_energy_back() -> None:
-    assert min(map(least_of, range(20))) > -1e-5
+    assert min(map(min_work_of, range(20))) > -1e-5
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("group", range(5))
 def test_no_press_on_a_thousand_maps_gives_energy_back(group: int) -> None:
-    assert min(map(least_of, range(1000 + 200 * group, 1200 + 200 * group))) > -1e-5
+    assert min(map(min_work_of, range(1000 + 200 * group, 1200 + 200 * group))) > -1e-5
 
 
 def test_a_place_that_changed_in_contact_would_give_energy_back() -> None:
@@ -203,7 +203,7 @@ def test_a_place_that_changed_in_contact_would_give_energy_back() -> None:
     harder = with_places(passive, replace(passive.places, amounts=amounts))
     position = np.concatenate([press(1.0), [-1e-4, -1e-4]])
     taken = [(0, (0.0, -0.01)), (int(np.argmax(position)), (0.02, 0.01))]
-    assert least_work(replace(model, hammerstein=harder), position, taken) < -1e-2
+    assert min_work(replace(model, hammerstein=harder), position, taken) < -1e-2
 
 
 def test_a_scene_without_a_map_has_no_places() -> None:

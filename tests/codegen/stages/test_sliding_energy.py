@@ -92,7 +92,7 @@ def random_motion(seed: int, presses: int = 3, legs: int = 6) -> np.ndarray:
     return np.column_stack([STEP_M * np.concatenate([*way, corners[-1][None]]), depth_m])
 
 
-def least_work(position_m: np.ndarray, force_n: np.ndarray) -> float:
+def min_work(position_m: np.ndarray, force_n: np.ndarray) -> float:
     """Least work until any tick off the object, over peak force x depth."""
     ways_m, means_n = np.diff(position_m, axis=0), 0.5 * (force_n[1:] + force_n[:-1])
     # The force along the depth pushes out of the object, against its way.
@@ -107,7 +107,7 @@ def least(built: SlidingC, seeds: Sequence[int], shape: Shape = SHAPES[0]) -> fl
     for seed in seeds:
         built.take(plan_of(random_model(seed, shape)))
         position_m = random_motion(seed)
-        found.append(least_work(position_m, built.force_n(position_m)))
+        found.append(min_work(position_m, built.force_n(position_m)))
     return min(found)
 
 
@@ -148,7 +148,7 @@ def test_the_adversary_finds_an_amount_below_0() -> None:
     with sliding(plan_of(random_model(0))) as built:
         built.take(plan_of(replace(model, hammerstein=replace(model.hammerstein, places=wrong))))
         slides = [random_motion(seed) for seed in range(40)]
-        assert min(least_work(each, built.force_n(each)) for each in slides) < -100 * BOUND
+        assert min(min_work(each, built.force_n(each)) for each in slides) < -100 * BOUND
 
 
 FAR = ("const int crosses = (at[0] > m_per_cell) != (state->lateral.at_m[0] > m_per_cell);\n"
@@ -178,7 +178,7 @@ def test_fresh_ground_is_paid_for() -> None:
     works = []
     for planted in ([], UNPAID):
         with sliding(plan_of(placed(passive, places)), planted) as built:
-            works.append(least_work(position_m, built.force_n(position_m)))
+            works.append(min_work(position_m, built.force_n(position_m)))
     assert works[0] > -BOUND
     assert works[1] < -100 * BOUND
 
@@ -229,6 +229,6 @@ def test_no_memory_is_worth_more_elsewhere(motion: str) -> None:
     works = []
     for planted in ([], faults):
         with sliding(plan_of(placed(passive, places)), planted) as built:
-            works.append(least_work(position_m, built.force_n(position_m)))
+            works.append(min_work(position_m, built.force_n(position_m)))
     assert works[0] > -BOUND
     assert works[1] < -100 * BOUND

@@ -57,9 +57,12 @@ def test_losses_are_not_felt(tmp_path, device, mode):
         assert abs(idle - result["sequence_gaps"]) <= 4 + result["unused_samples"]
     clean_n = loss_free_n(folder, read)
     known = ((call & (IDLE | NONE)) == 0) & ((notes & RAMPED) == 0) & (read.position_m > 0)
-    # On a machine that holds the peer up, the account of energy may cut the force for a release.
+    # Nobody paid for a press that a session begins in, on a busy machine: the account of energy
+    # cuts its release, and nothing from where the tool first leaves the object on.
+    begun = int(np.argmax((call & (IDLE | NONE)) == 0))
+    left = begun + int(np.argmax(read.position_m[begun:] <= 0))
     cut = (notes & ENERGY) != 0
-    assert np.mean(cut) < 0.15
+    assert not np.any(cut[left:])
     known &= ~cut
     known[1:] &= known[:-1]
     pressed = known & (clean_n > 0.05 * clean_n.max())

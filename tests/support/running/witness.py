@@ -14,7 +14,7 @@ import pytest
 from _pytest.runner import runtestprotocol
 
 HELD_UP_S = 0.010  # half the shortest watchdog of the tests
-TRIES = 8
+TRIES = 4
 
 _SLEEPER = """
 import os, sys, time

@@ -72,8 +72,8 @@ class Geometry:
 
     def require_plausible(self, depth_m: float) -> None:
         """Raise UsageError for sizes that nothing pressed so deep has: metres given as mm."""
-        for name, least_m in (("height_mm", depth_m), ("tip_mm", _NARROW * depth_m)):
-            if getattr(self, name) is not None and self._m(name) <= least_m:
+        for name, min_m in (("height_mm", depth_m), ("tip_mm", _NARROW * depth_m)):
+            if getattr(self, name) is not None and self._m(name) <= min_m:
                 raise UsageError(
                     f"{_OPTIONS[name]} {getattr(self, name):g}: the recordings press "
                     f"{1e3 * depth_m:.3g} mm deep: give mm"
