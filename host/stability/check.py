@@ -103,7 +103,7 @@ class Stability(Faces):
     def require_bounded(self) -> None:
         """Raise UnsafeError where the linear loop is not stable or the closed loop not bounded."""
         require_stable(self.check.plan)
-        why = why_unbounded(self.check.plan.scene.name, self.outcomes)
+        why = why_unbounded(self.check.plan, self.outcomes)
         if why:
             raise UnsafeError(why)
 

@@ -2,8 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from springpot.codegen.coupling.linear_loop import HAND_MODELS
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.notes import ENERGY
 from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
 from springpot.host.stability.judgement import Grade, device_advice, judge
 from springpot.host.stability.small_signal import Map
@@ -67,17 +70,34 @@ def device_words(plan: Plan) -> Iterator[str]:
     yield f"Coupling {plan.coupling.why}."
 
 
-def why_unbounded(name: str, outcomes: Sequence[Outcome]) -> str:
+def why_unbounded(plan: Plan, outcomes: Sequence[Outcome]) -> str:
     """Why a scene is not to be held, though its linear loop is stable; empty if nothing says so."""
-    judged = [judge(item) for item in outcomes]
-    unbounded = [item for item in judged if item.unbounded]
+    unbounded = [item.outcome for item in map(judge, outcomes) if item.unbounded]
     if not unbounded:
         return ""
-    named = _named([item.outcome for item in unbounded])
     return (
-        f"{name}: the closed loop is not bounded on {named}: do not hold the device with this "
-        "scene; coupling.mode = auto, a faster loop or a passive model (hammerstein) may do"
+        f"{plan.scene.name}: the closed loop is not bounded on {_named(unbounded)}: do not hold "
+        f"the device with this scene; {_may_do(plan, unbounded)}"
     )
+
+
+def _may_do(plan: Plan, unbounded: Sequence[Outcome]) -> str:
+    """What of the scene can be changed so that it may be bounded."""
+    unpaid = any(
+        item.losses is None and bool(np.any(item.trace.notes & ENERGY)) for item in unbounded
+    )
+    ways = {
+        "device.viscous_nspm, which `springpot identify` measures, for without it the account of "
+        "energy cuts the force": (
+            unpaid and plan.energy_acts and not plan.scene.device.viscous_nspm
+        ),
+        "coupling.mode = auto": plan.scene.coupling.mode != "auto",
+        "a passive model (hammerstein)": plan.model.regressor is not None,
+        "a device of less delay": plan.loop_device.delay_samples > 0,
+        "an encoder of finer steps": True,
+        "a softer object": True,
+    }
+    return f"{' or '.join(way for way, offered in ways.items() if offered)} may do"
 
 
 def _between(plan: Plan) -> str:

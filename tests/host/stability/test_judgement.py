@@ -13,6 +13,7 @@ from support.small import model_file
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.reference.notes import ENERGY
 from springpot.codegen.scene import Coupling, Device, Guard, Scene
 from springpot.host.commands.scenes.stability import stability_rows
 from springpot.host.simulation.hand_loop import Scenario, Trace
@@ -245,8 +246,35 @@ def test_active_cells_of_the_scene_stand_beside_the_models(
 )
 def test_every_outcome_that_is_not_bounded_is_refused_by_name(found: Outcome, named: str) -> None:
     """The light hand one sample late, and four times the trained speed, are no exceptions."""
-    why = why_unbounded("pad", usual(found))
+    why = why_unbounded(a_plan(), usual(found))
     assert (named in why) if named else why == ""
+
+
+def a_plan(regressor: bool = False, mode: str = "auto", **device: float) -> Any:
+    """What of a plan says what may be changed."""
+    scene = Scene(1, "pad", "pad.spm", coupling=Coupling(mode=cast(Any, mode)), device=Device(**device))
+    return SimpleNamespace(
+        scene=scene, model=SimpleNamespace(regressor=object() if regressor else None),
+        energy_acts=scene.guard.energy == "account",
+        loop_device=replace(ASSUMED_DEVICE, delay_samples=int(1e3 * (scene.device.delay_s or 0))),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("regressor", [False, True])
+@pytest.mark.parametrize("mode", ["auto", "off", "proxy"])
+@pytest.mark.parametrize("device", [{}, {"viscous_nspm": 2.0}, {"delay_s": 0.002}])
+@pytest.mark.parametrize("cut", [False, True])
+def test_no_remedy_is_what_the_scene_has(
+    regressor: bool, mode: str, device: dict[str, float], cut: bool
+) -> None:
+    """Each remedy is offered if it would change the scene, and only then."""
+    found = outcome("hold", bounded=False)
+    found.trace.notes[3] = ENERGY if cut else 0
+    why = why_unbounded(a_plan(regressor, mode, **device), usual(found))
+    assert ("coupling.mode = auto" in why) == (mode != "auto")
+    assert ("hammerstein" in why) == regressor
+    assert ("less delay" in why) == ("delay_s" in device)
+    assert ("viscous_nspm" in why) == (cut and "viscous_nspm" not in device)
 
 
 def test_what_has_to_end_is_named_as_not_counted() -> None:

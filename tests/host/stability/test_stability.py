@@ -81,7 +81,7 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
         rare = outcome.case.startswith(("rate-50", "rate-10"))
         assert judged.grade == (Grade.ENDS if rare else judged.grade), judged.words
         assert judged.grade != Grade.BAD, (outcome.case, judged.words)
-    assert not why_unbounded("x", found.outcomes)
+    assert not why_unbounded(plan, found.outcomes)
     deep_m = max(outcome.max_depth_m for outcome in found.outcomes if outcome.case == "deep")
     assert deep_m < 1.3 * plan.model.trained.max_m
     _agrees_with_the_stiffer_object(found)
