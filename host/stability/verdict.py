@@ -86,18 +86,21 @@ def _may_do(plan: Plan, unbounded: Sequence[Outcome]) -> str:
     unpaid = any(
         item.losses is None and bool(np.any(item.trace.notes & ENERGY)) for item in unbounded
     )
+    max_n = plan.max_force_n
     ways = {
         "device.viscous_nspm, which `springpot identify` measures, for without it the account of "
         "energy cuts the force": (
             unpaid and plan.energy_acts and not plan.scene.device.viscous_nspm
         ),
+        f"guard.max_force_n above {max_n:.3g} N, which the force reaches, if the device gives it": (
+            any(item.max_force_n >= max_n for item in unbounded)
+        ),
         "coupling.mode = auto": plan.scene.coupling.mode != "auto",
         "a passive model (hammerstein)": plan.model.regressor is not None,
         "a device of less delay": plan.loop_device.delay_samples > 0,
-        "an encoder of finer steps": True,
-        "a softer object": True,
     }
-    return f"{' or '.join(way for way, offered in ways.items() if offered)} may do"
+    offered = [way for way, helps in ways.items() if helps]
+    return f"{' or '.join(offered or ['a softer object'])} may do"
 
 
 def _between(plan: Plan) -> str:

@@ -255,7 +255,7 @@ def a_plan(regressor: bool = False, mode: str = "auto", **device: float) -> Any:
     scene = Scene(1, "pad", "pad.spm", coupling=Coupling(mode=cast(Any, mode)), device=Device(**device))
     return SimpleNamespace(
         scene=scene, model=SimpleNamespace(regressor=object() if regressor else None),
-        energy_acts=scene.guard.energy == "account",
+        energy_acts=scene.guard.energy == "account", max_force_n=12.0,
         loop_device=replace(ASSUMED_DEVICE, delay_samples=int(1e3 * (scene.device.delay_s or 0))),
     )  # fmt: skip
 
@@ -264,16 +264,18 @@ def a_plan(regressor: bool = False, mode: str = "auto", **device: float) -> Any:
 @pytest.mark.parametrize("mode", ["auto", "off", "proxy"])
 @pytest.mark.parametrize("device", [{}, {"viscous_nspm": 2.0}, {"delay_s": 0.002}])
 @pytest.mark.parametrize("cut", [False, True])
+@pytest.mark.parametrize("max_force_n", [11.9, 12.0])
 def test_no_remedy_is_what_the_scene_has(
-    regressor: bool, mode: str, device: dict[str, float], cut: bool
+    regressor: bool, mode: str, device: dict[str, float], cut: bool, max_force_n: float
 ) -> None:
     """Each remedy is offered if it would change the scene, and only then."""
-    found = outcome("hold", bounded=False)
+    found = outcome("hold", bounded=False, max_force_n=max_force_n)
     found.trace.notes[3] = ENERGY if cut else 0
     why = why_unbounded(a_plan(regressor, mode, **device), usual(found))
     assert ("coupling.mode = auto" in why) == (mode != "auto")
     assert ("hammerstein" in why) == regressor
     assert ("less delay" in why) == ("delay_s" in device)
+    assert ("guard.max_force_n" in why) == (max_force_n >= 12.0)
     assert ("viscous_nspm" in why) == (cut and "viscous_nspm" not in device)
 
 
