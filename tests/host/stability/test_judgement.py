@@ -252,7 +252,9 @@ def test_every_outcome_that_is_not_bounded_is_refused_by_name(found: Outcome, na
 
 def a_plan(regressor: bool = False, mode: str = "auto", **device: float) -> Any:
     """What of a plan says what may be changed."""
-    scene = Scene(1, "pad", "pad.spm", coupling=Coupling(mode=cast(Any, mode)), device=Device(**device))
+    scene = Scene(
+        1, "pad", "pad.spm", coupling=Coupling(mode=cast(Any, mode)), device=Device(**device)
+    )
     return SimpleNamespace(
         scene=scene, model=SimpleNamespace(regressor=object() if regressor else None),
         energy_acts=scene.guard.energy == "account", max_force_n=12.0,
