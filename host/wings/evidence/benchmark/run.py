@@ -126,12 +126,16 @@ def _sweep(
     known = {key: store.read_point(key) for key in keyed}
     missing = [key for key, point in known.items() if point is None]
     jobs = [Job(key, KINDS[keyed[key].kind], keyed[key], data, bench.target) for key in missing]
+    terminal, count = sys.stderr.isatty(), len(keyed) - len(jobs)
     for measured in track(
         in_parallel(measure_point, jobs, bench.dask), "models", total=len(keyed),
-        completed=len(keyed) - len(jobs), console=progress_console, disable=not sys.stderr.isatty(),
+        completed=count, console=progress_console, disable=not terminal,
     ):  # fmt: skip
         store.keep(measured)
         known[measured.point.key] = measured.point
+        count += 1
+        if not terminal and 8 * count // len(keyed) > 8 * (count - 1) // len(keyed):
+            progress_console.print(f"{count} of {len(keyed)} models measured")
     points = [point for point in known.values() if isinstance(point, Point)]
     refused = [point for point in known.values() if isinstance(point, Refused)]
     return points, refused, len(jobs)

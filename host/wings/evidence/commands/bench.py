@@ -78,12 +78,12 @@ def bench_rows(result: dict[str, Any], out: Path) -> dict[str, str]:
     rows = {"training data": told} if told else {}
     if kin := own_class_line(recording["source"] for recording in training):
         rows["judge"] = kin
+    picks: dict[str, list[str]] = {}
     for name, found in result["picks"].items():
-        rows[f"pick {name}"] = (
-            f"{point_line(by_key[found['point']])}: {found['why']}"
-            if found["point"]
-            else found["why"]
-        )
+        point = found["point"]
+        pick = f"{point_line(by_key[point])}: {found['why']}" if point else found["why"]
+        picks.setdefault(pick, []).append(name)
+    rows |= {f"pick {', '.join(names)}": pick for pick, names in picks.items()}
     for point in sorted((p for p in points if p.pareto), key=lambda p: p.tick_ns_hot):
         rows.setdefault(f"front {point.tick_ns_hot:.0f} ns", point_line(point))
     for refused in (Refused(**facts) for facts in result["refused"]):
