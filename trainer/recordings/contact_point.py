@@ -14,6 +14,7 @@ _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level with
 _NOISES = 5.0
 _MIN_SHARE_OF_PEAK = 0.002
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
+_NEARLY_EXPONENTIAL = 1.01  # ratio of ways between forces of one ratio
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,30 @@ def find_contact(
     doubt_m = float(np.ptp(found_m)) / 2 if len(found_m) > 1 else 0.0
     doubt_m = max(doubt_m, float(np.median(np.abs(np.diff(position_m)))) / 2)
     if wanted_n is None:
-        # Force passes the threshold below the surface: back along the line through it and through
-        # three times it. A threshold that was stated defines the surface: nothing to go back.
-        deeper_m = _passes(position_m, force_n, base_n + _HIGHER * threshold_n)
-        slope_m = float(np.median(deeper_m)) - surface_m if len(deeper_m) else 0.0
-        back_m = max(0.0, slope_m / (_HIGHER - 1.0))
-        surface_m, doubt_m = surface_m - back_m, max(doubt_m, back_m)
+        # A threshold that was stated defines the surface: nothing to go back.
+        levels_n = base_n + threshold_n * np.array([_HIGHER, _HIGHER**2])
+        deeper_m = [_passes(position_m, force_n, float(level_n)) for level_n in levels_n]
+        back_m, most_m = _way_back_m(surface_m, deeper_m)
+        surface_m, doubt_m = surface_m - back_m, max(doubt_m, most_m)
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
+
+
+def _way_back_m(surface_m: float, deeper_m: list[Samples]) -> tuple[float, float]:
+    """How far above the threshold's position the surface is, m, and how far it may be at most.
+
+    deeper_m: where force passes three and nine times the threshold. Back along the line through
+    the threshold and three times it; at most along the power law through all three,
+    F ~ (x - x_0)^n: ways between the three in the ratio r = 3^(1/n) put x_0 at the first of them
+    over r - 1 (Aitken). A law that is nearly exponential has no surface that could be told.
+    """
+    if not len(deeper_m[0]):
+        return 0.0, 0.0
+    first_m = max(0.0, float(np.median(deeper_m[0])) - surface_m)
+    back_m = first_m / (_HIGHER - 1.0)
+    if first_m == 0.0 or not len(deeper_m[1]):
+        return back_m, back_m
+    ratio = (float(np.median(deeper_m[1])) - surface_m - first_m) / first_m
+    return back_m, first_m / (min(max(ratio, _NEARLY_EXPONENTIAL), _HIGHER) - 1.0)
 
 
 def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:

@@ -137,15 +137,19 @@ def check_recordings(given: Recordings) -> QualityReport:
         findings += spikes
     cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
     signs = [find_signs(recording) for recording in recordings]
+    touched: list[Recording] = []
     for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
         of_signs = list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
         # One cause, one line: a turned sign moves the contact, a hum hides it.
         if not any(finding.severity == "refusal" for finding in of_signs):
-            hum = hum_of(recording)
-            findings += contact_findings(recording) if hum is None else hum_findings(recording, hum)
+            if (hum := hum_of(recording)) is None:
+                touched.append(recording)
+            else:
+                findings += hum_findings(recording, hum)
             findings += drift_findings(recording)
+    findings += contact_findings(touched)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
     findings += [] if refused else snap_findings(recordings)
     findings += speed_findings(recordings)

@@ -1,0 +1,84 @@
+"""Where force begins: a zero that is not the surface, and an object that has not recovered."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality.finding import Finding
+from springpot.trainer.recordings.quality.motion import contact_findings
+from springpot.trainer.recordings.recording import Recording
+
+TIME_S = np.arange(4000) * 1e-3
+
+
+def press(surface_m: float, seed: int, power: float = 1.5, depth_m: float = 8e-3) -> Recording:
+    """Cycles from 1 mm above position 0, on an object whose surface is at `surface_m`."""
+    rng = np.random.default_rng(seed)
+    position_m = -1e-3 + 0.5 * depth_m * (1.0 - np.cos(2.0 * np.pi * TIME_S))
+    share = np.maximum(position_m - surface_m, 0.0) / depth_m
+    force_n = 12.0 * share**power + rng.normal(0.0, 0.01, len(TIME_S))
+    return Recording(f"{seed:02}", position_m, force_n, 1e-3)
+
+
+def contacts(recordings: list[Recording]) -> list[Finding]:
+    return [found for found in contact_findings(recordings) if found.kind == "contact"]
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_dented_object_is_not_put_at_0_press_by_press(seed: int) -> None:
+    """It is met at 0 first and then deeper, in any order of the files."""
+    rng = np.random.default_rng(seed)
+    dents_m = np.concatenate([[0.0], rng.uniform(1e-3, 3e-3, rng.integers(1, 6))])
+    rng.shuffle(dents_m)
+    presses = [press(dent_m, i, rng.uniform(1.0, 2.0)) for i, dent_m in enumerate(dents_m)]
+    (found,) = contacts(presses)
+    assert "not at 0" not in found.what
+    assert "--rest-s" in found.to_do
+    timed = [replace(item, start_s=float(5 * i)) for i, item in enumerate(presses)]
+    timed[0] = replace(timed[0], position_m=timed[0].position_m - dents_m[0])
+    assert contacts(timed) == []
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_zero_that_is_not_the_surface_is_said_once_for_the_set(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    places_m = rng.uniform(1.2e-3, 3e-3, 5)
+    presses = [press(place_m, i, rng.uniform(1.0, 2.0)) for i, place_m in enumerate(places_m)]
+    (found,) = contacts(presses)
+    assert found.where == "5 of 5 recordings"
+    assert "not at 0" in found.what
+    assert "--contact-force auto" in found.to_do
+
+
+def test_recordings_under_preload_are_said_once() -> None:
+    presses = [press(-5e-3, i) for i in range(6)]
+    (found,) = contacts(presses)
+    assert found.where == "6 recordings"
+    assert "never leave" in found.what
+
+
+@pytest.mark.parametrize("name", ["bergstrom-boyce", "mullins", "poro-viscoelastic"])
+def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path: Path) -> None:
+    """Its position 0 is the surface; it does not recover between the presses."""
+    recordings = springpot.record(f"sim://{name}?rest=2", "third-repeat", tmp_path / "a", seed=11)
+    assert any(item.start_s for item in recordings)
+    assert contacts(list(recordings)) == []
+
+
+def test_the_doubt_covers_the_surface_of_any_power_law() -> None:
+    """Spheres (1.5), cones (2) and what stiffens more: the line back alone misses two of three."""
+    rng = np.random.default_rng(3)
+    missed = 0
+    for seed in range(60):
+        surface_m, power = rng.uniform(0.0, 2e-3), rng.uniform(1.0, 2.5)
+        try:
+            found = find_contact(press(surface_m, seed, power))
+        except DataError:
+            continue
+        missed += abs(found.position_m - surface_m) > found.uncertainty_m + 2e-5
+    assert missed <= 9
