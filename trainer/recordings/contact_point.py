@@ -1,5 +1,6 @@
 """Surface of an object: the position at which force leaves its level without contact."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level with
 _NOISES = 5.0
 _MIN_SHARE_OF_PEAK = 0.002
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
-_NEARLY_EXPONENTIAL = 1.01  # ratio of ways between forces of one ratio
+_STEEPEST, _NEARLY_EXPONENTIAL = 1.5, 1.01  # ratio of ways: F ~ x^2.7, and no surface at all
 
 
 @dataclass(frozen=True)
@@ -55,46 +56,46 @@ def find_contact(
             f"{recording.name}: force never passes {threshold_n:.3g} N above its {base_n:.4g} N "
             "without contact: give a lower --contact-force"
         )
-    found_m = _passes(position_m, force_n, base_n + threshold_n)
+    levels_n = base_n + threshold_n * np.array([1.0, _HIGHER, _HIGHER**2])
+    presses = [_passes_m(position_m[way], force_n[way], levels_n) for way in _ways_in(position_m)]
+    presses = [passes_m for passes_m in presses if len(passes_m)]
     pressed = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
     if (
-        not len(found_m)
+        not presses
         or pressed > _LEVEL * peak_n / travel_m
-        or np.median(found_m) - low_m < _MIN_FREE_SHARE * travel_m
+        or min(passes_m[0] for passes_m in presses) - low_m < _MIN_FREE_SHARE * travel_m
     ):
         raise DataError(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
             "position), so the surface cannot be found: import with --zero first or min"
         )
-    # The median over presses, half their range, and at least half a usual step of the position.
-    surface_m = float(np.median(found_m))
-    doubt_m = float(np.ptp(found_m)) / 2 if len(found_m) > 1 else 0.0
-    doubt_m = max(doubt_m, float(np.median(np.abs(np.diff(position_m)))) / 2)
-    if wanted_n is None:
-        # A threshold that was stated defines the surface: nothing to go back.
-        levels_n = base_n + threshold_n * np.array([_HIGHER, _HIGHER**2])
-        deeper_m = [_passes(position_m, force_n, float(level_n)) for level_n in levels_n]
-        back_m, most_m = _way_back_m(surface_m, deeper_m)
-        surface_m, doubt_m = surface_m - back_m, max(doubt_m, most_m)
+    # Of all presses the one that meets it first: an object that has not recovered is met deeper.
+    passes_m = min(presses, key=lambda each: each[0])
+    doubt_m = float(np.median(np.abs(np.diff(position_m)))) / 2  # half a usual step
+    surface_m = passes_m[0]
+    if wanted_n is None:  # a threshold that was stated defines the surface: nothing to go back
+        back_m, open_m = _way_back_m(passes_m)
+        surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
 
 
-def _way_back_m(surface_m: float, deeper_m: list[Samples]) -> tuple[float, float]:
-    """How far above the threshold's position the surface is, m, and how far it may be at most.
+def _way_back_m(passes_m: list[float]) -> tuple[float, float]:
+    """How far above the threshold's position the surface is, m, and what that leaves open, m.
 
-    deeper_m: where force passes three and nine times the threshold. Back along the line through
-    the threshold and three times it; at most along the power law through all three,
-    F ~ (x - x_0)^n: ways between the three in the ratio r = 3^(1/n) put x_0 at the first of them
-    over r - 1 (Aitken). A law that is nearly exponential has no surface that could be told.
+    passes_m: where force passes the threshold, three and nine times it. Under F ~ (x - x_0)^n the
+    ways between them are in the ratio r = 3^(1/n), and x_0 is the first way over r - 1 above the
+    threshold's position (Aitken). Open is the difference from the line through the first two,
+    r = 3. A law that is nearly exponential, r = 1, has no surface that could be told.
     """
-    if not len(deeper_m[0]):
+    ways_m = np.maximum(np.diff(passes_m), 0.0)
+    if not len(ways_m):
         return 0.0, 0.0
-    first_m = max(0.0, float(np.median(deeper_m[0])) - surface_m)
-    back_m = first_m / (_HIGHER - 1.0)
-    if first_m == 0.0 or not len(deeper_m[1]):
-        return back_m, back_m
-    ratio = (float(np.median(deeper_m[1])) - surface_m - first_m) / first_m
-    return back_m, first_m / (min(max(ratio, _NEARLY_EXPONENTIAL), _HIGHER) - 1.0)
+    line_m = float(ways_m[0]) / (_HIGHER - 1.0)
+    if line_m == 0.0 or len(ways_m) == 1:
+        return line_m, line_m
+    ratio = min(max(float(ways_m[1] / ways_m[0]), _NEARLY_EXPONENTIAL), _HIGHER)
+    back_m = float(ways_m[0]) / (max(ratio, _STEEPEST) - 1.0)
+    return back_m, max(float(ways_m[0]) / (ratio - 1.0) - line_m, line_m)
 
 
 def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
@@ -105,17 +106,28 @@ def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
     return float(off_m @ force_n[low]) / spread if spread else 0.0
 
 
-def _passes(position_m: Samples, force_n: Samples, level_n: float) -> Samples:
-    """Positions at which force rises through a level for good, (presses,), m, interpolated."""
-    above = force_n > level_n
-    rises = np.flatnonzero(~above[:-1] & above[1:])
-    deep_m = position_m.min() + 0.5 * np.ptp(position_m)
+def _passes_m(position_m: Samples, force_n: Samples, levels_n: Samples) -> list[float]:
+    """Positions at which a press passes each level for good, up to the first that it does not."""
     found: list[float] = []
-    for k, begin in enumerate(rises):
-        end = rises[k + 1] if k + 1 < len(rises) else len(position_m) - 1
-        # A crossing by noise does not lead half the way into the object.
-        if position_m[begin : end + 1].max() < deep_m:
-            continue
-        share = (level_n - force_n[begin]) / (force_n[begin + 1] - force_n[begin])
-        found.append(float(position_m[begin] + share * np.diff(position_m[begin : begin + 2])[0]))
-    return np.array(found)
+    for level_n in levels_n:
+        above = force_n > level_n
+        stays = above[:-2] & above[1:-1] & above[2:]  # a crossing by noise does not
+        at = int(np.argmax(stays)) if stays.any() else 0
+        if at == 0:
+            break
+        share = (level_n - force_n[at - 1]) / (force_n[at] - force_n[at - 1])
+        found.append(float(position_m[at - 1] + share * (position_m[at] - position_m[at - 1])))
+    return found
+
+
+def _ways_in(position_m: Samples) -> Iterator[slice]:
+    """Samples of each press: from where the tool is farthest out to its last ones deep inside."""
+    share = (position_m - position_m.min()) / np.ptp(position_m)
+    side = np.where(share >= 0.5, 1, np.where(share <= 0.25, -1, 0))
+    known = np.flatnonzero(side)
+    turns = np.flatnonzero(np.diff(side[known])) + 1
+    runs = np.concatenate([[0], turns, [len(known)]])
+    for first, deep, last in zip(runs, runs[1:], runs[2:], strict=False):
+        if side[known[deep]] > 0:
+            begin, end = int(known[first]), int(known[deep])
+            yield slice(begin + int(np.argmin(position_m[begin:end])), int(known[last - 1]) + 1)

@@ -88,9 +88,11 @@ def test_clipping() -> None:
     assert "position stays at its maximum value" in findings(deep)["clipping"].what
 
 
-def test_a_hold_is_not_clipping() -> None:
+@pytest.mark.parametrize("noise_n", [0.01, 0.05, 0.2])
+def test_a_hold_is_not_clipping(noise_n: float) -> None:
+    """Nor is it if noise rises and falls meanwhile by a tenth of the force."""
     position_m = 5e-3 * np.clip(TIME_S, 0, 1) * np.clip(4.0 - TIME_S, 0, 1)
-    relaxing = position_m * (800 + 200 * np.exp(-TIME_S)) + noise(0.01)
+    relaxing = position_m * (800 + 200 * np.exp(-TIME_S)) + noise(noise_n)
     assert "clipping" not in findings(Recording("a", position_m, relaxing, 1e-3))
 
 

@@ -11,6 +11,7 @@ from springpot.trainer.recordings.recording import Recording
 
 _CLIPPED_RUN = 5  # samples in a row exactly at the extreme
 _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
+_AVERAGED_SHARE = 8  # of such a row, one part is averaged
 _HELD_S = 0.02
 _RAMP_CHANGES = 0.1  # of moves: fewer changes of the step come from a ramp's begin and end
 _COARSE = 0.01  # quantisation step over the signal's range
@@ -149,9 +150,12 @@ def _excursion(other: Samples, channel: str) -> float:
     """Distance that the other channel goes within a run.
 
     A held position lets force relax one way; only a force that rises and falls shows clipping.
+    Noise does so too: of so many samples in a row the mean is taken.
     """
     if channel == "force":
         return float(np.ptp(other))
+    averaged = max(1, len(other) // _AVERAGED_SHARE)
+    other = np.convolve(other, np.full(averaged, 1.0 / averaged), "valid")
     ends = float(max(other[0], other[-1])), float(min(other[0], other[-1]))
     return max(float(other.max()) - ends[0], ends[1] - float(other.min()))
 
