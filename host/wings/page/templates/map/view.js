@@ -12,6 +12,8 @@ class MapView {
     this.turned = [false, false]; // along x, along y
     const [wide_m, high_m] = this.spans_m;
     canvas.style.aspectRatio = Math.min(1.6, Math.max(0.7, wide_m / high_m));
+    const { width, height } = canvas.getBoundingClientRect();
+    this.fit(width, height); // a pointer may come before the first picture
   }
 
   get spans_m() {
