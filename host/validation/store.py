@@ -82,10 +82,10 @@ def read_validation(folder: Path) -> Stored:
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             series = tuple(
                 Series(
-                    rec["name"],
-                    rec["dt_s"],
-                    *(stored[f"{name}_{i}"] for name in _ARRAYS),
+                    name=rec["name"],
+                    dt_s=rec["dt_s"],
                     place_m=tuple(rec["place_m"]) if "place_m" in rec else None,
+                    **{name: stored[f"{name}_{i}"] for name in _ARRAYS},
                 )
                 for i, rec in enumerate(metadata["recordings"])
             )

@@ -29,7 +29,7 @@ class Pressed:
 
 
 def press_page(page: Path, width: int = 1600, **how: Any) -> Pressed:
-    """Press it by script. how: `path`, `map`, `sliders`, `keys`, `pick`, `wait_ms` of the script."""
+    """Press it by script. how: `path`, `map`, `sliders`, `keys`, `pick`, `wait_ms` of it."""
     text = "\n".join(script.read_text() for script in _SCRIPTS)
     script = f"<script>window.how = {json.dumps(how)};\n{text}</script>"
     copy = page.with_name(f"pressed-{page.name}")

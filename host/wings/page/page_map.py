@@ -5,7 +5,7 @@ from typing import Any
 
 from springpot.emission import Plan
 
-_ACROSS = 40  # steps of a survey along the longer side, at least: a picture's, and some 1600 presses
+_ACROSS = 40  # steps of a survey along the longer side, at least: some 1600 presses
 _CELLS = 16384  # as sp_page_survey_cells
 _PRESS_S = 0.2
 

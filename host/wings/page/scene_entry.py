@@ -34,12 +34,11 @@ MAX_RECORDED = 8000  # samples of a recording on the page: a few presses, some 4
 _FULL_SCALE = 32767
 
 
-def scene_entry(
-    folder: Path, accept_edited: bool = False, with_map: bool = True
-) -> dict[str, Any]:
+def scene_entry(folder: Path, accept_edited: bool = False, with_map: bool = True) -> dict[str, Any]:
     """Return everything that the page needs of an emitted folder, for JSON.
 
-    with_map: whether the page shows the map of a scene with places. Raises DataError for no emission, UsageError without the compiler for WebAssembly.
+    with_map: whether the page shows the map of a scene with places. Raises DataError for no
+    emission, UsageError without the compiler for WebAssembly.
     """
     emitted = read_emission(folder, accept_edited)
     plan, space = emitted.plan, Workspace.of(emitted.plan)

@@ -14,6 +14,7 @@ from codegen.stages.test_placed import called, placed
 from host.validation.test_by_place import PLACES, placed_model, pressed
 from support.browser import CHROMIUM, layout_faults
 from support.in_process import spring
+from support.paths import TESTS
 from support.pressed_page import Pressed, press_page
 from support.small import model_file, scene, small_model
 
@@ -30,7 +31,6 @@ from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import session_page, write_press_page
 from springpot.host.wings.page.scene_entry import module_of, scene_entry
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM, flags
-from support.paths import TESTS
 
 LACKING = missing_tools("wasm32") or missing_node() or ("" if CHROMIUM else "no chromium on PATH")
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(LACKING), reason=LACKING or "-")]
@@ -85,7 +85,7 @@ def twin_n(folder: Path, entry: dict, place_m: tuple[float, float], depth_m: flo
 def test_the_picture_is_stiffest_where_the_reference_is(
     tmp_path: Path, seed: int, mode: str
 ) -> None:
-    """Searched for on random maps: no place that is tried is stiffer than the picture's stiffest."""
+    """Searched for on random maps: no place that is tried is stiffer than the picture says."""
     folder = emitted(tmp_path / "map", SCENES[mode], placed("plain", 1 + seed % 3, 10 + seed))
     entry = scene_entry(folder)
     depth_m = 0.4 * entry["map"]["depth_m"]
