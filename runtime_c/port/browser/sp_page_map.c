@@ -84,7 +84,7 @@ int sp_page_map_hold(double mass_kg, double stiffness_npm, double damping_nspm,
     hand = (sim_hand){mass_kg, stiffness_npm, damping_nspm};
     for (uint32_t i = delay; i < delay_samples; i++) {
         for (uint32_t k = 0; k < AXES; k++) {
-            sent_n[i][k] = i > 0 ? sent_n[i - 1][k] : 0.0;
+            sent_n[i][k] = i > 0U ? sent_n[i - 1U][k] : 0.0;
         }
     }
     delay = delay_samples;
@@ -107,25 +107,24 @@ void sp_page_map_start(double at_x_m, double at_y_m, double depth_m)
 /* The force that acts in this tick, N, in the place of the newest one. */
 static void delay_force(double *force_n)
 {
-    for (uint32_t k = 0; k < AXES && delay > 0; k++) {
+    for (uint32_t k = 0; k < AXES && delay > 0U; k++) {
         const double acts_n = sent_n[0][k];
         for (uint32_t i = 1; i < delay; i++) {
-            sent_n[i - 1][k] = sent_n[i][k];
+            sent_n[i - 1U][k] = sent_n[i][k];
         }
-        sent_n[delay - 1][k] = force_n[k];
+        sent_n[delay - 1U][k] = force_n[k];
         force_n[k] = acts_n;
     }
 }
 
-/* Off the object the tool goes where the hand intends to be, and rests; on it, a place is held. */
-static void carry(sim_motion *lateral, double to_m, double most_m, int touches)
+/* Off the object the tool goes where the hand intends to be; on it, a place is held: most_m is 0.
+ */
+static void carry(sim_motion *lateral, double to_m, double most_m)
 {
-    lateral->velocity_mps = 0.0;
-    if (touches) {
-        return;
-    }
     const double way_m = to_m - lateral->position_m;
-    lateral->position_m += way_m > most_m ? most_m : way_m < -most_m ? -most_m : way_m;
+    const double below_m = way_m < most_m ? way_m : most_m;
+    lateral->velocity_mps = 0.0;
+    lateral->position_m += below_m > -most_m ? below_m : -most_m;
 }
 
 /* The hand intends to go evenly to to_m along one axis; against_n: the force that it feels. */
@@ -169,7 +168,7 @@ void sp_page_map_press(uint32_t rows, double dt_s)
             if (k == DEPTH || (touches && sp_page_slides())) {
                 move_hand(k, dt_s, to_m[k], acts_n[k]);
             } else {
-                carry(&motion[k], to_m[k], dt_s * CARRIED_MPS, touches);
+                carry(&motion[k], to_m[k], touches ? 0.0 : dt_s * CARRIED_MPS);
             }
             intends_m[k] = to_m[k];
         }

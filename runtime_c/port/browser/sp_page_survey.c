@@ -37,7 +37,7 @@ static double pressed_n(double x_m, double y_m, double depth_m, uint32_t ticks, 
 /* Node `at` of n between two ends. */
 static double between(double first_m, double last_m, uint32_t at, uint32_t n)
 {
-    return n > 1 ? first_m + (last_m - first_m) * (double)at / (double)(n - 1) : first_m;
+    return n > 1U ? first_m + (last_m - first_m) * (double)at / (double)(n - 1U) : first_m;
 }
 
 const double *sp_page_survey(uint32_t columns, uint32_t rows, double depth_m, uint32_t ticks,
