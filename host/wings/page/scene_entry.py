@@ -42,7 +42,7 @@ def scene_entry(folder: Path, accept_edited: bool = False, with_map: bool = True
     """
     emitted = read_emission(folder, accept_edited)
     plan, space = emitted.plan, Workspace.of(emitted.plan)
-    with_map = with_map and plan.has_places
+    with_map = with_map and plan.has_places and plan.contact  # else no place is ever left
     module = page_module(folder, plan, with_map)
     return {
         "name": plan.scene.name,

@@ -105,12 +105,13 @@ def rows_of(pressed: Pressed, dtype: str) -> np.ndarray:
     return pressed.rows[:, 1:].astype(dtype)
 
 
-def test_the_force_shown_at_held_places_is_that_of_the_c(tmp_path: Path) -> None:
-    folder = emitted(tmp_path / "map", HELD, placed("plain", 2))
+@pytest.mark.parametrize("number", ["float32", "float64"])
+def test_the_force_shown_at_held_places_is_that_of_the_c(tmp_path: Path, number: str) -> None:
+    folder = emitted(tmp_path / "map", scene(number), placed("plain", 2))
     found = press_page(page_of(tmp_path, folder), map=PATHS)
     assert found.console == [] and found.found["errors"] == []
     assert found.csv.startswith("time_s,position_m,force_N,place_x_m,place_y_m\n")
-    rows = rows_of(found, "float32")
+    rows = rows_of(found, number)
     depth_m, force_n, places = rows[:, 0], rows[:, 1], rows[:, 2:].astype(float)
     asked = [(k, tuple(place)) for k, place in enumerate(places.tolist())]
     here_n, _ = called(SceneLibrary(folder), depth_m, np.zeros_like(depth_m), asked)
@@ -121,13 +122,15 @@ def test_the_force_shown_at_held_places_is_that_of_the_c(tmp_path: Path) -> None
     assert "self-test0 of" in found.found["proof"]
 
 
-def test_the_force_shown_along_a_slide_is_that_of_the_c(tmp_path: Path) -> None:
-    folder = emitted(tmp_path / "map", SLID, placed("plain", 2))
+@pytest.mark.parametrize("number", ["float32", "float64"])
+def test_the_force_shown_along_a_slide_is_that_of_the_c(tmp_path: Path, number: str) -> None:
+    like = replace(SLID, runtime=scene(number).runtime)
+    folder = emitted(tmp_path / "map", like, placed("plain", 2))
     found = press_page(page_of(tmp_path, folder), map=PATHS)
     assert found.console == [] and found.found["errors"] == []
     head = "time_s,position_m,force_N,place_x_m,place_y_m,lateral_x_N,lateral_y_N\n"
     assert found.csv.startswith(head)
-    rows = rows_of(found, "float32")
+    rows = rows_of(found, number)
     here_n, _ = slid(SceneLibrary(folder), rows[:, [2, 3, 0]])
     assert here_n.tobytes() == np.ascontiguousarray(rows[:, [4, 5, 1]]).tobytes()
     slides = rows[:, 0] > 0
@@ -153,7 +156,9 @@ def test_the_recording_on_the_page_is_rendered_at_its_place(tmp_path: Path, mode
 def test_a_page_of_one_place_has_no_code_of_maps(tmp_path: Path) -> None:
     one = page_of(tmp_path, emitted(tmp_path / "one", HELD, small_model())).read_text()
     folder = emitted(tmp_path / "map", HELD, placed("plain", 2))
-    for text in (one, session_page(folder)):
+    never_left = replace(HELD, guard=replace(HELD.guard, contact="always"))
+    always = page_of(tmp_path, emitted(tmp_path / "always", never_left, placed("plain", 2)))
+    for text in (one, session_page(folder), always.read_text()):
         assert not re.findall(r"\bmap[_-]\w+|ObjectMap|MapView|sp_page_map|survey", text)
     both = page_of(tmp_path, tmp_path / "one" / "c", folder)
     assert "ObjectMap" in both.read_text()

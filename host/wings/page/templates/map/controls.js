@@ -61,8 +61,9 @@ function press_map_with_keys(canvas) {
   };
   canvas.addEventListener("keydown", (event) => {
     if (map === null || intent === null || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.key in KEY_STEPS) step_place(KEY_STEPS[event.key]);
-    else if (event.key in acts && !(event.repeat && event.key === "Enter")) acts[event.key](performance.now());
+    const key = event.key === "M" ? "m" : event.key;
+    if (key in KEY_STEPS) step_place(KEY_STEPS[key]);
+    else if (key in acts && !(event.repeat && key === "Enter")) acts[key](performance.now());
     else return;
     event.preventDefault();
   });

@@ -30,9 +30,9 @@ class StiffnessPicture {
     context.putImageData(image, 0, 0);
   }
 
-  legend(context, box) {
+  legend(context, width) {
     const { map } = this, npmm = (npm) => (npm / 1e3).toPrecision(3);
-    const bar = { left: box.left, width: box.width, top: 20, height: 8 };
+    const bar = { left: SIDE, width: width - SIDE - EDGE, top: 20, height: 8 };
     const range = context.createLinearGradient(bar.left, 0, bar.left + bar.width, 0);
     for (const at of [0, 1, 2]) range.addColorStop(at / 2, colour(`--map-${at}`));
     context.fillStyle = range;

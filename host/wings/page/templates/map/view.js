@@ -59,7 +59,7 @@ class MapView {
     context.fillRect(box.left, box.top, box.width, box.height);
     if (found.colours) {
       this.stiffness.draw(context, box);
-      this.stiffness.legend(context, box);
+      this.stiffness.legend(context, width);
       this.axes(context, height);
     }
     this.trail(context);
