@@ -25,6 +25,6 @@ html_copy_source = False
 html_show_copyright = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
-html_extra_path = ["press.html", "press-recorded.html"]
+html_extra_path = ["press.html", "press-recorded.html", "press-lump.html"]
 html_show_sphinx = False
 highlight_language = "bash"  # blocks without a language are commands

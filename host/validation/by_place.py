@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from springpot.codegen.arrays import Samples
 from springpot.host.metrics import accuracy
+from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.recordings.quality.places import site_words, sites_of
 from springpot.trainer.recordings.recording import Recording
 
@@ -45,8 +44,7 @@ def place_line(errors: Sequence[PlaceError]) -> str:
         return ""
     percents = [error.rmse_percent_of_peak for error in errors]
     worst = max(errors, key=lambda error: error.rmse_percent_of_peak)
-    mean = float(np.exp(np.mean(np.log(np.maximum(percents, 1e-9)))))
     return (
-        f"{len(errors)} places: {mean:.3g} % of peak in geometric mean, worst "
+        f"{len(errors)} places: {geometric_mean(percents):.3g} % of peak in geometric mean, worst "
         f"{worst.rmse_percent_of_peak:.3g} % at {site_words(worst.place_m)}"
     )

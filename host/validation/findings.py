@@ -9,11 +9,14 @@ from springpot.host.metrics import SCORED_ABOVE_N, floor_words
 from springpot.host.pages.page import plain
 from springpot.host.stability.check import Stability
 from springpot.host.stability.judgement import Grade, judged_cases
+from springpot.host.validation.by_place import PlaceError, place_line
 from springpot.host.validation.error_parts import SpeedError
 from springpot.host.validation.relaxation import Hold, relaxed_share, settled_after_s
+from springpot.trainer.models.folds import geometric_mean
 
 _MOSTLY = 0.9  # of samples nearer than a hand can tell: good; below half: bad
 _ACCURATE_PERCENT = 5.0  # RMSE, of the peak, where no sample is above the scored force
+_WORST_PLACE = 2.0  # times the mean of all places
 _ONE_SIDED = 0.5  # mean error, of the RMSE
 _SHORT_S = 1.0  # of memory: a soft object remembers longer
 _UNRELAXED = 0.05  # of the force: what a hand may tell after a second
@@ -66,6 +69,18 @@ def accuracy_findings(
         if rendered
         else "check the zero and the tare of the recordings (springpot check)",
     )
+
+
+def by_place_findings(errors: Sequence[PlaceError]) -> Iterator[SceneFinding]:
+    """Where on the object the C is off most; none for fewer than two places."""
+    if len(errors) < 2:
+        return
+    percents = [error.rmse_percent_of_peak for error in errors]
+    worst = max(percents)
+    apart = worst > _ACCURATE_PERCENT and worst > _WORST_PLACE * geometric_mean(percents)
+    todo = "record sites nearer to each other there, as far apart as the smallest lump's radius"
+    grade = Grade.LOOK if apart else Grade.GOOD
+    yield SceneFinding("Places", grade, place_line(errors), todo if apart else "")
 
 
 def relaxation_finding(plan: Plan, hold: Hold, recorded: Hold | None) -> SceneFinding:

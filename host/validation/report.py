@@ -25,13 +25,16 @@ from springpot.host.stability.check import stability
 from springpot.host.stability.report import stability_section
 from springpot.host.stiffness import slope_words
 from springpot.host.validation import figures
+from springpot.host.validation.by_place import PlaceError
 from springpot.host.validation.error_parts import errors_by_speed
 from springpot.host.validation.findings import (
     accuracy_findings,
+    by_place_findings,
     code_findings,
     relaxation_finding,
     stability_finding,
 )
+from springpot.host.validation.place_figure import place_figure
 from springpot.host.validation.relaxation import recorded_hold, scene_hold
 from springpot.host.validation.store import Stored, read_validation
 
@@ -59,6 +62,7 @@ def write_report(folder: Path) -> Path:
     shares = model.provenance.get("importance", [])
     orders = getattr(model.features, "orders", ())
     typical = figures.typical_series(stored.series)
+    places = [PlaceError(**each) for each in result.get("places", [])]
     loops, loop_rows = figures.hysteresis_loops(typical)
     context = {
         "title": plan.scene.name,
@@ -69,6 +73,7 @@ def write_report(folder: Path) -> Path:
         "provenance": dict(model.provenance),
         "findings": [
             *accuracy_findings(result, mean_error_n, speeds),
+            *by_place_findings(places),
             relaxation_finding(plan, hold, recorded),
             stability_finding(checked),
             *code_findings(result, manifest),
@@ -80,6 +85,7 @@ def write_report(folder: Path) -> Path:
         "jnd_words": JND_WORDS,
         "speeds": speeds,
         "predictions": figures.prediction_figures(stored.series),
+        "by_place": place_figure(places, _extent_m(manifest)),
         "loops": loops,
         "loop_rows": loop_rows,
         "held": figures.held_forces(hold, recorded),
@@ -108,6 +114,12 @@ def _validated(folder: Path) -> tuple[Stored, Emitted]:
             "`springpot validate` again"
         )
     return stored, emitted
+
+
+def _extent_m(manifest: dict[str, Any]) -> tuple[list[float], list[float]] | None:
+    """Ends of the scene's map along x and y."""
+    places = manifest.get("places")
+    return None if places is None else (places["x_m"], places["y_m"])
 
 
 def by_hand(folder: Path) -> str:

@@ -22,13 +22,14 @@ _ARRAYS = ("position_m", "measured_n", "predicted_n")  # of a recording
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One validated recording: time step, and three arrays of shape (n,)."""
+    """One validated recording: time step, three arrays of shape (n,), and x and y, m, if known."""
 
     name: str
     dt_s: float
     position_m: NDArray[np.float64]
     measured_n: NDArray[np.float64]
     predicted_n: NDArray[np.float64]
+    place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
 
@@ -44,7 +45,9 @@ class Stored:
 def series_of(validation: Validation) -> list[Series]:
     """Return each recording beside the forces of the C."""
     pairs = zip(validation.recordings, validation.predicted_n, strict=True)
-    return [Series(r.name, r.dt_s, r.position_m, r.force_n, force_n) for r, force_n in pairs]
+    return [
+        Series(r.name, r.dt_s, r.position_m, r.force_n, force_n, r.place_m) for r, force_n in pairs
+    ]
 
 
 def store_validation(folder: Path, validation: Validation) -> None:
@@ -55,7 +58,11 @@ def store_validation(folder: Path, validation: Validation) -> None:
         "result": validation.as_dict(),
         "machine": machine_metadata(),
         "recordings": [
-            {"name": rec.name, "dt_s": rec.dt_s, "source": rec.source, "hash": rec.content_hash}
+            {
+                **{"name": rec.name, "dt_s": rec.dt_s, "source": rec.source},
+                "hash": rec.content_hash,
+                **({} if rec.place_m is None else {"place_m": list(rec.place_m)}),
+            }
             for rec in validation.recordings
         ],
     }
@@ -74,7 +81,12 @@ def read_validation(folder: Path) -> Stored:
         metadata = json.loads((target / _METADATA).read_text())
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             series = tuple(
-                Series(rec["name"], rec["dt_s"], *(stored[f"{name}_{i}"] for name in _ARRAYS))
+                Series(
+                    name=rec["name"],
+                    dt_s=rec["dt_s"],
+                    place_m=tuple(rec["place_m"]) if "place_m" in rec else None,
+                    **{name: stored[f"{name}_{i}"] for name in _ARRAYS},
+                )
                 for i, rec in enumerate(metadata["recordings"])
             )
             return Stored(metadata=metadata, series=series, tick_ns=stored["tick_ns"])

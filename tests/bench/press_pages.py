@@ -3,29 +3,26 @@
     python tests/bench/press_pages.py [--train DATA] [--picture]
 
 Emits the models of tests/golden/press and writes docs/press.html, five simulated silicones, one
-with a recording to compare, and docs/press-recorded.html, models of compressions that others
-recorded, which are not in the page. --train makes the models anew first; DATA: the folder where
-their ecoflex_compression lies. --picture: docs/press.gif, the first page while it is pressed.
-Needs clang and lld, the picture chromium.
+with a recording to compare; docs/press-recorded.html, models of compressions that others recorded,
+which are not in the page; and docs/press-lump.html, a simulated object to search. --train makes the
+models anew first; DATA: the folder where their ecoflex_compression lies. --picture: docs/press.gif,
+the first page while it is pressed, and docs/press-lump.png, the last one during a slide. Needs
+clang and lld, the pictures chromium.
 """
 
 import argparse
 import sys
 import tempfile
-import time
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-from PIL import Image
-
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from support.driven_browser import driven_browser
+from support.pages.press_pictures import draw_press, draw_slide
 from support.paths import ROOT
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
-from springpot.codegen.scene import Coupling, Runtime, Scene
+from springpot.codegen.scene import Coupling, Runtime, Scene, ScenePlaces
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
@@ -42,32 +39,48 @@ MODELS = ROOT / "tests" / "golden" / "press"
 SIMULATED = ("ecoflex-00-30", "ecoflex-00-10", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
 RECORDED = ("ecoflex-00-30-cylinder", "ecoflex-00-10-cylinder", "ecoflex-00-50-cylinder")
 STIFF = "ecoflex-00-30, five times stiffer"
-PAGES = {"press.html": (*SIMULATED, STIFF), "press-recorded.html": RECORDED}
+LUMP, SLID = "lump", "lump, slid over"
+PAGES = {
+    "press.html": (*SIMULATED, STIFF),
+    "press-recorded.html": RECORDED,
+    "press-lump.html": (LUMP, SLID),
+}
 ABOUT = {
     "press.html": "These objects are five silicone rubbers, simulated, and one that was made "
     "stiffer: add delay, press it hard, and it shakes.",
     "press-recorded.html": "These objects are real: cylinders of three silicone rubbers, 50 mm "
     "wide, compressed slowly by Abubakar Dawood (tissue-phantom-material-database, CC BY 4.0).",
+    "press-lump.html": "This object is a simulated soft layer with two lumps, recorded at 49 "
+    "places: find the stiffest with the colours off.",
 }
+# Its presses: those of the paper at five places, two at each of the others; of a tip of 8 mm.
+_PLACES = "[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 44\n"
+_TIP_MM = 8.0
 _REPEATS = 5  # of the ten compressions of a cylinder
 _HAND_M = 0.003
-_PRESS_S, _PRESSED_S = 1.8, 5.4
-_WIDTH, _COLOURS = 900, 64
 
 
 def page_scene(name: str) -> Scene:
     """The scene that is emitted for one of the objects."""
     runtime = Runtime(rate_hz=1000.0)  # compressions were sampled at 10 Hz
-    # The stiff one without coupling: what delay does to it is to be seen.
-    coupling = Coupling(mode="off" if name == STIFF else "auto")
-    return Scene(schema=1, name=name, model=f"{name}.spm", runtime=runtime, coupling=coupling)
+    # The stiff one without coupling: what delay does to it is to be seen; a slide has none.
+    coupling = Coupling(mode="off" if name in (STIFF, LUMP, SLID) else "auto")
+    places = ScenePlaces("lateral", _TIP_MM) if name == SLID else ScenePlaces()
+    return Scene(
+        schema=1,
+        name=name,
+        model=f"{name}.spm",
+        runtime=runtime,
+        coupling=coupling,
+        places=places,
+    )
 
 
 def page_model(name: str) -> Model:
     """The stored model of an object, or that of the first made stiffer."""
     if name == STIFF:
         return read_model(MODELS / f"{SIMULATED[0]}.spm").stiffened(5.0)
-    return read_model(MODELS / f"{name}.spm")
+    return read_model(MODELS / f"{LUMP if name == SLID else name}.spm")
 
 
 def main() -> None:
@@ -86,7 +99,8 @@ def main() -> None:
                 compare(folders[0], simulated(names[0], "validation", 2, place))
             write_press_page(folders, ROOT / "docs" / page, about=ABOUT[page])
         if asked.picture:
-            draw_picture(place)
+            draw_press(place)
+            draw_slide(place)
 
 
 def train(data: Path, place: Path) -> None:
@@ -94,6 +108,8 @@ def train(data: Path, place: Path) -> None:
     MODELS.mkdir(exist_ok=True)
     for name in SIMULATED:
         save(name, simulated(name, "paper", 1, place))
+    (place / "places.toml").write_text(_PLACES)
+    save(LUMP, simulated(LUMP, str(place / "places.toml"), 1, place))
     for name in RECORDED:
         sample = f"EF{name.split('-')[2]}_0T"
         files = [data / "ecoflex_compression" / sample / f"{sample}_A{repeat}.csv"
@@ -120,7 +136,7 @@ def save(name: str, recordings: list[Recording] | tuple[Recording, ...]) -> None
 
 def simulated(name: str, protocol: str, seed: int, place: Path) -> list[Recording]:
     """Recordings of a simulated silicone."""
-    url, folder = f"sim://{name}", place / f"{name}-{protocol}"
+    url, folder = f"sim://{name}", place / f"{name}-{Path(protocol).stem}"
     device = open_press_device(url, seed)
     record_session(device, url, protocol, load_protocol(protocol, seed), folder, lambda _: None)
     return read_recordings([folder])
@@ -136,39 +152,6 @@ def emitted(name: str, folder: Path) -> Path:
 def compare(folder: Path, recordings: list[Recording]) -> None:
     """Validate with the first recording: the page shows it."""
     store_validation(folder, validate(folder, recordings[:1], paced_s=0.1))
-
-
-def draw_picture(place: Path) -> None:
-    """Three presses, a picture after the other, each shown for as long as it took."""
-    frames: list[tuple[float, Image.Image]] = []
-    with driven_browser(place) as browser:
-        browser.open((ROOT / "docs" / "press.html").as_uri(), 1200, 700)
-        browser.until("document.body !== null && document.body.classList.contains('ready')")
-        left, top, width, height = browser.value(
-            "(() => { const box = document.getElementById('object').getBoundingClientRect();"
-            " return [box.left, box.top, box.width, box.height]; })()"
-        )
-        x, began_s = left + width / 2, time.monotonic()
-        browser.mouse("mousePressed", x, top + 0.3 * height)
-        # By the page's own clock: a screenshot holds everything else up.
-        browser.value(
-            f"(() => {{ const began = performance.now(); setInterval(() => {{ const y = {top} + "
-            f"{height} * (0.3 + 0.6 * Math.sin(Math.PI * (performance.now() - began) / "
-            f"{1e3 * _PRESS_S}) ** 2); document.getElementById('object').dispatchEvent(new "
-            f"PointerEvent('pointermove', {{clientX: {x}, clientY: y, pointerId: 1, buttons: 1, "
-            f"bubbles: true}})) }}, 5) }})()"
-        )
-        while (passed_s := time.monotonic() - began_s) < _PRESSED_S:
-            browser.screenshot(place / "frame.png")
-            with Image.open(place / "frame.png") as shown:
-                size = (_WIDTH, round(_WIDTH * shown.height / shown.width))
-                frames.append((passed_s, shown.convert("RGB").resize(size)))
-    starts_s, pictures = zip(*frames, strict=True)
-    palette = pictures[-1].quantize(_COLOURS)
-    reduced = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
-    lasts_ms = [round(1e3 * each) for each in np.diff([*starts_s, _PRESSED_S])]
-    reduced[0].save(ROOT / "docs" / "press.gif", save_all=True, append_images=reduced[1:],
-                    duration=lasts_ms, loop=0, optimize=True)  # fmt: skip
 
 
 if __name__ == "__main__":

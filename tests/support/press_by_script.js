@@ -63,7 +63,8 @@ addEventListener("load", async () => {
     change("picker", how.pick, "change");
     while (words("object-name") !== element("picker").selectedOptions[0].textContent) await wait(20);
   }
-  if (how.keys !== undefined) await press_with_keys(how.keys);
+  if (how.map !== undefined) await window.press_map(how.map);
+  else if (how.keys !== undefined) await press_with_keys(how.keys);
   else await press_with_pointer(how.path ?? there_and_back);
   const vibration = words("vibration"), state = words("notes");
   await wait(how.wait_ms ?? 600);

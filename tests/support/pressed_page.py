@@ -11,7 +11,7 @@ import numpy as np
 
 from support.browser import browse, console_errors
 
-_SCRIPT = Path(__file__).with_name("press_by_script.js")
+_SCRIPTS = [Path(__file__).with_name(name) for name in ("press_map.js", "press_by_script.js")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +29,9 @@ class Pressed:
 
 
 def press_page(page: Path, width: int = 1600, **how: Any) -> Pressed:
-    """Press it by script. how: `path`, `sliders`, `keys`, `pick`, `wait_ms` of the script."""
-    script = f"<script>window.how = {json.dumps(how)};\n{_SCRIPT.read_text()}</script>"
+    """Press it by script. how: `path`, `map`, `sliders`, `keys`, `pick`, `wait_ms` of it."""
+    text = "\n".join(script.read_text() for script in _SCRIPTS)
+    script = f"<script>window.how = {json.dumps(how)};\n{text}</script>"
     copy = page.with_name(f"pressed-{page.name}")
     copy.write_text(page.read_text().replace("<script ", script + "<script ", 1))
     done = browse(copy, width, "--virtual-time-budget=20000", "--dump-dom")

@@ -22,6 +22,8 @@ from springpot.native import Replay, SceneLibrary, missing_node, run_in_node
 # In the order in which they use each other.
 _SCRIPTS = ("scene.js", "intent.js", "trace.js", "canvas.js", "object_view.js", "plots.js",
             "sources.js", "readout.js", "controls.js", "main.js")  # fmt: skip
+_MAP_SCRIPTS = ("map/place.js", "map/object_map.js", "map/stiffness.js", "map/view.js",
+                "map/search.js", "map/controls.js")  # fmt: skip
 
 
 def write_press_page(
@@ -44,14 +46,14 @@ def write_press_page(
 
 def session_page(folder: Path, accept_edited: bool = False) -> str:
     """Return the page that shows a session of an emitted folder; raises as write_press_page."""
-    return press_page([scene_entry(folder, accept_edited)], "session")
+    return press_page([scene_entry(folder, accept_edited, with_map=False)], "session")
 
 
 def press_page(
     entries: Sequence[dict[str, Any]], source: Literal["hand", "session"], about: str = ""
 ) -> str:
     """Return the page's text. source: a hand on the page, or a session of `springpot run`."""
-    first = entries[0]
+    first, maps = entries[0], any("map" in entry for entry in entries)
     context = {
         "title": first["name"],
         "source": source,
@@ -66,7 +68,8 @@ def press_page(
         "delays": len(added_delays()),
         "damping_nspm": plain(DESIGN_HAND.damping_nspm),
         "scenes": Markup(json.dumps(entries).replace("<", "\\u003c")),
-        "scripts": _SCRIPTS,
+        "maps": maps,
+        "scripts": (*_SCRIPTS[:-1], *(_MAP_SCRIPTS if maps else ()), _SCRIPTS[-1]),
     }
     return page_text("press.html", context, "springpot.host.wings.page")
 

@@ -1,10 +1,8 @@
 """What the page holds of one emitted scene: its C as WebAssembly, and what to compare it with."""
 
 import base64
-import hashlib
 import json
 import re
-import tempfile
 import zlib
 from pathlib import Path
 from typing import Any
@@ -21,21 +19,14 @@ from springpot.emission import (
     Plan,
     backward_velocity,
     golden_positions,
-    prefixed,
     read_emission,
 )
 from springpot.figures import plain
 from springpot.host.wings.page.hands import hands_entry
+from springpot.host.wings.page.page_map import map_entry
+from springpot.host.wings.page.page_module import page_module, port_hash
 from springpot.loop import NOTE_WORDS
-from springpot.native import (
-    PORT_BROWSER,
-    PORT_WIRE,
-    SIM,
-    Replay,
-    SceneLibrary,
-    port_headers,
-    scene_module,
-)
+from springpot.native import Replay, SceneLibrary
 from springpot.simulation import Workspace
 from springpot.validation import Series, read_validation
 
@@ -43,14 +34,16 @@ MAX_RECORDED = 8000  # samples of a recording on the page: a few presses, some 4
 _FULL_SCALE = 32767
 
 
-def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
+def scene_entry(folder: Path, accept_edited: bool = False, with_map: bool = True) -> dict[str, Any]:
     """Return everything that the page needs of an emitted folder, for JSON.
 
-    Raises DataError for no emission, UsageError without the compiler for WebAssembly.
+    with_map: whether the page shows the map of a scene with places. Raises DataError for no
+    emission, UsageError without the compiler for WebAssembly.
     """
     emitted = read_emission(folder, accept_edited)
     plan, space = emitted.plan, Workspace.of(emitted.plan)
-    module = page_module(folder, plan)
+    with_map = with_map and plan.has_places and plan.contact  # else no place is ever left
+    module = page_module(folder, plan, with_map)
     return {
         "name": plan.scene.name,
         "what": _what(emitted),
@@ -68,38 +61,14 @@ def scene_entry(folder: Path, accept_edited: bool = False) -> dict[str, Any]:
         "notes": list(NOTE_WORDS.items()),
         "clamped": CLAMPED,
         "actions": {"stop": constant("STOP"), "reset": constant("RESET")},
-        "port": port_hash(),
+        "port": port_hash(plan if with_map else None),
         "hands": packed(json.dumps(hands_entry(plan)).encode()),
         "wasm": packed(module),
         "wasm_bytes": len(module),
-        "tick": packed(_tick_of(folder, plan).encode()),
-        "recording": _recording(folder, plan),
+        "tick": packed(_tick_of(folder, plan, with_map).encode()),
+        "recording": _recording(folder, plan, with_map),
+        **({"map": map_entry(plan)} if with_map else {}),
     }
-
-
-def page_module(folder: Path, plan: Plan) -> bytes:
-    """Return the emitted C, the simulated hand and the protocol as one WebAssembly module."""
-    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
-        prefix = plan.scene.runtime.prefix
-        text = (PORT_BROWSER / "sp_page.c").read_text()
-        page_c = Path(scratch) / "sp_page.c"
-        page_c.write_text(prefixed(text.replace('"sp_scene.h"', f'"{prefix}_scene.h"'), prefix))
-        for name, header in port_headers(folder, plan.real).items():
-            (page_c.parent / name).write_text(header)
-        declared = (PORT_BROWSER / "sp_page.h").read_text()
-        return scene_module(
-            folder,
-            sources=[page_c, PORT_WIRE / "sp_wire.c"],
-            include=[page_c.parent, PORT_BROWSER, PORT_WIRE, SIM],
-            exports=re.findall(r"\b(sp_page_\w+)\(", declared),
-        )
-
-
-def port_hash() -> str:
-    """Hash the C that joins a scene's in the page's module: a page that was kept may be older."""
-    sources = [*sorted(PORT_BROWSER.glob("*.[ch]")), SIM / "sim_hand.h",
-               *sorted(PORT_WIRE.glob("*.[ch]"))]  # fmt: skip
-    return hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()
 
 
 def packed(content: bytes) -> str:
@@ -112,13 +81,13 @@ def module_of(text: str) -> bytes:
     return zlib.decompress(base64.b64decode(text))
 
 
-def _tick_of(folder: Path, plan: Plan) -> str:
-    """Return the C function of one tick, as it was emitted."""
+def _tick_of(folder: Path, plan: Plan, with_map: bool) -> str:
+    """Return the C function of one tick, as it was emitted: of three axes where the tool slides."""
     prefix = plan.scene.runtime.prefix
     sources = [folder / f"{prefix}_scene.c", folder / f"{prefix}.c"]
     text = next(file for file in sources if file.exists()).read_text()
-    (found,) = re.findall(r"^/\* One tick with .*?^}$", text, re.MULTILINE | re.DOTALL)
-    return str(found)
+    one, *three = re.findall(r"^/\* One tick with .*?^}$", text, re.MULTILINE | re.DOTALL)
+    return str(three[0] if three and with_map else one)
 
 
 def _what(emitted: Emitted) -> str:
@@ -131,15 +100,22 @@ def _what(emitted: Emitted) -> str:
     return trained + (f"; edited: {', '.join(emitted.edited)}." if emitted.edited else ".")
 
 
-def _recording(folder: Path, plan: Plan) -> dict[str, Any] | None:
-    """Return the begin of the first recording that validated the folder; None without one."""
+def _recording(folder: Path, plan: Plan, with_map: bool) -> dict[str, Any] | None:
+    """Return the begin of the first recording that validated the folder; None without one.
+
+    That of a scene with places is of one place, which a page without the map cannot choose.
+    """
     try:
         stored = read_validation(folder)
     except DataError:
         return None
     series, rows = stored.series[0], slice(0, MAX_RECORDED)
+    if plan.has_places and (not with_map or series.place_m is None):
+        return None
     position = series.position_m[rows].astype(plan.dtype)
-    force, _ = Replay(SceneLibrary(folder)).run(position, backward_velocity(position, plan.dt_s))
+    velocity, place_m = backward_velocity(position, plan.dt_s), series.place_m
+    placed = {"place_m": place_m} if plan.has_places else {}
+    force, _ = Replay(SceneLibrary(folder)).run(position, velocity, **placed)
     measured, scale_n = _in_steps(series.measured_n[rows])
     return {
         "name": series.name,
@@ -148,6 +124,7 @@ def _recording(folder: Path, plan: Plan) -> dict[str, Any] | None:
         "scale_n": scale_n,
         "force_crc": f"{crc32c(force.tobytes()):08x}",
         "seen": _seen_words(stored.metadata["result"].get("seen"), series),
+        **placed,
     }
 
 

@@ -184,6 +184,10 @@ def test_a_reader_picks_a_recording(pages: dict[str, str], tmp_path: Path) -> No
         assert browser.value(shown) == [typical == 0, typical == 1]
 
 
+def test_a_report_without_places_has_no_map(pages: dict[str, str]) -> None:
+    assert "By place" not in pages["report"] and "worst-place" not in pages["report"]
+
+
 def test_every_grade_is_told_in_words(pages: dict[str, str]) -> None:
     for page in pages.values():
         grades = re.findall(r'<span class="grade ([a-z-]+)">([^<]*)</span>', page)

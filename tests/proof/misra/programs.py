@@ -110,6 +110,10 @@ def _ports() -> list[Program]:
                 (*headers, RUNTIME / "sim")),
         Program("page", (PORT / "browser" / "sp_page.c", wire),
                 (*headers, RUNTIME / "sim", wire.parent)),
+        *(Program(f"page {name}", tuple(PORT / "browser" / f"sp_page_{its}.c"
+                                        for its in ("map", "survey", name)),
+                  (*headers, RUNTIME / "sim"))
+          for name in ("held", "slid")),
     ]  # fmt: skip
     for sources in sorted({board.sources for board in BOARDS.values()}):
         board = tuple(mcu / name for name in sources)

@@ -13,8 +13,9 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.wings.page.hands import hands_entry
+from springpot.host.wings.page.page_map import map_entry
+from springpot.host.wings.page.page_module import port_hash
 from springpot.host.wings.page.press_page import press_page
-from springpot.host.wings.page.scene_entry import port_hash
 
 AGAIN = "write it again: python tests/bench/press_pages.py"
 CASES = [(page, name) for page, names in PAGES.items() for name in names]
@@ -36,7 +37,10 @@ def test_its_frame_is_the_templates(page: str) -> None:
     found = entries(page)
     assert [entry["name"] for entry in found] == list(PAGES[page])
     assert (ROOT / "docs" / page).read_text() == press_page(found, "hand", ABOUT[page]), AGAIN
-    assert all(entry["port"] == port_hash() for entry in found), AGAIN
+    for entry in found:
+        plan = make_plan(page_model(entry["name"]), page_scene(entry["name"]))
+        assert entry["port"] == port_hash(plan if plan.has_places else None), AGAIN
+        assert entry.get("map") == (map_entry(plan) if plan.has_places else None), AGAIN
 
 
 @pytest.mark.parametrize(("page", "name"), CASES)

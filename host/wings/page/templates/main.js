@@ -51,6 +51,9 @@ function start() {
 async function show(index) {
   if (trace !== undefined && trace.most_m > 0) loops.set(scene.entry.name, trace.loop());
   scene = await Scene.load(entries[index]);
+{% if maps %}
+  take_map();
+{% endif %}
   loops.delete(scene.entry.name);
   document.documentElement.dataset.object = index % 6;
   palette.clear();
@@ -81,7 +84,7 @@ function stop() {
 
 function download() {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([trace.csv()], { type: "text/csv" }));
+  link.href = URL.createObjectURL(new Blob([{{ "map?.csv(trace.csv()) ?? " if maps }}trace.csv()], { type: "text/csv" }));
   link.download = `${scene.entry.name}-pressed.csv`;
   link.click();
   URL.revokeObjectURL(link.href);
@@ -121,6 +124,9 @@ function frame(now_ms) {
   }
   if (had_room && trace.full) say(`${KEPT_S} s are in the file, and no more: start again to record anew.`);
   view.draw(trace, intent);
+{% if maps %}
+  draw_map(now_ms);
+{% endif %}
   draw_scope(find("scope"), trace, scale, still.matches);
   draw_loop(find("loop"), trace, scene, scale, Array.from(loops, ([name, points]) => ({ name, points })));
   if (trace.count > 0) read_tick(now_ms);
@@ -133,6 +139,9 @@ function frame(now_ms) {
 try {
   await show(0);
   listen();
+{% if maps %}
+  listen_to_map();
+{% endif %}
   document.body.classList.add("ready");
   requestAnimationFrame(frame);
 } catch (error) {
