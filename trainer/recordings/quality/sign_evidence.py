@@ -11,6 +11,7 @@ _END = 0.05  # of the travel: the force at an end is the median there
 _LEVEL = 0.05  # of the travel: at the greatest force all along
 _MIN_SAMPLES = 8  # of a slope
 _ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
+_NOTHING = 0.05  # of the greatest force
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
 _NOISES = 3.0  # standard deviations
 _DELAY = 0.5  # of a sample: channels that are read one after the other
@@ -33,6 +34,12 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
     if min(abs(least), abs(most)) > _ONE_SIDED * max(abs(least), abs(most)) and least * most < 0:
         return 0
     return _vote(high, low)
+
+
+def begins_at_no_force(x: Samples, f: Samples) -> bool:
+    """Whether force is next to nothing at the lower end, as it is where a tool touches nothing."""
+    low = x <= float(x.min()) + _END * float(np.ptp(x))
+    return abs(float(np.median(f[low]))) < _NOTHING * float(f.max())
 
 
 def deeper_by_slope(x: Samples, f: Samples) -> int:

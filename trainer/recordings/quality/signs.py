@@ -16,6 +16,7 @@ import numpy as np
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.sign_evidence import (
+    begins_at_no_force,
     correlation,
     deeper_by_force,
     deeper_by_slope,
@@ -35,7 +36,8 @@ class Signs:
     position_sign, force_sign: what to multiply each channel by. evidence: of the direction of
     both, from 0, where the data do not say, to 4.
     by_force: whether the force alone says so, and not only the slope.
-    softens: whether the slope falls with depth, with the signs above.
+    softens: whether the slope falls with depth, with the signs above, of a force that may have been
+    zeroed in the deepest press; of one that is nothing where the tool begins, foams and gels do so.
     dissipated_j: over `loops` closed loops, as recorded; None without a loop.
     energy: dissipated_j of a loop over travel and range of force, give or take energy_doubt.
     correlation: of the channels.
@@ -102,6 +104,8 @@ def find_signs(recording: Recording) -> Signs:
     if shape_vote < 0 and (tare_n := float(recording.details.get("tare_n", 0.0))):
         # Of an object that is mirrored, what was found for free air is its deepest press.
         force_vote = min(force_vote, deeper_by_force(x, raw_n + tare_n))
+    zeroed = "zero_force_n" in recording.details or "tare_n" in recording.details
+    sure = force_vote > 0 and not zeroed and begins_at_no_force(x, raw_n)
     evidence = force_vote + shape_vote
     inwards = -1 if evidence < 0 else 1  # the end of deeper positions
     return Signs(
@@ -109,7 +113,7 @@ def find_signs(recording: Recording) -> Signs:
         force_sign=inwards * relative,
         evidence=abs(evidence),
         by_force=force_vote * inwards > 0,
-        softens=shape_vote * inwards < 0,
+        softens=shape_vote * inwards < 0 and not sure,
         dissipated_j=lost.energy_j if lost.loops else None,
         loops=lost.loops,
         energy=energy,
@@ -176,8 +180,8 @@ def _sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
         mirrored = replace(signs, position_sign=-1, force_sign=-1)
         yield warning(
             "softening", recording.name, "the slope of force falls as position grows",
-            "this is an object that is pulled or buckles, or both signs are turned round",
-            f"if it was pressed, {_remedy(recording, mirrored)}",
+            "a foam, a gel and what is pulled or buckles do so; so does a mirror image",
+            f"if force was zeroed in the deepest press, {_remedy(recording, mirrored)}",
         )  # fmt: skip
 
 

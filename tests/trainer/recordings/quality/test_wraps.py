@@ -1,0 +1,30 @@
+"""A counter of position that wraps is refused; a tool that is drawn back at once is not."""
+
+import numpy as np
+import pytest
+
+from springpot.trainer.recordings.quality.report import check_recordings
+from springpot.trainer.recordings.recording import Recording
+
+
+def kinds(position_m: np.ndarray, force_n: np.ndarray, rate_hz: float) -> set[str]:
+    recording = Recording("a", position_m, force_n, 1.0 / rate_hz)
+    return {finding.kind for finding in check_recordings([recording]).findings}
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_wraps(seed: int) -> None:
+    """Of any size from 0.45 of the travel on, anywhere in the stroke, at any speed."""
+    rng = np.random.default_rng(seed)
+    rate_hz = float(rng.choice([100.0, 500.0, 1000.0]))
+    time_s = np.arange(0.0, 10.0, 1.0 / rate_hz)
+    position_m = 5e-3 * (1.0 - np.cos(2.0 * np.pi * rng.uniform(0.2, 2.0) * time_s))
+    force_n = 1e3 * position_m + rng.normal(0.0, 0.02, len(time_s))
+    assert "wrap" not in kinds(position_m, force_n, rate_hz)
+    assert "wrap" in kinds(np.mod(position_m, rng.uniform(0.5, 0.8) * 10e-3), force_n, rate_hz)
+
+
+@pytest.mark.parametrize("samples", [7, 20, 200])
+def test_a_tool_that_is_drawn_back_within_a_sample_is_no_wrap(samples: int) -> None:
+    position_m = 1e-3 * np.tile(np.linspace(0.0, 6.0, samples), 2000 // samples)
+    assert "wrap" not in kinds(position_m, 800.0 * position_m, 100.0)
