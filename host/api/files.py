@@ -43,7 +43,7 @@ def write_recording(path: File, recording: Recording) -> None:
 def import_recordings(
     path: File,
     columns: str = "",
-    zero: Zero = "none",
+    zero: Zero | None = "none",
     resample_hz: float | None = None,
     options: ImportOptions | None = None,
 ) -> list[Recording]:
