@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
+from sklearn.exceptions import NotFittedError
+from sklearn.utils.validation import check_is_fitted
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
@@ -16,6 +18,15 @@ from springpot.codegen.model.regressors import Forest
 # (tests/bench/tree_evidence.py).
 FEATURES_AT_SPLIT = 1.0
 ROWS_OF_A_TREE = 0.35
+# What to give in place of what is often given.
+_INSTEAD = {
+    "GradientBoostingRegressor": ": fit the last, which boosts trees too",
+    "GridSearchCV": ", here its best_estimator_",
+    "RandomizedSearchCV": ", here its best_estimator_",
+    "HalvingGridSearchCV": ", here its best_estimator_",
+    "Pipeline": ", bare: trees need no scaling",
+    "TransformedTargetRegressor": ", bare: trees need no scaling",
+}
 
 
 def depth_scale(span_m: float) -> float:
@@ -75,15 +86,21 @@ def boosted_forest(
 
 def ensemble_ir(regressor: Any) -> Forest:
     """Node table of an ensemble that was fitted elsewhere. Raises UsageError for other kinds."""
-    kind = type(regressor).__name__
-    if kind in {"RandomForestRegressor", "ExtraTreesRegressor"}:
-        return forest_ir(regressor)
-    if kind == "HistGradientBoostingRegressor":
-        return boosted_ir(regressor)
-    raise UsageError(
-        f"{kind}: give a fitted RandomForestRegressor, ExtraTreesRegressor or "
-        "HistGradientBoostingRegressor"
-    )
+    kind = regressor.__name__ if isinstance(regressor, type) else type(regressor).__name__
+    trees = {"RandomForestRegressor": forest_ir, "ExtraTreesRegressor": forest_ir}
+    made_of = {**trees, "HistGradientBoostingRegressor": boosted_ir}.get(kind)
+    if made_of is None:
+        raise UsageError(
+            f"{kind}: give a fitted RandomForestRegressor, ExtraTreesRegressor or "
+            f"HistGradientBoostingRegressor{_INSTEAD.get(kind, '')}"
+        )
+    try:
+        if isinstance(regressor, type):
+            raise NotFittedError
+        check_is_fitted(regressor)
+    except NotFittedError:
+        raise UsageError(f"{kind}: is not fitted: fit it on ensemble_data first") from None
+    return made_of(regressor)
 
 
 def forest_ir(regressor: Any) -> Forest:
