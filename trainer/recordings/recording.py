@@ -206,7 +206,9 @@ def zero_word(given: Any) -> Zero:
     for word in words:
         if isinstance(given, str) and given == word:
             return word  # type: ignore[no-any-return]
-    raise UsageError(f"zero={given!r}: give {', '.join(map(repr, words[:-1]))} or {words[-1]!r}")
+    raise UsageError(
+        f"zero={repr(given)[:60]}: give {', '.join(map(repr, words[:-1]))} or {words[-1]!r}"
+    )
 
 
 def _seconds(given: Any, name: str) -> float:
