@@ -13,10 +13,10 @@ Real = np.float32 | np.float64
 Reals = NDArray[Any]  # of a scene's number type
 
 
-def numbers(values: Any, argument: str) -> Samples:
+def given_numbers(values: Any, argument: str) -> Samples:
     """Float64 of an argument. Raises DataError that names it where it holds more than numbers.
 
-    >>> numbers([1, 2.5], "position_m")
+    >>> given_numbers([1, 2.5], "position_m")
     array([1. , 2.5])
     """
     if np.ma.is_masked(values):
@@ -34,8 +34,8 @@ def numbers(values: Any, argument: str) -> Samples:
 
 
 def kept_numbers(values: Any, argument: str) -> Samples:
-    """As `numbers`, in an array that nobody can write to: a copy, if the argument is none."""
-    found = numbers(values, argument)
+    """As `given_numbers`, in an array that nobody can write to: a copy, if the argument is none."""
+    found = given_numbers(values, argument)
     if found.flags.writeable or found.base is not None:
         found = found.copy()
         found.setflags(write=False)

@@ -7,7 +7,7 @@ import numpy as np
 from sklearn.base import clone
 from sklearn.metrics import r2_score
 
-from springpot.codegen.arrays import Indices, Samples, numbers
+from springpot.codegen.arrays import Indices, Samples, given_numbers
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
@@ -24,7 +24,7 @@ KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
 _CHECKED_ROWS = 5000
-# Of 1 - R2 of the same regressor on right features (tests/bench/own_trees.py).
+# Of 1 - R2 of the same regressor on right features (tests/bench/trees/own_trees.py).
 _TIMES, _MORE = 2.0, 0.005
 
 
@@ -148,9 +148,11 @@ def require_same_data(
 
 def _features(given: GivenFeatures, dt_s: float) -> Features:
     """Features themselves, or fractional derivatives of these orders, by default the paper's."""
-    if isinstance(given, Features):
+    if not (given is None or isinstance(given, Sequence | np.ndarray)):
         return given
-    orders = PAPER_ORDERS if given is None else tuple(numbers(given, "features").ravel().tolist())
+    orders = (
+        PAPER_ORDERS if given is None else tuple(given_numbers(given, "features").ravel().tolist())
+    )
     if not orders or not all(0.0 <= order <= 1.0 for order in orders):
         raise UsageError(f"features={given!r}: give Features, or orders from 0 to 1")
     return fractional_features(dt_s, None, orders=orders)

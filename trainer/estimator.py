@@ -10,7 +10,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted
 
-from springpot.codegen.arrays import Samples, numbers
+from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_model, kind_names
@@ -150,7 +150,7 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
                     "them to PositionRegressor, too"
                 )
             return value.position_m if name.startswith("X") else value.force_n
-        found = numbers(value, name)
+        found = given_numbers(value, name)
         if found.ndim != 1:
             raise DataError(
                 f"{name} has shape {found.shape}: {name[0]} is a list of sequences, one a "
@@ -181,6 +181,6 @@ def neg_rmse_n(estimator: Any, X: Sequences, y: Sequences) -> float:
     >>> cross_val_score(PositionRegressor("springpot"), X, y, scoring=neg_rmse_n).max() <= 0.0
     True
     """
-    forces = [one.force_n if isinstance(one, Recording) else numbers(one, "y") for one in y]
+    forces = [one.force_n if isinstance(one, Recording) else given_numbers(one, "y") for one in y]
     errors_n = np.concatenate(estimator.predict(X)) - np.concatenate(forces)
     return -float(np.sqrt(np.mean(np.square(errors_n))))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from springpot.codegen.arrays import numbers
+from springpot.codegen.arrays import given_numbers
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
 from springpot.files import File
@@ -74,7 +74,7 @@ class LoadedScene:
                     f"at {1.0 / self.dt_s:g} Hz: springpot.validate replays it between the samples"
                 )
             position_m = position_m.position_m
-        position = numbers(position_m, "position_m").astype(self._library.dtype)
+        position = given_numbers(position_m, "position_m").astype(self._library.dtype)
         if position.ndim != 1 or not len(position):
             raise UsageError(f"positions of shape {position.shape}: give (n,), n above 0")
         if velocity_mps is None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import TypeAdapter, ValidationError
 
-from springpot.codegen.arrays import Samples, numbers
+from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
@@ -145,7 +145,7 @@ def predict(
         recording = position_m if dt_s is None else replace(position_m, dt_s=dt_s)
         doubts += sign_doubts([recording])
     else:
-        positions = numbers(position_m, "position_m")
+        positions = given_numbers(position_m, "position_m")
         if positions.ndim != 1:
             raise DataError(f"position_m: shape {positions.shape}: give (n,), one press at a time")
         step_s = model.dt_s if dt_s is None else dt_s

@@ -15,7 +15,7 @@ from springpot.codegen.model.regressors import Forest
 # The paper gives neither. With a third of the features at a split, leaves follow features that lag
 # behind the force, and up to 15 of 30 small-signal cells of the forest were not passive; with
 # all of them none. Few rows a tree make up for the time and halve the nodes
-# (tests/bench/tree_evidence.py).
+# (tests/bench/trees/tree_evidence.py).
 FEATURES_AT_SPLIT = 1.0
 ROWS_OF_A_TREE = 0.35
 # What to give in place of what is often given.
@@ -71,7 +71,7 @@ def boosted_forest(
     """Gradient-boosted trees of depth 4; monotone: force never falls as a derivative rises.
 
     By default so for the upper half of the orders only: they lead the motion, and a force that
-    falls as they rise yields energy (tests/bench/tree_evidence.py).
+    falls as they rise yields energy (tests/bench/trees/tree_evidence.py).
     """
     n = features.shape[1]
     regressor = HistGradientBoostingRegressor(

@@ -15,7 +15,7 @@ from springpot.trainer.recordings.recording_name import require_recording_name
 Zero = Literal["none", "first", "min"]
 
 RECORDING_SUFFIX = ".h5"
-FRAME = "frame"  # source of what a table held
+FRAME_SOURCE = "frame"  # source of what a table held
 _MOST_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
@@ -105,7 +105,7 @@ class Recording(Faces):
         # Without the outermost hundredths: a spike is held, not refused.
         low_m, high_m = np.quantile(self.position_m, (0.01, 0.99), method="nearest").tolist()
         travel_m = high_m - low_m
-        if travel_m > _MOST_M and self.source in ("", FRAME):
+        if travel_m > _MOST_M and self.source in ("", FRAME_SOURCE):
             raise DataError(
                 f"{self.name}: position_m spans {travel_m:.4g} m: are these mm? give positions in "
                 "metres"
@@ -115,7 +115,7 @@ class Recording(Faces):
     def from_frame(
         cls,
         frame: Any,
-        name: str = FRAME,
+        name: str = FRAME_SOURCE,
         *,
         time: Hashable = "time_s",
         position: Hashable = "position_m",

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples, numbers
+from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import UsageError
 from springpot.trainer.recordings.formats.column_map import split_unit, stated_hz
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.units import FRAME_NAME, Quantity, choose_unit
-from springpot.trainer.recordings.recording import FRAME
+from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 200  # letters of all names
 
@@ -33,13 +33,13 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         values = np.asarray(frame[label])
         if quantity == "time" and values.dtype.kind in "mM":  # durations, dates
             digit_s = _step_s(values.dtype)
-            scaled[quantity] = numbers((values - values[:1]) / np.timedelta64(1, "s"), where)
+            scaled[quantity] = given_numbers((values - values[:1]) / np.timedelta64(1, "s"), where)
             units[quantity] = {"unit": "s", "from": "map"}  # its type states the unit
             continue
         own = split_unit(label, quantity)[1] if isinstance(label, str) else None
         texts = {"map": stated, FRAME_NAME: own}
         unit = choose_unit(texts, quantity, where, str(label), in_python=True)
-        scaled[quantity] = numbers(values, where) * unit.to_si
+        scaled[quantity] = given_numbers(values, where) * unit.to_si
         units[quantity] = unit.metadata()
     for quantity, column in columns.items():
         if quantity not in scaled:
@@ -54,7 +54,7 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         scaled["position"],
         scaled["force"],
         digit_s,
-        FRAME,
+        FRAME_SOURCE,
         lambda sample: sample,
         {"units": units},
         in_python=True,

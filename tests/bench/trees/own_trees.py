@@ -1,6 +1,6 @@
 """Errors of the check that an ensemble saw the features of `ensemble_data`, on the five objects.
 
-python tests/bench/own_trees.py [OBJECT ...]
+python tests/bench/trees/own_trees.py [OBJECT ...]
 Counts right ensembles, weak ones too, that are refused, and wrong ones that are taken.
 """
 
