@@ -92,7 +92,7 @@ def fit_model(
     options, warnings = _default_smoothing(recordings, options)
     data = training_set(recordings, options.smooth_s)
     data = replace(data, warnings=(*data.warnings, *warnings))
-    watched = WatchedOptions(options)
+    watched = WatchedOptions.of(options)
     fit = fit_kind(kind, name, data, watched, validation)
     told = [f"{option}: changes nothing in a model of kind {kind}" for option in watched.unread()]
     return replace(fit, warnings=(*fit.warnings, *told))

@@ -56,10 +56,12 @@ class FitOptions:
 class WatchedOptions(FitOptions):
     """Options that know which of them were read: the others changed nothing."""
 
-    def __init__(self, options: FitOptions) -> None:
+    @classmethod
+    def of(cls, options: FitOptions) -> "WatchedOptions":
         """Copy options, none of them read yet."""
-        super().__init__(**{name: getattr(options, name) for name in _DEFAULTS})
-        object.__setattr__(self, "_read", set())
+        watched = cls(**{name: getattr(options, name) for name in _DEFAULTS})
+        object.__setattr__(watched, "_read", set())
+        return watched
 
     def __getattribute__(self, name: str) -> Any:
         if name in _DEFAULTS:

@@ -167,7 +167,7 @@ MIXED = np.random.default_rng(0).permutation(TIME_S)
 JITTER_S = TIME_S + np.random.default_rng(1).uniform(-2e-4, 2e-4, len(TIME_S))
 REFUSED_TABLES = {
     "no unit": (renamed(("time_s", "x", "force_n")), {"position": "x"}, "position='x:UNIT'"),
-    "mixed rows": (table(time_s=MIXED), {}, "time='"),
+    "mixed rows": (table(time_s=MIXED), {}, "time='RATEHz'"),
     "stamps that stand still": (table(time_s=np.floor(10 * TIME_S) / 10), {}, "time='RATEHz'"),
     "uneven": (table(time_s=JITTER_S), {}, "resample_hz=1000"),
     "too fine": (table(), {"resample_hz": 1e9}, "lower resample_hz"),

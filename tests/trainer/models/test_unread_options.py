@@ -33,8 +33,15 @@ def test_an_option_that_is_said_to_change_nothing_changes_nothing(kind: str) -> 
     assert ("n_centers" in said) == (kind not in ("rbf-fd", "rbf-pv"))
 
 
+@pytest.mark.parametrize("kind", ["auto", "hybrid"])
+def test_kinds_that_choose_options_of_their_own_are_fitted(kind: str) -> None:
+    """With `dataclasses.replace`, which reads them all."""
+    fit = fit_model(kind, "x", training()[:3], SMALL)
+    assert kind == "hybrid" or not [line for line in fit.warnings if SAID in line]
+
+
 def test_watched_options_are_options() -> None:
-    watched = WatchedOptions(SMALL)
+    watched = WatchedOptions.of(SMALL)
     assert watched.unread() == ["trees", "leaf", "n_centers"]
     assert watched.trees == 4
     assert watched.unread() == ["leaf", "n_centers"]
