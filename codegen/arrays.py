@@ -1,11 +1,42 @@
-"""Names for arrays that every floor uses."""
+"""Names for arrays that every floor uses, and arrays of what a person gives."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.errors import DataError
+
 Samples = NDArray[np.float64]
 Indices = NDArray[np.intp]  # indices of samples
 Real = np.float32 | np.float64
 Reals = NDArray[Any]  # of a scene's number type
+
+
+def given_numbers(values: Any, argument: str) -> Samples:
+    """Float64 of an argument. Raises DataError that names it where it holds more than numbers.
+
+    >>> given_numbers([1, 2.5], "position_m")
+    array([1. , 2.5])
+    """
+    if np.ma.is_masked(values):
+        raise DataError(f"{argument}: has masked samples: cut or repair them in the source")
+    what = "more than numbers"
+    try:
+        given = np.asarray(values)
+        if given.dtype.kind in "iufO":
+            found: Samples = given.astype(np.float64, copy=False)
+            return found
+        what = str(given.dtype)  # truths, text, dates, complex numbers
+    except (TypeError, ValueError):
+        pass
+    raise DataError(f"{argument}: holds {what}: give one number a sample")
+
+
+def kept_numbers(values: Any, argument: str) -> Samples:
+    """As `given_numbers`, in an array that nobody can write to: a copy, if the argument is none."""
+    found = given_numbers(values, argument)
+    if found.flags.writeable or found.base is not None:
+        found = found.copy()
+        found.setflags(write=False)
+    return found

@@ -10,26 +10,29 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
-from springpot.trainer.models.limited import limited_n
+from springpot.trainer.models.limited import extrapolation, limited_n
 from springpot.trainer.paper import PAPER_SMOOTH_S
 from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.recording import Recording, Zero, zero_word
+
+Sequences = Sequence[ArrayLike | Recording]
 
 
 class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """Force of an object from the positions of a tool.
 
     A sample is a recording: X is a list of position sequences (m, positive into the object), y a
-    list of force sequences (N, positive out of it), each of shape (n,) and of any length. So a
-    cross-validation holds out whole recordings.
+    list of force sequences (N, positive out of it), each of shape (n,) and of any length; or both
+    are lists of `Recording`. So a cross-validation holds out whole recordings. Score it by default
+    or with scoring=`neg_rmse_n`: scikit-learn's own take samples for outputs, and are refused.
 
-    kind: a name of `springpot train --model`. dt_s: time between samples.
-    zero: "none" where position 0 is the object's surface, else "first" or "min".
+    kind: a name of `springpot train --model`. dt_s: time between samples, s.
+    zero: "none" or None where position 0 is the object's surface, else "first" or "min".
     Other parameters as in FitOptions. After fit: model_ is a Model, for `springpot.write_model` and
     `springpot.emit`, fit_ what it took.
 
@@ -43,10 +46,10 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     def __init__(
         self,
-        kind: str = "rf-fd",
+        kind: str = "auto",
         dt_s: float = 1e-3,
         *,
-        zero: Zero = "none",
+        zero: Zero | None = "none",
         random_state: int = 0,
         fraction: float | None = None,
         window_s: float | None = None,
@@ -70,7 +73,7 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.centers = centers
         self.monotone = monotone
 
-    def fit(self, X: Sequence[ArrayLike], y: Sequence[ArrayLike]) -> "PositionRegressor":
+    def fit(self, X: Sequences, y: Sequences) -> "PositionRegressor":
         """Fit on recordings, checked as `springpot check` does; what is doubtful is a UserWarning.
 
         Training data is smoothed over smooth_s; fractions of rows are drawn from all recordings.
@@ -79,17 +82,16 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         """
         if self.kind not in kind_names():
             raise UsageError(f"kind {self.kind!r}: use one of {', '.join(kind_names())}")
-        positions, forces = _sequences(X, "X"), _sequences(y, "y")
+        positions, forces = self._sequences(X, "X"), self._sequences(y, "y")
         if len(positions) != len(forces):
             raise DataError(f"{len(positions)} position and {len(forces)} force sequences: pair")
         recordings = [
-            Recording(f"recording {i}", position_m, force_n, self.dt_s, zero=self.zero)
+            Recording(f"recording {i}", position_m, force_n, self.dt_s, zero=zero_word(self.zero))
             for i, (position_m, force_n) in enumerate(zip(positions, forces, strict=True))
         ]
         quality = check_recordings(recordings)
         quality.refuse()
-        for finding in quality.findings:
-            warnings.warn(finding.line, stacklevel=2)
+        said = dict.fromkeys(finding.text for finding in quality.findings)
         options = FitOptions(
             seed=self.random_state,
             fraction=self.fraction,
@@ -103,27 +105,29 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         )
         self.fit_ = fit_model(self.kind, self.kind, recordings, options)
         self.model_ = self.fit_.model
+        for line in dict.fromkeys((*said, *self.fit_.warnings)):
+            warnings.warn(line, UserWarning, stacklevel=2)
         return self
 
-    def predict(self, X: Sequence[ArrayLike]) -> list[Samples]:
+    def predict(self, X: Sequences) -> list[Samples]:
         """Force along each position sequence, N, a list of arrays of shape (n,).
 
-        At least 0 at a surface, as in C. Raises DataError for positions as in millimetres.
+        At least 0 at a surface, as in C. A UserWarning says which go beyond the training presses.
+        Raises DataError for positions as in millimetres.
         """
         check_is_fitted(self)
-        return [
-            limited_n(
-                self.model_,
-                Recording(f"X[{i}]", position_m, np.zeros_like(position_m), self.dt_s, self.zero),
-            )
-            for i, position_m in enumerate(_sequences(X, "X"))
-        ]
+        found = _Forces()
+        for i, position_m in enumerate(self._sequences(X, "X")):
+            still_n = np.zeros_like(position_m)
+            recording = Recording(f"X[{i}]", position_m, still_n, self.dt_s, zero_word(self.zero))
+            found.append(limited_n(self.model_, recording))
+            if doubt := extrapolation(self.model_, recording):
+                warnings.warn(doubt, UserWarning, stacklevel=2)
+        return found
 
-    def score(
-        self, X: Sequence[ArrayLike], y: Sequence[ArrayLike], sample_weight: ArrayLike | None = None
-    ) -> float:
+    def score(self, X: Sequences, y: Sequences, sample_weight: ArrayLike | None = None) -> float:
         """R^2 over all samples of all recordings; sample_weight: one a recording."""
-        predicted, measured = self.predict(X), _sequences(y, "y")
+        predicted, measured = self.predict(X), self._sequences(y, "y")
         weight = None
         if sample_weight is not None:
             lengths = [len(force_n) for force_n in measured]
@@ -132,13 +136,51 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             r2_score(np.concatenate(measured), np.concatenate(predicted), sample_weight=weight)
         )
 
+    def _sequences(self, values: Sequences, name: str) -> list[Samples]:
+        """Positions, for X, or forces, for y, of each recording, (n,)."""
+        return [self._sequence(value, f"{name}[{i}]") for i, value in enumerate(values)]
 
-def _sequences(values: Sequence[Any], name: str) -> list[Samples]:
-    sequences = [np.asarray(value, dtype=np.float64) for value in values]
-    for i, sequence in enumerate(sequences):
-        if sequence.ndim != 1:
+    def _sequence(self, value: ArrayLike | Recording, name: str) -> Samples:
+        if isinstance(value, Recording):
+            if not np.isclose(value.dt_s, self.dt_s, rtol=1e-3) or value.zero != zero_word(
+                self.zero
+            ):
+                raise DataError(
+                    f"{name}: {value.name} has dt_s={value.dt_s:g} and zero={value.zero!r}: give "
+                    "them to PositionRegressor, too"
+                )
+            return value.position_m if name.startswith("X") else value.force_n
+        found = given_numbers(value, name)
+        if found.ndim != 1:
             raise DataError(
-                f"{name}[{i}] has shape {sequence.shape}: {name} is a list of sequences, one a "
+                f"{name} has shape {found.shape}: {name[0]} is a list of sequences, one a "
                 "recording, each of shape (n,)"
             )
-    return sequences
+        return found
+
+
+class _Forces(list[Samples]):
+    """Forces of recordings: a list that is no table, whatever their lengths.
+
+    scikit-learn would take recordings of one length for rows and their samples for outputs, and
+    average errors over outputs.
+    """
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
+        raise UsageError(
+            "forces of recordings are no table of outputs: leave scoring out (R2 over all samples) "
+            "or give scoring=springpot.neg_rmse_n; numpy.stack makes a table of one length"
+        )
+
+
+def neg_rmse_n(estimator: Any, X: Sequences, y: Sequences) -> float:
+    """Minus the RMSE of a fitted estimator over all samples of all recordings, N.
+
+    A scorer of scikit-learn, for `PositionRegressor` and pipelines that end with one.
+
+    >>> cross_val_score(PositionRegressor("springpot"), X, y, scoring=neg_rmse_n).max() <= 0.0
+    True
+    """
+    forces = [one.force_n if isinstance(one, Recording) else given_numbers(one, "y") for one in y]
+    errors_n = np.concatenate(estimator.predict(X)) - np.concatenate(forces)
+    return -float(np.sqrt(np.mean(np.square(errors_n))))

@@ -113,7 +113,12 @@ if TYPE_CHECKING:
     from springpot.trainer.ensemble import (
         from_ensemble as from_ensemble,
     )
-    from springpot.trainer.estimator import PositionRegressor as PositionRegressor
+    from springpot.trainer.estimator import (
+        PositionRegressor as PositionRegressor,
+    )
+    from springpot.trainer.estimator import (
+        neg_rmse_n as neg_rmse_n,
+    )
     from springpot.trainer.kinds import kind_names as kind_names
     from springpot.trainer.models.fit import Fit as Fit
     from springpot.trainer.models.fit import FitOptions as FitOptions

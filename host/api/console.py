@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from springpot.host.console.options import (
         accept_edited_option as accept_edited_option,
     )
+    from springpot.host.console.options import (
+        recordings_given as recordings_given,
+    )
     from springpot.host.console.output import (
         json_option as json_option,
     )

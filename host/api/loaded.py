@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from springpot.codegen.arrays import given_numbers
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
 from springpot.files import File
+from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.host.native.replay import Replay
@@ -57,15 +59,22 @@ class LoadedScene:
         return float(self.manifest["dt_s"])
 
     def run(
-        self, position_m: ArrayLike, velocity_mps: ArrayLike | None = None
+        self, position_m: ArrayLike | Recording, velocity_mps: ArrayLike | None = None
     ) -> tuple[NDArray[Any], NDArray[np.int32]]:
         """Forces (n,), N, and notes (n,) of a tick for each position (n,), m, from a fresh state.
 
-        velocity_mps: (n,), m/s; by default backward differences of the positions. Inputs are
-        rounded to the scene's number type, which the forces have. Notes are bits of sp_notes.h.
-        Raises UsageError for other shapes.
+        position_m: also a `Recording` at the scene's rate. velocity_mps: (n,), m/s; by default
+        backward differences of the positions. Inputs are rounded to the scene's number type, which
+        the forces have. Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates.
         """
-        position = np.asarray(position_m, dtype=self._library.dtype)
+        if isinstance(position_m, Recording):
+            if not np.isclose(position_m.dt_s, self.dt_s, rtol=1e-3):
+                raise UsageError(
+                    f"{position_m.name} is sampled at {position_m.rate_hz:g} Hz, the scene ticks "
+                    f"at {1.0 / self.dt_s:g} Hz: springpot.validate replays it between the samples"
+                )
+            position_m = position_m.position_m
+        position = given_numbers(position_m, "position_m").astype(self._library.dtype)
         if position.ndim != 1 or not len(position):
             raise UsageError(f"positions of shape {position.shape}: give (n,), n above 0")
         if velocity_mps is None:

@@ -3,7 +3,7 @@
 import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import TypeAdapter, ValidationError
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import UsageError
+from springpot.codegen.arrays import Samples, given_numbers
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.files import File, given_model, read_recordings, write_model
@@ -122,30 +122,40 @@ def train(
     return fit
 
 
-def predict(model: Model | Fit | File, position_m: ArrayLike, dt_s: float | None = None) -> Samples:
+def predict(
+    model: Model | Fit | File, position_m: ArrayLike | Recording, dt_s: float | None = None
+) -> Samples:
     """Force of the model itself along positions (n,), m: (n,), N, in float64; >= 0 at a surface.
 
-    dt_s: time between samples, s, where it is known: another one than the model's is a DataError,
-    and so are positions ten times deeper than the training presses, as in millimetres. From 1.5
-    times on a UserWarning says that the force is an extrapolation.
+    position_m: also a `Recording`, which says its time step and zero itself. dt_s: time between
+    samples, s, where it is known: another one than the model's is a DataError, and so are positions
+    ten times deeper than the training presses, as in millimetres. A UserWarning says from 1.5 times
+    on that the force is an extrapolation, and of a recording that its signs are no object's.
 
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
     """
     from springpot.trainer.models.compatibility import require_compatible, zero_of
-    from springpot.trainer.models.limited import DEEP, limited_n, times_trained
+    from springpot.trainer.models.limited import extrapolation, limited_n
+    from springpot.trainer.recordings.quality.signs import sign_doubts
 
     model = given_model(model)
-    positions = np.asarray(position_m, dtype=np.float64)
-    step_s = model.dt_s if dt_s is None else dt_s
-    still_n = np.zeros_like(positions)
-    recording = Recording("positions", positions, still_n, step_s, zero_of(model))
+    doubts = []
+    if isinstance(position_m, Recording):
+        recording = position_m if dt_s is None else replace(position_m, dt_s=dt_s)
+        doubts += sign_doubts([recording])
+    else:
+        positions = given_numbers(position_m, "position_m")
+        if positions.ndim != 1:
+            raise DataError(f"position_m: shape {positions.shape}: give (n,), one press at a time")
+        step_s = model.dt_s if dt_s is None else dt_s
+        still_n = np.zeros_like(positions)
+        recording = Recording("position_m", positions, still_n, step_s, zero_of(model))
     require_compatible(recording, model)
     force_n = limited_n(model, recording)
-    times = times_trained(model, recording)
-    if times > DEEP:
-        text = f"positions go to {times:.3g} times the trained depth: the force is an extrapolation"
-        warnings.warn(text, UserWarning, stacklevel=2)
+    for doubt in (*doubts, extrapolation(model, recording)):
+        if doubt:
+            warnings.warn(doubt, UserWarning, stacklevel=2)
     return force_n
 
 

@@ -1,10 +1,14 @@
 """Types of command-line options that click does not bring."""
 
 import math
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
 import click
+
+_Command = Callable[..., Any]
 
 
 class FiniteRange(click.FloatRange):
@@ -41,6 +45,27 @@ SEED = click.IntRange(0, 2**32 - 1)
 POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)
 PERCENT = Percent()
+
+
+def recordings_given(help_text: str) -> Callable[[_Command], _Command]:
+    """Take recordings behind a command's other arguments or by --recording, as `recordings`."""
+
+    def decorate(command: _Command) -> _Command:
+        @wraps(command)
+        def merged(*, recordings: tuple[str, ...], named: tuple[str, ...], **others: Any) -> Any:
+            if not recordings and not named:
+                raise click.UsageError("Missing recordings: give files or folders of them")
+            return command(recordings=(*recordings, *named), **others)
+
+        by_place = click.argument("recordings", nargs=-1, type=click.Path(), metavar="REC...")
+        by_name = click.option(
+            "--recording", "named", multiple=True, type=click.Path(), metavar="REC",
+            help=f"{help_text}; the same as REC. May be repeated.",
+        )  # fmt: skip
+        return by_place(by_name(merged))
+
+    return decorate
+
 
 accept_edited_option = click.option(
     "--accept-edited",

@@ -210,9 +210,13 @@ def _activity(checked: Check) -> list[str]:
     inside, outside = checked.model_map.active(False), checked.model_map.active(True)
     if not inside[0] and not outside[0]:
         return []
+    places = (
+        (inside, "small-signal cells"),
+        (outside, "small-signal cells beyond the trained depth"),
+    )
+    cells = [f"{active} of {tried} {where}" for (active, tried), where in places if active]
     return [
-        f"the model is not passive in {inside[0]} of {inside[1]} small-signal cells, and in "
-        f"{outside[0]} of {outside[1]} beyond the trained depth: `springpot stability` shows what "
+        f"the model is not passive in {', and in '.join(cells)}: `springpot stability` shows what "
         "a hand makes of it"
     ]
 

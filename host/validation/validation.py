@@ -33,6 +33,7 @@ from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.limited import limited_each_n
 from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
+from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -127,6 +128,8 @@ def validate(
                 f"{recording.name}: has no place, and this scene has a map of them: give it on "
                 "import, --place X,Y"
             )
+    for doubt in sign_doubts([item for item in recordings if not is_log_of(item, emitted.hash)]):
+        caution(doubt)
     library = SceneLibrary(folder)
     # What the C carries is a part of it; the hash is of what was built, edits and all.
     stored = json.loads((folder / "manifest.json").read_text())

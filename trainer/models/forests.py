@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
+from sklearn.exceptions import NotFittedError
+from sklearn.utils.validation import check_is_fitted
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
@@ -13,9 +15,18 @@ from springpot.codegen.model.regressors import Forest
 # The paper gives neither. With a third of the features at a split, leaves follow features that lag
 # behind the force, and up to 15 of 30 small-signal cells of the forest were not passive; with
 # all of them none. Few rows a tree make up for the time and halve the nodes
-# (tests/bench/tree_evidence.py).
+# (tests/bench/trees/tree_evidence.py).
 FEATURES_AT_SPLIT = 1.0
 ROWS_OF_A_TREE = 0.35
+# What to give in place of what is often given.
+_INSTEAD = {
+    "GradientBoostingRegressor": ": fit the last, which boosts trees too",
+    "GridSearchCV": ", here its best_estimator_",
+    "RandomizedSearchCV": ", here its best_estimator_",
+    "HalvingGridSearchCV": ", here its best_estimator_",
+    "Pipeline": ", bare: trees need no scaling",
+    "TransformedTargetRegressor": ", bare: trees need no scaling",
+}
 
 
 def depth_scale(span_m: float) -> float:
@@ -60,7 +71,7 @@ def boosted_forest(
     """Gradient-boosted trees of depth 4; monotone: force never falls as a derivative rises.
 
     By default so for the upper half of the orders only: they lead the motion, and a force that
-    falls as they rise yields energy (tests/bench/tree_evidence.py).
+    falls as they rise yields energy (tests/bench/trees/tree_evidence.py).
     """
     n = features.shape[1]
     regressor = HistGradientBoostingRegressor(
@@ -75,15 +86,21 @@ def boosted_forest(
 
 def ensemble_ir(regressor: Any) -> Forest:
     """Node table of an ensemble that was fitted elsewhere. Raises UsageError for other kinds."""
-    kind = type(regressor).__name__
-    if kind in {"RandomForestRegressor", "ExtraTreesRegressor"}:
-        return forest_ir(regressor)
-    if kind == "HistGradientBoostingRegressor":
-        return boosted_ir(regressor)
-    raise UsageError(
-        f"{kind}: give a fitted RandomForestRegressor, ExtraTreesRegressor or "
-        "HistGradientBoostingRegressor"
-    )
+    kind = regressor.__name__ if isinstance(regressor, type) else type(regressor).__name__
+    trees = {"RandomForestRegressor": forest_ir, "ExtraTreesRegressor": forest_ir}
+    made_of = {**trees, "HistGradientBoostingRegressor": boosted_ir}.get(kind)
+    if made_of is None:
+        raise UsageError(
+            f"{kind}: give a fitted RandomForestRegressor, ExtraTreesRegressor or "
+            f"HistGradientBoostingRegressor{_INSTEAD.get(kind, '')}"
+        )
+    try:
+        if isinstance(regressor, type):
+            raise NotFittedError
+        check_is_fitted(regressor)
+    except NotFittedError:
+        raise UsageError(f"{kind}: is not fitted: fit it on ensemble_data first") from None
+    return made_of(regressor)
 
 
 def forest_ir(regressor: Any) -> Forest:

@@ -10,7 +10,7 @@ from springpot.codegen.model.model import Model
 from springpot.trainer.models.predict import predict_each_n
 from springpot.trainer.recordings.recording import Recording
 
-DEEP = 1.5  # times the trained depth: from here on it is said
+_DEEP = 1.5  # times the trained depth: from here on it is said
 _TOO_DEEP = 10.0  # and from here on refused: no extrapolation, but another unit
 
 
@@ -45,6 +45,17 @@ def _require_metres(model: Model, recording: Recording) -> None:
             f"{recording.name}: position goes to {deepest:.4g} m, {times:.3g} times the trained "
             f"{_span_m(model):.4g} m: give positions in metres, or correct the unit on import"
         )
+
+
+def extrapolation(model: Model, recording: Recording) -> str:
+    """Say that positions go farther beyond the training presses than their force is known."""
+    times = times_trained(model, recording)
+    if times <= _DEEP:
+        return ""
+    return (
+        f"{recording.name}: goes to {times:.3g} times the trained depth: there the force is an "
+        "extrapolation"
+    )
 
 
 def times_trained(model: Model, recording: Recording) -> float:

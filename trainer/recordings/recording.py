@@ -1,24 +1,21 @@
 """A recording: position and force of one press or one session, uniformly sampled, in SI units."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, kept_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.recording_name import require_recording_name
 
-if TYPE_CHECKING:
-    from springpot.trainer.recordings.formats.units import Quantity
-
 Zero = Literal["none", "first", "min"]
 
 RECORDING_SUFFIX = ".h5"
-_FRAME = "frame"  # source of what a table held
+FRAME_SOURCE = "frame"  # source of what a table held
 _MOST_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
@@ -31,9 +28,10 @@ class Recording(Faces):
     """Uniform samples of position and force.
 
     name: also a file name, see `require_recording_name`.
-    position_m, force_n: shape (n,), finite, lists too; kept as float64; signs as in `SIGN_RULE`.
+    position_m, force_n: shape (n,), finite, lists too; kept as float64, in copies that nobody can
+    write to; signs as in `SIGN_RULE`.
     dt_s: time between samples.
-    zero: what the importer subtracted from both channels; "none": position 0 is the surface.
+    zero: what the importer subtracted from both channels; "none", None: position 0 is the surface.
     position_delay_s, force_delay_s: how much later than the truth each channel was sampled.
     source: where the samples came from, for people (file and block, or device).
     details: further metadata of the source, for people and reports; JSON values.
@@ -44,7 +42,7 @@ class Recording(Faces):
     place_x_m, place_y_m: where on its surface the object was pressed; None if that is not known.
 
     Raises DataError where the channels cannot be a recording, or the name no file's, and where
-    positions without a source span more than 1 m, as millimetres do.
+    positions without a source span more than 1 m, as millimetres do; UsageError for another zero.
 
     >>> Recording("pad", [0.0, 1e-3, 2e-3], [0.0, 0.4, 0.9], dt_s=1e-3)
     Recording('pad', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 0.9 N)
@@ -74,8 +72,10 @@ class Recording(Faces):
 
     def __post_init__(self) -> None:
         require_recording_name(self.name)
+        object.__setattr__(self, "zero", zero_word(self.zero))
+        object.__setattr__(self, "dt_s", _seconds(self.dt_s, self.name))
         for channel in ("position_m", "force_n"):
-            object.__setattr__(self, channel, _numbers(getattr(self, channel), channel))
+            object.__setattr__(self, channel, kept_numbers(getattr(self, channel), channel))
         if self.position_m.ndim != 1 or self.position_m.shape != self.force_n.shape:
             raise DataError(
                 f"{self.name}: position has {self.position_m.shape} samples and force "
@@ -89,8 +89,6 @@ class Recording(Faces):
                 )
         if len(self.position_m) < 2:
             raise DataError(f"{self.name}: {len(self.position_m)} rows: a recording needs two")
-        if not (np.isfinite(self.dt_s) and self.dt_s > 0.0):
-            raise DataError(f"{self.name}: a time step of {self.dt_s} s is not a time step")
         places = (self.place_x_m, self.place_y_m)
         if places != (None, None) and not all(at is not None and abs(at) <= 1.0 for at in places):
             raise DataError(
@@ -107,7 +105,7 @@ class Recording(Faces):
         # Without the outermost hundredths: a spike is held, not refused.
         low_m, high_m = np.quantile(self.position_m, (0.01, 0.99), method="nearest").tolist()
         travel_m = high_m - low_m
-        if travel_m > _MOST_M and self.source in ("", _FRAME):
+        if travel_m > _MOST_M and self.source in ("", FRAME_SOURCE):
             raise DataError(
                 f"{self.name}: position_m spans {travel_m:.4g} m: are these mm? give positions in "
                 "metres"
@@ -117,27 +115,30 @@ class Recording(Faces):
     def from_frame(
         cls,
         frame: Any,
-        name: str = _FRAME,
+        name: str = FRAME_SOURCE,
         *,
-        time: str = "time_s",
-        position: str = "position_m",
-        force: str = "force_n",
-        zero: Zero = "none",
+        time: Hashable = "time_s",
+        position: Hashable = "position_m",
+        force: Hashable = "force_n",
+        zero: Zero | None = "none",
         resample_hz: float | None = None,
     ) -> "Recording":
         """Take three columns of a table of pandas or polars, or of anything else with names.
 
-        time, position, force: names of columns, with the unit in it ("Load [N]", "x_mm") or behind
-        a colon ("x:mm"), as for `import_recordings`; stamps of date or duration need no unit.
-        zero, resample_hz: as there. Raises UsageError for a column that is not there, DataError
-        for a unit and for what no import would take.
+        time, position, force: columns, with the unit in the name ("Load [N]", "x_mm") or behind a
+        colon ("x:mm"), in letters of either case; stamps of date or duration need no unit. time may
+        also be a rate, "1000Hz". zero, resample_hz: as for `import_recordings`.
+        Raises UsageError for what is no table and for a column that is not there, DataError for a
+        unit that is missing, unknown or not the name's, and for what no import would take.
+
+        >>> Recording.from_frame({"x_mm": [0, 1, 2], "F": [0, 4, 9]}, time="1kHz", position="x_mm",
+        ...                      force="F:N")
+        Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
-        from springpot.trainer.recordings.formats.raw_channels import RawChannels
+        from springpot.trainer.recordings.formats.csv.frame import frame_channels
         from springpot.trainer.recordings.formats.sampling import to_recording
 
-        names: dict[Quantity, str] = {"time": time, "position": position, "force": force}
-        time_s, position_m, force_n = (_column_si(frame, names[q], q) for q in names)
-        raw = RawChannels(name, time_s, position_m, force_n, 0.0, _FRAME, lambda row: row)
+        raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
         return to_recording(raw, name, zero, resample_hz)
 
     def to_frame(self) -> Any:
@@ -197,28 +198,22 @@ class Recording(Faces):
         return digest.hexdigest()
 
 
-def _numbers(values: Any, argument: str) -> Samples:
-    """Float64 of an argument. Raises DataError that names it."""
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise DataError(f"{argument}: holds more than numbers: give one number a sample") from None
+def zero_word(given: Any) -> Zero:
+    """Return one of the words of `Zero`; None is "none". Raises UsageError for anything else."""
+    if given is None:
+        return "none"
+    words = get_args(Zero)
+    for word in words:
+        if isinstance(given, str) and given == word:
+            return word  # type: ignore[no-any-return]
+    raise UsageError(
+        f"zero={repr(given)[:60]}: give {', '.join(map(repr, words[:-1]))} or {words[-1]!r}"
+    )
 
 
-def _column_si(frame: Any, column: str, quantity: "Quantity") -> Samples:
-    """One column of a table, (n,), in s, m or N."""
-    from springpot.trainer.recordings.formats.column_map import split_unit
-    from springpot.trainer.recordings.formats.units import factor_to_si
-
-    where = f"{quantity}={column!r}"
-    bare, _, stated = column.rpartition(":")
-    for label, unit in ((column, split_unit(column, quantity)[1]), (bare, stated)):
-        try:
-            values = np.asarray(frame[label])
-        except Exception:  # each kind of table has an error of its own
-            continue
-        if values.dtype.kind in "mM":  # duration, date
-            return _numbers((values - values[0]) / np.timedelta64(1, "s"), where)
-        return _numbers(values, where) * factor_to_si(unit or "", quantity, where)
-    has = ", ".join(repr(str(label)) for label in getattr(frame, "columns", frame))[:200]
-    raise UsageError(f"{where}: no such column: the table has {has}")
+def _seconds(given: Any, name: str) -> float:
+    """A time step, s. Raises DataError for what is none."""
+    number = isinstance(given, int | float | np.number) and not isinstance(given, bool)
+    if not number or not (np.isfinite(given) and given > 0.0):
+        raise DataError(f"{name}: dt_s={given!r} is not a time step: give seconds, above 0")
+    return float(given)

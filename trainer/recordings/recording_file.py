@@ -1,7 +1,7 @@
 """Files of recordings: HDF5 with a checksum behind it, or what a crash left of one."""
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -33,8 +33,10 @@ Recordings = Recording | File | Iterable[Recording | File]  # what a person may 
 def given_recordings(given: Recordings) -> list[Recording]:
     """One recording or several; text and paths are files or folders of them. Raises UsageError."""
     several = [given] if isinstance(given, Recording | str | PathLike) else given
-    if not isinstance(several, Iterable):
-        raise UsageError(f"{given!r} is no recording: read_recordings reads files and folders")
+    # The items of a table are names of its columns, those of an array its rows.
+    table = isinstance(several, Mapping) or hasattr(several, "columns") or hasattr(several, "shape")
+    if table or not isinstance(several, Iterable):
+        raise _no_recording(given)
     found: list[Recording] = []
     for one in several:
         if isinstance(one, Recording):
@@ -42,8 +44,22 @@ def given_recordings(given: Recordings) -> list[Recording]:
         elif isinstance(one, str | PathLike):
             found += read_recordings([Path(one)])
         else:
-            raise UsageError(f"{one!r} is no recording: read_recordings reads files and folders")
+            raise _no_recording(one)
     return found
+
+
+def _no_recording(given: object) -> UsageError:
+    """Say of what was given in place of a recording how it becomes one."""
+    kind = type(given).__name__
+    if isinstance(given, Mapping) and all(isinstance(one, Recording) for one in given.values()):
+        return UsageError(f"{kind} of recordings: give a list of them, list(recordings.values())")
+    if isinstance(given, Mapping) or hasattr(given, "columns"):
+        return UsageError(f"{kind} is no recording: Recording.from_frame makes one of a table")
+    if hasattr(given, "shape"):
+        return UsageError(
+            f"{kind} is no recording: Recording(name, position_m, force_n, dt_s) makes one"
+        )
+    return UsageError(f"{kind} is no recording: read_recordings reads files and folders")
 
 
 def write_recording(path: Path, recording: Recording, *, overwrite: bool = True) -> None:

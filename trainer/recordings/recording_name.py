@@ -1,6 +1,7 @@
 """Names of recordings: they come out of files, and become file names."""
 
 import re
+from typing import Any
 
 from springpot.codegen.errors import DataError
 
@@ -8,11 +9,13 @@ MAX_NAME_BYTES = 200  # a file name has 255: room for endings
 _UNSAFE = re.compile(r"[^\w.+-]+")
 
 
-def require_recording_name(name: str, where: str = "") -> None:
+def require_recording_name(name: Any, where: str = "") -> None:
     """Raise DataError where a name could lead out of a folder, or could not be printed.
 
     where: begins the message, as "FILE: ".
     """
+    if not isinstance(name, str):
+        raise DataError(f"{where}name={name!r}: a recording's name is text: give a str")
     fits = (
         0 < len(name.encode("utf-8", "replace")) <= MAX_NAME_BYTES
         and name.isprintable()  # neither newlines nor bytes that are no text

@@ -25,12 +25,15 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
 
     from springpot.codegen.model.model_file import read_model
     from springpot.trainer.models.compatibility import require_compatible
-    from springpot.trainer.models.limited import DEEP, limited_n, times_trained
+    from springpot.trainer.models.limited import extrapolation, limited_n
     from springpot.trainer.recordings.formats.exporting import write_prediction
+    from springpot.trainer.recordings.quality.signs import sign_doubts
     from springpot.trainer.recordings.recording_file import read_recordings
 
     fitted = read_model(model)
     found = read_recordings(map(Path, recordings))
+    for doubt in sign_doubts(found):
+        say(f"warning: {doubt}")
     names = [recording.name for recording in found]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -39,10 +42,8 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
     for recording in found:
         require_compatible(recording, fitted)
         forces.append(limited_n(fitted, recording))
-        times = times_trained(fitted, recording)
-        if times > DEEP:
-            say(f"warning: {recording.name}: goes to {times:.3g} times the trained depth: there "
-                "the force is an extrapolation")  # fmt: skip
+        if doubt := extrapolation(fitted, recording):
+            say(f"warning: {doubt}")
     files = [
         str(write_prediction(out, recording, force_n))
         for recording, force_n in zip(found, forces, strict=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.host.console.options import PATH, accept_edited_option
+from springpot.host.console.options import PATH, accept_edited_option, recordings_given
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
@@ -16,15 +16,7 @@ if TYPE_CHECKING:
 
 @click.command(name="validate")
 @click.argument("folder", type=PATH)
-@click.option(
-    "--recording",
-    "recordings",
-    multiple=True,
-    required=True,
-    type=click.Path(),
-    metavar="REC",
-    help="Recording or folder; may be repeated.",
-)
+@recordings_given("Recording or folder")
 @click.option(
     "--device", "url", help="A board that renders the scene, such as serial:///dev/ttyACM0."
 )
@@ -33,7 +25,7 @@ if TYPE_CHECKING:
 def validate_(
     folder: Path, recordings: tuple[str, ...], url: str | None, accept_edited: bool, as_json: bool
 ) -> None:
-    """Replay recordings through the C of an emitted FOLDER."""
+    """Replay recordings (files or folders) through the C of an emitted FOLDER."""
     from springpot.host.validation.store import store_validation
     from springpot.host.validation.validation import fail_on_mismatch, validate
     from springpot.trainer.recordings.recording_file import read_recordings

@@ -92,7 +92,7 @@ def test_a_stated_contact_force_and_tare() -> None:
     assert "where force passes 0.9 N" in told[0]
     tared, _ = condition(touched(2e-3, 1.0), Conditioning(tare="auto"))
     assert np.median(tared.force_n[POSITION_M < 1e-3]) == pytest.approx(0.0, abs=0.01)
-    assert tared.position_m is POSITION_M
+    np.testing.assert_array_equal(tared.position_m, POSITION_M)
     stated, _ = condition(touched(2e-3, 1.0), Conditioning(tare=0.5))
     assert np.median(stated.force_n[POSITION_M < 1e-3]) == pytest.approx(0.5, abs=0.01)
 

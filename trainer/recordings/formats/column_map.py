@@ -112,18 +112,26 @@ def parse_map(text: str) -> dict[Quantity, Column]:
             raise UsageError(f"--map: cannot read {part.strip()!r}: write {EXAMPLE}")
         if quantity in columns:
             raise UsageError(f"--map: {quantity} is given twice: give it once")
-        rate = _RATE.fullmatch(rest)
-        if quantity == "time" and rate:
-            columns[quantity] = _parse_rate(float(rate[1]) * (1000.0 if rate[2] else 1.0))
+        rate_hz = stated_hz(rest) if quantity == "time" else None
+        if rate_hz is not None:
+            columns[quantity] = Column("", rate_hz=rate_hz)
         else:
             columns[quantity] = _parse_column(rest, quantity)
     return columns
 
 
-def _parse_rate(rate_hz: float) -> Column:
+def stated_hz(text: str) -> float | None:
+    """Return the rate that stands in place of a column of time, such as "10Hz"; None without one.
+
+    Raises UsageError for a rate that is none.
+    """
+    found = _RATE.fullmatch(text)
+    if found is None:
+        return None
+    rate_hz = float(found[1]) * (1000.0 if found[2] else 1.0)
     if not 0.0 < rate_hz < 1e9:
-        raise UsageError(f"--map: time at {rate_hz:g} Hz is no rate: write for example time=1000Hz")
-    return Column("", rate_hz=rate_hz)
+        raise UsageError(f"time={text}: {rate_hz:g} Hz is no rate: write for example time=1000Hz")
+    return rate_hz
 
 
 def _parse_column(text: str, quantity: Quantity) -> Column:

@@ -25,7 +25,7 @@ from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.formats.units import factor_to_si
 from springpot.trainer.recordings.journal_blocks import is_journal
 from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
-from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 from springpot.trainer.recordings.recording_file import has_checksum, read_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
 
@@ -67,7 +67,7 @@ class ImportResult:
 def import_file(
     path: Path,
     mapping: ColumnMap | None,
-    zero: Zero,
+    zero: Zero | None,
     resample_hz: float | None,
     options: ImportOptions | None = None,
 ) -> ImportResult:
@@ -81,7 +81,7 @@ def import_file(
     if resample_hz is not None and not 0.0 < resample_hz < np.inf:
         raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
     options = options or ImportOptions()
-    found = _imported(path, mapping, zero, resample_hz, options)
+    found = _imported(path, mapping, zero_word(zero), resample_hz, options)
     if options.place_m is None:
         return found
     x_m, y_m = options.place_m

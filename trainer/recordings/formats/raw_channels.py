@@ -17,10 +17,11 @@ class RawChannels:
     """Time-stamped samples as a file has them, in SI units, unchecked.
 
     time_s, position_m, force_n: shape (n,), float64.
-    time_digit_s: one unit in the last printed digit of the time stamps.
+    time_digit_s: one unit in the last printed digit of the time stamps; 0 where none was printed.
     source: file and block, for messages and for the recording.
     line_of: the 1-based line of the file on which sample k stands.
     place_m: as in `Recording`, x and y.
+    in_python: a refusal names arguments of `Recording.from_frame`, not options of a command.
     """
 
     name: str
@@ -32,6 +33,7 @@ class RawChannels:
     line_of: Callable[[int], int]
     details: Mapping[str, Any] = field(default_factory=dict)
     place_m: tuple[float, float] | None = None
+    in_python: bool = False
     __repr__ = short_repr
 
 

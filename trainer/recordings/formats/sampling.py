@@ -9,7 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.raw_channels import RawChannels, without_odd_first
 from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
-from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 
 MIN_ROWS = 3
 GAP = 1.5  # a step longer than this many usual steps is a gap
@@ -18,9 +18,12 @@ MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 # Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
 _DRIFT_STEPS = 100
 _MANY_STEPS = 30
+_FEW = 0.1  # of the rows
 
 
-def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | None) -> Recording:
+def to_recording(
+    raw: RawChannels, name: str, zero: Zero | None, resample_hz: float | None
+) -> Recording:
     """Check the samples, resample them if `resample_hz` is given, subtract the zero.
 
     Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
@@ -56,6 +59,7 @@ def to_recording(raw: RawChannels, name: str, zero: Zero, resample_hz: float | N
             "source_rows": len(raw.time_s),
             "source_median_step_s": float(np.median(np.diff(raw.time_s))),
         }
+    zero = zero_word(zero)
     if zero != "none":
         pick = np.min if zero == "min" else lambda samples: samples[0]
         details |= {
@@ -125,13 +129,16 @@ def _check_order(raw: RawChannels) -> None:
     bad = np.flatnonzero(np.diff(raw.time_s) <= 0.0)
     if len(bad):
         usual_s = float(np.median(np.diff(raw.time_s)))
-        rate = f" (--map time={1.0 / usual_s:.6g}Hz)" if usual_s > 0.0 else ""
+        # Of rows in disorder, or stamps that stand, the usual step says nothing.
+        few = len(bad) < _FEW * len(raw.time_s)
+        hz = _round_hz(1.0 / usual_s) if few else "RATE"
+        rate = f"time='{hz}Hz'" if raw.in_python else f"--map time={hz}Hz"
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
         raise DataError(
             f"{_at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s ({len(bad)} such rows): "
-            "correct the time stamps in the source, cut the file there or, where every row is one "
-            f"step, state the rate in place of the column{rate}"
+            "correct the time stamps in the source, cut it there or, where every row is one "
+            f"step, state the rate in place of the column: {rate}"
         )
 
 
@@ -152,7 +159,8 @@ def _check_gaps(raw: RawChannels) -> None:
 
 def _check_even(raw: RawChannels) -> None:
     median_s = float(np.median(np.diff(raw.time_s)))
-    remedy = f"nothing is resampled unasked, pass --resample-hz {1.0 / median_s:.6g}"
+    mean_hz = (len(raw.time_s) - 1) / float(raw.time_s[-1] - raw.time_s[0])
+    remedy = f"nothing is resampled unasked, pass {_option(raw, _round_hz(mean_hz))}"
     for span in (1, _DRIFT_STEPS):
         if span >= len(raw.time_s):
             continue
@@ -179,17 +187,28 @@ def _grid(raw: RawChannels, rate_hz: float) -> Samples:
     if rate_hz > MAX_UPSAMPLING * source_hz:
         raise DataError(
             f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "
-            f"{source_hz:.6g} Hz: give a lower --resample-hz"
+            f"{source_hz:.6g} Hz: give a lower {_option(raw)}"
         )
     # 1e-6 of a step: the last sample is kept when rounding puts it a hair before the grid's.
     count = int(span_s * rate_hz + 1e-6) + 1
     if count < MIN_ROWS:
         raise DataError(
             f"{raw.source}: {span_s:.6g} s at {rate_hz:g} Hz leave {count} samples: "
-            "give a higher --resample-hz"
+            f"give a higher {_option(raw)}"
         )
     grid_s: Samples = raw.time_s[0] + np.arange(count) / rate_hz
     return grid_s
+
+
+def _round_hz(rate_hz: float) -> str:
+    """A rate as a person states it: steps that vary have no more digits."""
+    return f"{rate_hz:.0f}" if rate_hz >= 100.0 else f"{rate_hz:.3g}"
+
+
+def _option(raw: RawChannels, rate_hz: str = "") -> str:
+    """How the rate to resample at is given."""
+    name, equals = ("resample_hz", "=") if raw.in_python else ("--resample-hz", " ")
+    return f"{name}{equals}{rate_hz}" if rate_hz else name
 
 
 def _at(raw: RawChannels, sample: int | np.intp) -> str:

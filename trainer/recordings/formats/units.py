@@ -12,6 +12,7 @@ from springpot.codegen.errors import DataError
 
 Quantity = Literal["time", "position", "force"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
+FRAME_NAME = "column's name"  # origin of a unit that a table in memory states
 COMMON_UNITS: dict[Quantity, str] = {"time": "s or ms", "position": "mm or m", "force": "N or mN"}
 
 _GRAVITY_MPS2 = 9.80665  # standard gravity, exact by definition
@@ -112,21 +113,25 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
 
 
 def choose_unit(
-    found: Mapping[str, str | None], quantity: Quantity, where: str, column: str
+    found: Mapping[str, str | None],
+    quantity: Quantity,
+    where: str,
+    column: str,
+    in_python: bool = False,
 ) -> Unit:
     """Return the first unit of `found`: place -> text, the place "map" being what a person stated.
 
-    where: begins a message, column: as in `Unit`.
+    where: begins a message, column: as in `Unit`, in_python: as in `RawChannels`.
     Raises DataError as `factor_to_si` does, and where the map contradicts a unit of the file.
     """
     origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
     if not text:
         raise DataError(
-            f"{where}: no unit of {quantity}: pass --map {_map(quantity, column, 'UNIT')}, UNIT "
-            f"one of {', '.join(_FACTORS[quantity])}"
+            f"{where}: no unit of {quantity}: pass {_map(quantity, column, 'UNIT', in_python)}, "
+            f"UNIT one of {', '.join(_FACTORS[quantity])}"
         )
     if origin == "map":
-        _check_agreement(found, quantity, where, column)
+        _check_agreement(found, quantity, where, column, in_python)
     elif is_weight(text, quantity):
         text = _WEIGHTS[text.casefold()]
     to_si = factor_to_si(text, quantity, where)
@@ -136,7 +141,7 @@ def choose_unit(
 
 
 def _check_agreement(
-    found: Mapping[str, str | None], quantity: Quantity, where: str, column: str
+    found: Mapping[str, str | None], quantity: Quantity, where: str, column: str, in_python: bool
 ) -> None:
     """Refuse a unit of the map that is not the file's, unless the two are of one size.
 
@@ -150,15 +155,19 @@ def _check_agreement(
         return
     ratio = factor_to_si(stated, quantity, where) / factor_to_si(text, quantity, where)
     if not math.isclose(abs(ratio), 1.0, rel_tol=1e-6):
+        by, whose = (f"{quantity}=", "name") if in_python else ("--map", "file")
         raise DataError(
-            f"{where}: its {place} says {text}, --map says {stated}: leave the unit out of --map "
-            f"to take {text}, or where the file is wrong pass --map "
-            f"{_map(quantity, column, f'{ratio:.6g}{text}')}"
+            f"{where}: its {place} says {text}, {by} says {stated}: leave the unit out of {by} "
+            f"to take {text}, or where the {whose} is wrong pass "
+            f"{_map(quantity, column, f'{ratio:.6g}{text}', in_python)}"
         )
 
 
-def _map(quantity: Quantity, column: str, unit: str) -> str:
-    return shlex.quote(f"{quantity}={column}:{unit}")
+def _map(quantity: Quantity, column: str, unit: str, in_python: bool) -> str:
+    stated = f"{column}:{unit}"
+    if in_python:
+        return f"{quantity}={stated!r}"
+    return f"--map {shlex.quote(f'{quantity}={stated}')}"
 
 
 def parts_of(text: str) -> tuple[float, str]:

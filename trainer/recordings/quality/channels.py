@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
+from springpot.trainer.recordings.formats.units import FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
 
@@ -94,11 +95,9 @@ def _units(recording: Recording) -> Iterator[Finding]:
         guessed = bool(metadata) and metadata.get("from") not in ("map", "device")
         unit = metadata.get("unit", "")
         so_what = "its unit looks wrong" + (f" ({unit!r} was read off the file)" if guessed else "")
-        to_do = (
-            f"state it if it is right: --map {channel}=COL:{unit}"
-            if guessed
-            else "check it against the rig"
-        )
+        of_frame = metadata.get("from") == FRAME_NAME
+        stated = f"{channel}='COL:{unit}'" if of_frame else f"--map {channel}=COL:{unit}"
+        to_do = f"state it if it is right: {stated}" if guessed else "check it against the rig"
         make = refusal if guessed else warning
         yield make("unit", recording.name, f"{value:.4g} {what}", so_what, to_do)
 
@@ -108,8 +107,10 @@ def _ratios(recording: Recording) -> Iterator[Finding]:
     steps_m = np.abs(np.diff(recording.position_m))
     speed_mps = float(np.quantile(steps_m, 0.99)) / recording.dt_s
     stiffness_npm = float(np.ptp(recording.force_n)) / float(np.ptp(recording.position_m))
-    # Sample numbers and milliseconds are whole numbers, slow logs have digits behind the point.
-    numbered = recording.details.get("sampling", {}).get("stamp_digit_s", 1.0) >= 1.0
+    # Sample numbers and milliseconds are whole numbers, slow logs have digits behind the point;
+    # what was never printed, 0, shows neither.
+    digit_s = recording.details.get("sampling", {}).get("stamp_digit_s", 0.0)
+    numbered = not 0.0 < digit_s < 1.0
     slow = speed_mps < _QUASI_STATIC_MPS and not numbered
     meant = slow or "resampled_hz" in recording.details
     for value, (low, high), what, units in (

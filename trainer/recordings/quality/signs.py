@@ -185,12 +185,21 @@ def _sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
         )  # fmt: skip
 
 
+def sign_doubts(recordings: Sequence[Recording]) -> list[str]:
+    """Lines on recordings with signs that no object has, where they are compared with a model."""
+    return [
+        finding.text
+        for recording in recordings
+        for finding in sign_findings(recording, find_signs(hold_spikes(recording)[0]))
+        if finding.severity == "refusal"
+    ]
+
+
 def require_signs(recordings: Sequence[Recording]) -> None:
     """Raise DataError for the first recording with signs that no object has."""
     for recording in recordings:
-        for finding in sign_findings(recording, find_signs(hold_spikes(recording)[0])):
-            if finding.severity == "refusal":
-                raise DataError(finding.text)
+        for doubt in sign_doubts([recording]):
+            raise DataError(doubt)
 
 
 def _remedy(recording: Recording, signs: Signs) -> str:

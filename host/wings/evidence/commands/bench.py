@@ -8,15 +8,12 @@ from typing import Any
 import click
 
 from springpot.basics import Target
-from springpot.console import SEED, json_option, print_result, say
+from springpot.console import SEED, json_option, print_result, recordings_given, say
 from springpot.modelling import KINDS
 
 
 @click.command()
-@click.option(
-    "--recording", "recordings", multiple=True, required=True, type=click.Path(), metavar="REC",
-    help="Recording or folder to train on; may be repeated.",
-)  # fmt: skip
+@recordings_given("Recording or folder to train on")
 @click.option(
     "--validate", "validation", multiple=True, type=click.Path(), metavar="REC",
     help="Recording or folder to report on; default: a fifth of the others is kept for it.",

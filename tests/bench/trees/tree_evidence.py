@@ -1,6 +1,6 @@
 """Options of the tree models: active small-signal cells, error and tick time on the five objects.
 
-python tests/bench/tree_evidence.py [OBJECT ...]
+python tests/bench/trees/tree_evidence.py [OBJECT ...]
 """
 
 import sys
