@@ -128,4 +128,7 @@ def test_the_cs_of_a_game_engine(tmp_path: Path) -> None:
     out = subprocess.run(
         ["mono", "Points.exe"], cwd=tmp_path, env=found, check=True, capture_output=True, text=True
     ).stdout
-    assert re.search(r"0\.0040 m [1-9]|0\.0040 m 0\.[0-9]*[1-9]", out), out
+    stepped_n = float(re.findall(r"0\.0040 m (\S+) N", out)[0])
+    drawn_n = float(re.findall(r"drawn (\S+) N", out)[0])
+    assert stepped_n > 0.0, out
+    assert drawn_n == pytest.approx(stepped_n, rel=0.02), out  # at 90 Hz, in steps of 1 ms

@@ -74,6 +74,7 @@ def test_a_filter_is_warned_of_once_and_not_where_the_data_exclude_its_delay(lat
     assert len(findings("filter", *presses)) == (late_s > 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("structure", ["left-out-depth", "third-repeat"])
 @pytest.mark.parametrize("name", ["bergstrom-boyce", "stiffening-tissue", "mullins",
                                   "poro-viscoelastic", "ecoflex-00-10"])  # fmt: skip

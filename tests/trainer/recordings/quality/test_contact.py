@@ -62,6 +62,7 @@ def test_recordings_under_preload_are_said_once() -> None:
     assert "never leave" in found.what
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bergstrom-boyce", "mullins", "poro-viscoelastic"])
 def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path: Path) -> None:
     """Its position 0 is the surface; it does not recover between the presses."""
