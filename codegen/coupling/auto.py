@@ -23,11 +23,16 @@ _MASSES_KG = (0.02, 0.05, 0.1)
 
 @dataclass(frozen=True)
 class CouplingChoice:
-    """A coupling and why; felt_npm: the stiffness that a hand feels on the object's stiffest."""
+    """A coupling and why.
+
+    felt_npm: the stiffness that a hand feels on the object's stiffest. every_hand: whether the
+    linear loop is stable with every hand, at the stated delay and one sample more.
+    """
 
     coupling: Coupling
     why: str
     felt_npm: float
+    every_hand: bool = True
 
 
 def choose_coupling(
@@ -74,14 +79,15 @@ def choose_coupling(
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
     )
-    return CouplingChoice(proxy, why, felt)
+    return CouplingChoice(proxy, why, felt, every_hand=radius(proxy) < 1.0)
 
 
 def _stiffest(radius: Callable[[Coupling], float], maximum: float) -> Coupling:
     """Stiffest proxy coupling with a spectral radius up to `maximum`, softened by GAIN_MARGIN.
 
-    If none qualifies, the one with the smallest radius. Within a stiffness the lightest proxy comes
-    first: it passes on the least noise.
+    The softer one has to keep within it too: in a slow loop it may ring where the stiffer does not.
+    If no coupling qualifies, the one with the smallest radius. Within a stiffness the lightest
+    proxy comes first: it passes on the least noise.
     """
     minimum = (np.inf, Coupling(mode="proxy"))
     for stiffness_npm in _STIFFNESSES_NPM[::-1]:
@@ -90,8 +96,9 @@ def _stiffest(radius: Callable[[Coupling], float], maximum: float) -> Coupling:
             for damping_nspm in _RATIOS * critical:
                 proxy = Coupling("proxy", stiffness_npm, damping_nspm, mass_kg)
                 found = radius(proxy)
-                if found <= maximum:
-                    return _rounded(proxy, GAIN_MARGIN)
+                softer = _rounded(proxy, GAIN_MARGIN)
+                if found <= maximum and radius(softer) <= maximum:
+                    return softer
                 minimum = min(minimum, (found, proxy), key=lambda item: item[0])
     return _rounded(minimum[1], 1.0)
 

@@ -8,13 +8,20 @@ from springpot.codegen.scene import Scene
 
 
 def felt_notices(plan: Plan) -> list[str]:
-    """A warning where the hand feels less than 80 % of the object's stiffness; else nothing."""
+    """Warn if a hand feels less than 80 % of the stiffness, and if the loop is not for every hand."""
     felt_npm, object_npm = plan.coupling.felt_npm, plan.stiffness_npm
+    notices = []
+    if not plan.coupling.every_hand:
+        notices.append(
+            f"warning: no coupling at {1.0 / plan.dt_s:g} Hz is stable with every hand: let no "
+            "hand hold it before `springpot stability` says so, or take a faster loop"
+        )
     if felt_npm >= FELT_SHARE * object_npm:
-        return []
+        return notices
     return [
+        *notices,
         f"warning: the hand feels {1e-3 * felt_npm:.3g} of the object's {1e-3 * object_npm:.3g} "
-        f"N/mm, for {_why(plan)}: {_remedy(plan)}"
+        f"N/mm, for {_why(plan)}: {_remedy(plan)}",
     ]
 
 

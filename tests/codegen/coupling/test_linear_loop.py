@@ -108,19 +108,25 @@ def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: fl
     assert 1e-3 * loop.max_stiffness_npm() == pytest.approx(npmm, rel=0.15)
 
 
-@pytest.mark.parametrize("stiffness_npm", [500.0, 3e3, 1e4, 5e4])
-@pytest.mark.parametrize("rate_hz", [500.0, 1000.0, 4000.0])
-@pytest.mark.parametrize("delay", [0, 1])
-def test_what_auto_picks_is_stable_with_every_hand(
-    stiffness_npm: float, rate_hz: float, delay: int
-) -> None:
-    device = LoopDevice(delay_samples=delay)
+@pytest.mark.parametrize("seed", range(12))
+def test_what_auto_picks_is_stable_with_every_hand_or_says_that_it_is_not(seed: int) -> None:
+    """At any rate, stiffness and delay, with any softer object too: gains are rounded and eased."""
+    rng = np.random.default_rng(seed)
+    rate_hz, stiffness_npm = 10.0 ** rng.uniform(1.8, 3.7), 10.0 ** rng.uniform(2.5, 4.7)
+    device = LoopDevice(delay_samples=int(rng.integers(0, 3)))
     choice = choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
     assert choice.why.startswith(f"{choice.coupling.mode}: auto: ")
     assert choice.felt_npm <= stiffness_npm
-    for hand in HAND_MODELS:
-        loop = LinearLoop(1.0 / rate_hz, choice.coupling, hand, device)
-        assert loop.spectral_radius(stiffness_npm)[0] < 1.0
+    proxy = choice.coupling.mode == "proxy"
+    loops = [
+        LinearLoop(1.0 / rate_hz, choice.coupling, hand, device.later(more))
+        for hand in HAND_MODELS
+        for more in ((0, 1) if proxy else (0,))
+    ]
+    # The choice looks at eight stiffnesses, this at a hundred: between them it may miss a little.
+    loads_npm = stiffness_npm * np.geomspace(0.01, 1.0, 100)
+    radius = max(float(loop.spectral_radius(loads_npm).max()) for loop in loops)
+    assert (radius < 1.0 + 1e-3) == choice.every_hand
 
 
 def test_proxy_and_tool_move_like_two_bodies() -> None:

@@ -36,7 +36,7 @@ def with_rate(rate_hz: float | None, mode: str = "auto") -> Scene:
 @pytest.mark.parametrize("stiff", [0.5, 1.0, 2.5])
 def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
     model = fitted("hammerstein", 200.0, stiff)
-    (notice,) = felt_notices(make_plan(model, with_rate(200.0)))
+    *_, notice = felt_notices(make_plan(model, with_rate(200.0)))
     named = re.search(r"rate_hz = (\d+) gives ([\d.]+) N/mm", notice)
     assert named is not None, notice
     plan = make_plan(model, with_rate(float(named[1])))
@@ -62,17 +62,24 @@ def test_a_rate_from_1000_hz_on_is_kept() -> None:
 
 
 def test_a_kind_of_one_rate_and_a_late_device_have_other_remedies() -> None:
-    (notice,) = felt_notices(make_plan(fitted("rbf-pv", 200.0), with_rate(None)))
+    *_, notice = felt_notices(make_plan(fitted("rbf-pv", 200.0), with_rate(None)))
     assert "record at a higher rate" in notice
     late = replace(with_rate(8000.0), device=Device(delay_s=0.001))
-    (notice,) = felt_notices(make_plan(fitted("hammerstein", 200.0), late))
+    *_, notice = felt_notices(make_plan(fitted("hammerstein", 200.0), late))
     assert "8 samples late" in notice
     assert "a device of less delay" in notice
 
 
+@pytest.mark.parametrize("rate_hz", [40.0, 60.0, 90.0, 200.0, 1000.0])
+def test_a_loop_that_no_coupling_holds_for_every_hand_is_said(rate_hz: float) -> None:
+    plan = make_plan(fitted("hammerstein", 200.0), with_rate(rate_hz), accept_unsafe=True)
+    said = any("stable with every hand" in notice for notice in felt_notices(plan))
+    assert said == (not plan.coupling.every_hand) == (rate_hz < 300.0)
+
+
 def test_a_stated_coupling_is_measured_too() -> None:
     soft = replace(with_rate(1000.0), coupling=Coupling("proxy", 500.0, 5.0, 0.05))
-    (notice,) = felt_notices(make_plan(fitted("hammerstein", 200.0), soft))
+    *_, notice = felt_notices(make_plan(fitted("hammerstein", 200.0), soft))
     assert "the scene states that coupling" in notice
     assert felt_notices(make_plan(fitted("hammerstein", 200.0), with_rate(1000.0, "off"))) == []
 
