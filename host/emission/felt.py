@@ -8,7 +8,7 @@ from springpot.codegen.scene import Scene
 
 
 def felt_notices(plan: Plan) -> list[str]:
-    """Warn if a hand feels less than 80 % of the stiffness, and if the loop is not for every hand."""
+    """Warn if a hand feels less than 80 % of the stiffness, or if not every hand holds the loop."""
     felt_npm, object_npm = plan.coupling.felt_npm, plan.stiffness_npm
     notices = []
     if not plan.coupling.every_hand:
