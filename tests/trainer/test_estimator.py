@@ -38,7 +38,7 @@ Y = [item.force_n for item in training()]
 
 
 def small(kind: str = "rf-fd") -> PositionRegressor:
-    return PositionRegressor(kind, trees=5, leaf=20)
+    return PositionRegressor(kind, trees=5, leaf=20) if kind == "rf-fd" else PositionRegressor(kind)
 
 
 @pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein", "springpot"])
