@@ -83,7 +83,6 @@ def fit_model(
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together or
     are no object's.
     """
-    from springpot.trainer.models.fit import WatchedOptions
     from springpot.trainer.models.training_set import training_set
     from springpot.trainer.recordings.quality.signs import require_signs
 
@@ -92,10 +91,7 @@ def fit_model(
     options, warnings = _default_smoothing(recordings, options)
     data = training_set(recordings, options.smooth_s)
     data = replace(data, warnings=(*data.warnings, *warnings))
-    watched = WatchedOptions.of(options)
-    fit = fit_kind(kind, name, data, watched, validation)
-    told = [f"{option}: changes nothing in a model of kind {kind}" for option in watched.unread()]
-    return replace(fit, warnings=(*fit.warnings, *told))
+    return fit_kind(kind, name, data, options, validation)
 
 
 def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:

@@ -1,7 +1,7 @@
 """Options that every kind of model is fitted with, and what a fit returns."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from math import inf
 from typing import Annotated, Any, Literal
@@ -51,31 +51,6 @@ class FitOptions:
     within: Annotated[float, Interval(ge=0, lt=inf)] | None = None
     poles: Annotated[int, Ge(1)] = PASSIVE_POLES
     __repr__ = short_repr
-
-
-class WatchedOptions(FitOptions):
-    """Options that know which of them were read: the others changed nothing."""
-
-    @classmethod
-    def of(cls, options: FitOptions) -> "WatchedOptions":
-        """Copy options, none of them read yet."""
-        watched = cls(**{name: getattr(options, name) for name in _DEFAULTS})
-        object.__setattr__(watched, "_read", set())
-        return watched
-
-    def __getattribute__(self, name: str) -> Any:
-        if name in _DEFAULTS:
-            self.__dict__.get("_read", set()).add(name)
-        return super().__getattribute__(name)
-
-    def unread(self) -> list[str]:
-        """Names of the options that nobody has read and that are not as by default."""
-        given = self.__dict__  # past `__getattribute__`: to look is not to read
-        unread = [name for name in _DEFAULTS if name not in given["_read"]]
-        return [name for name in unread if given[name] != _DEFAULTS[name]]
-
-
-_DEFAULTS: dict[str, Any] = {option.name: option.default for option in fields(FitOptions)}
 
 
 @dataclass(frozen=True, eq=False)
