@@ -138,6 +138,8 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     def _sequences(self, values: Sequences, name: str) -> list[Samples]:
         """Positions, for X, or forces, for y, of each recording, (n,)."""
+        if isinstance(values, Recording):
+            raise DataError(f"{name} is one recording: give a list of them")
         return [self._sequence(value, f"{name}[{i}]") for i, value in enumerate(values)]
 
     def _sequence(self, value: ArrayLike | Recording, name: str) -> Samples:
@@ -178,7 +180,9 @@ def neg_rmse_n(estimator: Any, X: Sequences, y: Sequences) -> float:
 
     A scorer of scikit-learn, for `PositionRegressor` and pipelines that end with one.
 
-    >>> cross_val_score(PositionRegressor("springpot"), X, y, scoring=neg_rmse_n).max() <= 0.0
+    >>> regressor = PositionRegressor("springpot", dt_s=press.dt_s)
+    >>> errors_n = cross_val_score(regressor, recordings, recordings, cv=2, scoring=neg_rmse_n)
+    >>> bool(errors_n.max() < 0.0)
     True
     """
     forces = [one.force_n if isinstance(one, Recording) else given_numbers(one, "y") for one in y]

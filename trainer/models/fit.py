@@ -58,7 +58,7 @@ class WatchedOptions(FitOptions):
 
     @classmethod
     def of(cls, options: FitOptions) -> "WatchedOptions":
-        """Copy options, none of them read yet."""
+        """Copy options; the copy has not been read yet."""
         watched = cls(**{name: getattr(options, name) for name in _DEFAULTS})
         object.__setattr__(watched, "_read", set())
         return watched
@@ -69,7 +69,7 @@ class WatchedOptions(FitOptions):
         return super().__getattribute__(name)
 
     def unread(self) -> list[str]:
-        """Names of the options that nobody has read and that are not as by default."""
+        """Return the names of options that are not as by default and were never read."""
         given = self.__dict__  # past `__getattribute__`: to look is not to read
         unread = [name for name in _DEFAULTS if name not in given["_read"]]
         return [name for name in unread if given[name] != _DEFAULTS[name]]

@@ -123,7 +123,7 @@ def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
     if spread == 0.0:
         return 0.0
     slope_npm = float(off_m @ force_n[low]) / spread
-    return slope_npm - _DEVIATIONS * noise_n(force_n) / np.sqrt(spread)
+    return slope_npm - _DEVIATIONS * noise_n(force_n) / float(np.sqrt(spread))
 
 
 def _passes_m(position_m: Samples, force_n: Samples, levels_n: Samples) -> list[float]:
