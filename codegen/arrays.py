@@ -34,7 +34,7 @@ def given_numbers(values: Any, argument: str) -> Samples:
 
 
 def kept_numbers(values: Any, argument: str) -> Samples:
-    """As `given_numbers`, in an array that nobody can write to: a copy, if the argument is none."""
+    """As `given_numbers`, in an array that cannot be written to: a copy if the argument can be."""
     found = given_numbers(values, argument)
     if found.flags.writeable or found.base is not None:
         found = found.copy()

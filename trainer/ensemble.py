@@ -128,14 +128,16 @@ def require_same_data(
 ) -> None:
     """Raise UsageError if the regressor explains less of the force than its like on these features.
 
-    Its like has the same settings, however weak, and is fitted on every other row alone: what is
-    worse has seen other features, such as scaled ones.
+    Its like has the same settings, however weak, and is fitted on every other row alone, or on as
+    few as the regressor was: what is worse has seen other features, such as scaled ones.
     """
     like = clone(regressor)
     if isinstance(like.get_params().get("max_samples"), int):
         like.set_params(max_samples=None)  # more rows than there are here
-    like.fit(values[::2], force_n[::2])
-    tested = slice(1, None, 2)
+    fitted = np.zeros(len(values), dtype=bool)
+    fitted[:: max(2, len(values) // _rows_of(regressor))] = True
+    like.fit(values[fitted], force_n[fitted])
+    tested = ~fitted
     r2 = r2_score(force_n[tested], predicted_n[tested])
     r2_of_like = r2_score(force_n[tested], like.predict(values[tested]))
     if 1.0 - r2 > _TIMES * (1.0 - r2_of_like) + _MORE:
@@ -144,6 +146,13 @@ def require_same_data(
             "is fitted on their ensemble_data: it has seen other features (scaled, in another "
             "order) or recordings: fit it on what ensemble_data returns, as it is"
         )
+
+
+def _rows_of(regressor: Any) -> int:
+    """Rows that a regressor's first tree was fitted on, such as a fraction of all."""
+    if hasattr(regressor, "estimators_"):
+        return int(regressor.estimators_[0].tree_.weighted_n_node_samples[0])
+    return int(regressor._predictors[0][0].nodes["count"][0])
 
 
 def _features(given: GivenFeatures, dt_s: float) -> Features:

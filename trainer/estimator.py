@@ -128,6 +128,7 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def score(self, X: Sequences, y: Sequences, sample_weight: ArrayLike | None = None) -> float:
         """R^2 over all samples of all recordings; sample_weight: one a recording."""
         predicted, measured = self.predict(X), self._sequences(y, "y")
+        _require_pairs(predicted, measured)
         weight = None
         if sample_weight is not None:
             lengths = [len(force_n) for force_n in measured]
@@ -138,6 +139,8 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
 
     def _sequences(self, values: Sequences, name: str) -> list[Samples]:
         """Positions, for X, or forces, for y, of each recording, (n,)."""
+        if isinstance(values, Recording):
+            raise DataError(f"{name} is one recording: give a list of them")
         return [self._sequence(value, f"{name}[{i}]") for i, value in enumerate(values)]
 
     def _sequence(self, value: ArrayLike | Recording, name: str) -> Samples:
@@ -178,9 +181,20 @@ def neg_rmse_n(estimator: Any, X: Sequences, y: Sequences) -> float:
 
     A scorer of scikit-learn, for `PositionRegressor` and pipelines that end with one.
 
-    >>> cross_val_score(PositionRegressor("springpot"), X, y, scoring=neg_rmse_n).max() <= 0.0
+    >>> regressor = PositionRegressor("springpot", dt_s=press.dt_s)
+    >>> errors_n = cross_val_score(regressor, recordings, recordings, cv=2, scoring=neg_rmse_n)
+    >>> bool(errors_n.max() < 0.0)
     True
     """
     forces = [one.force_n if isinstance(one, Recording) else given_numbers(one, "y") for one in y]
-    errors_n = np.concatenate(estimator.predict(X)) - np.concatenate(forces)
+    predicted = estimator.predict(X)
+    _require_pairs(predicted, forces)
+    errors_n = np.concatenate(predicted) - np.concatenate(forces)
     return -float(np.sqrt(np.mean(np.square(errors_n))))
+
+
+def _require_pairs(predicted: Sequence[Samples], measured: Sequence[Samples]) -> None:
+    """Raise DataError if a recording has more positions than forces, or fewer."""
+    lengths = [[len(samples) for samples in each] for each in (predicted, measured)]
+    if lengths[0] != lengths[1]:
+        raise DataError(f"recordings of {lengths[0]} positions and {lengths[1]} forces: pair them")

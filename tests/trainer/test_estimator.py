@@ -90,6 +90,9 @@ def test_weights_count_recordings() -> None:
 def test_what_is_no_recording_is_refused() -> None:
     with pytest.raises(DataError, match=r"X\[0\] has shape \(\): X is a list of sequences"):
         small().fit(X[0], Y[0])
+    alone = training()[0]
+    with pytest.raises(DataError, match="X is one recording: give a list of them"):
+        small().fit(alone, alone)
     with pytest.raises(DataError, match="11 position and 12 force"):
         small().fit(X[1:], Y)
     with pytest.raises(UsageError, match="kind 'forest': use one of auto, rf-fd"):

@@ -77,3 +77,14 @@ def test_what_goes_beyond_the_training_presses_is_said(times):
         warnings.simplefilter("always")
         fitted.predict([X[0], times * deepest_m * np.linspace(0.0, 1.0, 50)])
     assert [str(one.message).startswith("X[1]: goes to") for one in told] == [True] * (times > 1.5)
+
+
+def test_recordings_of_other_lengths_are_not_scored() -> None:
+    """Two lengths that change places have the same sum."""
+    fitted = PositionRegressor("springpot").fit(X, Y)
+    of_two = [X[0], X[1][:-5]]
+    for wrong in ([Y[0][:-5], Y[1]], [Y[0], Y[1]]):
+        with pytest.raises(DataError, match="pair them"):
+            fitted.score(of_two, wrong)
+        with pytest.raises(DataError, match="pair them"):
+            neg_rmse_n(fitted, of_two, wrong)

@@ -7,13 +7,17 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _MIN_FREE_SHARE = 0.02
+_SAME = 1e-9  # of the range: the same value, converted twice
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _NOISES = 5.0
+_DEVIATIONS = 2.0  # of a slope, by the noise around it
 _MIN_SHARE_OF_PEAK = 0.002
+_COUNTS = 1.5  # of the sensor: noise of less than one makes one, some samples in a row
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
 _STEEPEST, _NEARLY_EXPONENTIAL = 1.5, 1.01  # ratio of ways: F ~ x^2.7, and no surface at all
 
@@ -45,11 +49,13 @@ def find_contact(
         raise DataError(f"{recording.name}: moves too little to show where contact begins")
     base_n = float(np.median(free_n)) if tare_n is None else tare_n
     # The median deviation, as a standard deviation: a few samples in contact do not raise it.
-    noise_n = 1.4826 * float(np.median(np.abs(free_n - np.median(free_n))))
+    deviation_n = 1.4826 * float(np.median(np.abs(free_n - np.median(free_n))))
     peak_n = float(force_n.max()) - base_n
     wanted_n = threshold_n
     if threshold_n is None:
-        threshold_n = max(_NOISES * noise_n, _MIN_SHARE_OF_PEAK * peak_n)
+        threshold_n = max(
+            _NOISES * deviation_n, _MIN_SHARE_OF_PEAK * peak_n, _COUNTS * _resolution_n(force_n)
+        )
     touching = force_n > base_n + threshold_n
     if not touching.any():
         raise DataError(
@@ -74,7 +80,8 @@ def find_contact(
     doubt_m = float(np.median(np.abs(np.diff(position_m)))) / 2  # half a usual step
     surface_m = passes_m[0]
     if wanted_n is None:  # a threshold that was stated defines the surface: nothing to go back
-        back_m, open_m = _way_back_m(passes_m)
+        # A press too light for all levels, as the first of growing ones, does not show the law.
+        back_m, open_m = _way_back_m(max(presses, key=lambda each: (len(each), -each[0])))
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
 
@@ -98,12 +105,25 @@ def _way_back_m(passes_m: list[float]) -> tuple[float, float]:
     return back_m, max(float(ways_m[0]) / (ratio - 1.0) - line_m, line_m)
 
 
+def _resolution_n(force_n: Samples) -> float:
+    """Smallest step between two values of the force, N: a count of the sensor, or hardly anything.
+
+    Where most samples have one value, their median deviation is 0, whatever the others have.
+    """
+    steps_n = np.diff(np.unique(force_n))
+    steps_n = steps_n[steps_n > _SAME * np.ptp(force_n)]
+    return float(steps_n.min()) if len(steps_n) else 0.0
+
+
 def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
-    """Slope of force at the lowest positions, N/m: none where nothing is touched."""
+    """Slope of force at the lowest positions that noise cannot make, N/m: 0 off the object."""
     low = position_m <= below_m
     off_m = position_m[low] - position_m[low].mean()
     spread = float(off_m @ off_m)
-    return float(off_m @ force_n[low]) / spread if spread else 0.0
+    if spread == 0.0:
+        return 0.0
+    slope_npm = float(off_m @ force_n[low]) / spread
+    return slope_npm - _DEVIATIONS * noise_n(force_n) / float(np.sqrt(spread))
 
 
 def _passes_m(position_m: Samples, force_n: Samples, levels_n: Samples) -> list[float]:

@@ -28,8 +28,8 @@ class Recording(Faces):
     """Uniform samples of position and force.
 
     name: also a file name, see `require_recording_name`.
-    position_m, force_n: shape (n,), finite, lists too; kept as float64, in copies that nobody can
-    write to; signs as in `SIGN_RULE`.
+    position_m, force_n: shape (n,), finite, lists too; kept as float64, in copies that cannot
+    be written to; signs as in `SIGN_RULE`.
     dt_s: time between samples.
     zero: what the importer subtracted from both channels; "none", None: position 0 is the surface.
     position_delay_s, force_delay_s: how much later than the truth each channel was sampled.

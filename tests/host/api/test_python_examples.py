@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from sklearn.ensemble import RandomForestRegressor
+from sklearn.model_selection import cross_val_score
 from support.paths import ROOT
 from support.small import passive_model, training
 
@@ -60,7 +61,10 @@ def around(tmp_path_factory):
     springpot.emit(folder / "c", model=model)
     names = {name: getattr(springpot, name) for name in springpot.__all__}
     names |= {"recordings": recordings, "press": press, "model": model}
-    return folder, names | {"RandomForestRegressor": RandomForestRegressor}
+    return folder, names | {
+        "RandomForestRegressor": RandomForestRegressor,
+        "cross_val_score": cross_val_score,
+    }
 
 
 def examples(name, names):

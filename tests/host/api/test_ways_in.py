@@ -173,6 +173,8 @@ REFUSED_TABLES = {
     "too fine": (table(), {"resample_hz": 1e9}, "lower resample_hz"),
     "too coarse": (table(), {"resample_hz": 1e-3}, "higher resample_hz"),
     "time alone": (table(), {"time": None}, "time='None': no such column"),
+    "a rate alone": (table(), {"time": "1kHz", "force": "load"}, "force='load': no such column"),
+    "a column without name": ({**table(), "": TIME_S}, {"time": "s"}, "time='s': no such column"),
     "an array": (np.zeros((5, 3)), {}, "ndarray is no table"),
     "a path": ("a.csv", {}, "str is no table"),
     "nothing": (None, {}, "NoneType is no table"),

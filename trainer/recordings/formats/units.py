@@ -155,10 +155,10 @@ def _check_agreement(
         return
     ratio = factor_to_si(stated, quantity, where) / factor_to_si(text, quantity, where)
     if not math.isclose(abs(ratio), 1.0, rel_tol=1e-6):
-        by, whose = (f"{quantity}=", "name") if in_python else ("--map", "file")
+        by, stated_in = (f"{quantity}=", "name") if in_python else ("--map", "file")
         raise DataError(
             f"{where}: its {place} says {text}, {by} says {stated}: leave the unit out of {by} "
-            f"to take {text}, or where the {whose} is wrong pass "
+            f"to take {text}, or where the {stated_in} is wrong pass "
             f"{_map(quantity, column, f'{ratio:.6g}{text}', in_python)}"
         )
 

@@ -15,6 +15,7 @@ _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
 _HELD_S = 0.02
 _WRAPPED, _FEWEST_WRAPS, _MOST = 0.4, 2, 0.8  # of the travel; jumps; of them against the motion
+_USUAL_STEPS = 4.0  # a jump is longer than so many steps of 95 in 100
 _GOES_ON = 0.2  # of the range of force
 _RAMP_CHANGES = 0.1  # of moves: fewer changes of the step come from a ramp's begin and end
 _COARSE = 0.01  # quantisation step over the signal's range
@@ -171,7 +172,9 @@ def _wraps(recording: Recording) -> Iterator[Finding]:
     """
     position_m = recording.position_m
     steps = np.diff(position_m)
-    jumps = np.flatnonzero(np.abs(steps) > _WRAPPED * np.ptp(position_m))
+    # In a hold alone, noise jumps over much of the travel and back: it does so all the time.
+    usual_m = _USUAL_STEPS * float(np.quantile(np.abs(steps), 0.95))
+    jumps = np.flatnonzero(np.abs(steps) > max(_WRAPPED * float(np.ptp(position_m)), usual_m))
     jumps = jumps[(jumps > 0) & (jumps < len(steps) - 1)]
     way = np.sign(steps[jumps])
     against = (way * steps[jumps - 1] < 0.0) & (way * steps[jumps + 1] < 0.0)

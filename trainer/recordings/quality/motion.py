@@ -105,7 +105,7 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
 
 
 def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
-    """Tell a zero that is not the surface from an object that is still dented.
+    """Distinguish a zero that is not the surface from an object that is still dented.
 
     An object that has not recovered is met deeper, never less deep: where one recording begins at
     position 0, others that begin deeper do not say that the surface is elsewhere. To put each of

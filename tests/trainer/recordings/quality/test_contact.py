@@ -83,3 +83,28 @@ def test_the_doubt_covers_the_surface_of_any_power_law() -> None:
             continue
         missed += abs(found.position_m - surface_m) > found.uncertainty_m + 2e-5
     assert missed <= 9
+
+
+@pytest.mark.parametrize("count", [0.5, 1.0, 2.0])
+def test_resolution_and_noise_make_neither_a_surface_nor_a_preload(count: float) -> None:
+    """count: of the sensor, in standard deviations of the noise; the tool rests outside."""
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        rest_m, up_m = np.full(600, -2.5e-4), np.linspace(-2.5e-4, 5e-3, 200)
+        position_m = np.concatenate([rest_m, up_m, up_m[::-1]])
+        share = np.maximum(position_m, 0.0) / 5e-3
+        noise_n = 10.0 ** rng.uniform(-2.5, -1.8)
+        force_n = share ** rng.uniform(1.0, 2.0) + rng.normal(0.0, noise_n, len(share))
+        force_n = np.round(force_n / (count * noise_n)) * count * noise_n
+        assert contacts([Recording(f"{seed:02}", position_m, force_n, 5e-3)]) == []
+
+
+def test_a_light_first_press_does_not_put_the_surface_deeper() -> None:
+    """Presses that grow, from far outside: those that go deep enough show the object's law."""
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        depths_m = np.repeat([2e-3, 5e-3, 9e-3], 1000)
+        position_m = -9e-3 + 0.5 * (depths_m + 9e-3) * (1.0 - np.cos(2.0 * np.pi * TIME_S[:3000]))
+        force_n = (np.maximum(position_m, 0.0) / 9e-3) ** rng.uniform(2.4, 2.7)
+        force_n += rng.normal(0.0, 0.003, 3000)
+        assert contacts([Recording(f"{seed:02}", position_m, force_n, 1e-3)]) == []

@@ -28,3 +28,14 @@ def test_wraps(seed: int) -> None:
 def test_a_tool_that_is_drawn_back_within_a_sample_is_no_wrap(samples: int) -> None:
     position_m = 1e-3 * np.tile(np.linspace(0.0, 6.0, samples), 2000 // samples)
     assert "wrap" not in kinds(position_m, 800.0 * position_m, 100.0)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_in_a_hold_alone_is_no_counter(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    time_s = 1e-2 * np.arange(rng.integers(200, 5000))
+    position_m = 2e-3 + rng.normal(0.0, 1e-6, len(time_s))
+    if seed % 2:
+        position_m = np.round(position_m, 6)
+    force_n = 3.0 * (1.0 + time_s) ** -0.2 + rng.normal(0.0, 0.002, len(time_s))
+    assert "wrap" not in kinds(position_m, force_n, 100.0)

@@ -41,13 +41,13 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         unit = choose_unit(texts, quantity, where, str(label), in_python=True)
         scaled[quantity] = given_numbers(values, where) * unit.to_si
         units[quantity] = unit.metadata()
+    rate_hz = None if "time" in scaled else stated_hz(str(columns["time"]))
     for quantity, column in columns.items():
-        if quantity not in scaled:
-            rate_hz = stated_hz(str(column)) if quantity == "time" else None
-            if rate_hz is None:
-                raise UsageError(_missing(quantity, column, labels))
-            scaled[quantity] = np.arange(len(scaled["force"])) / rate_hz
-            units[quantity] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+        if quantity not in scaled and (quantity != "time" or rate_hz is None):
+            raise UsageError(_missing(quantity, column, labels))
+    if rate_hz is not None:
+        scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
+        units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
     return RawChannels(
         name,
         scaled["time"],
@@ -84,8 +84,8 @@ def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str 
     Letters of the other case are taken where only one column has them.
     """
     text = str(column)
-    bare, _, stated = text.rpartition(":")
-    for wanted, unit in ((text, None), (bare, stated)):
+    bare, colon, stated = text.rpartition(":")
+    for wanted, unit in ((text, None), (bare, stated)) if colon else ((text, None),):
         for form in (str, lambda label: str(label).casefold()):
             same = [label for label in labels if form(label) == form(wanted)]
             if len(same) == 1:
