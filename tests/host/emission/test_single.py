@@ -233,7 +233,7 @@ def test_a_page_and_a_board_take_it(tmp_path: Path) -> None:
     """Their C includes headers that a single file does not bring."""
     emission = emit(scene(prefix="eco"), model_file(tmp_path), tmp_path / "c", single=True)
     if not (why := missing_tools("wasm32")):
-        assert page_module(emission.folder, emission.plan).startswith(b"\0asm")
+        assert page_module(emission.folder, emission.plan, False).startswith(b"\0asm")
     board = default_board("cortex-m4f")
     assert board is not None
     if not missing_tools("cortex-m4f"):
