@@ -82,7 +82,7 @@ def why_unbounded(plan: Plan, outcomes: Sequence[Outcome]) -> str:
 
 
 def _may_do(plan: Plan, unbounded: Sequence[Outcome]) -> str:
-    """What of the scene can be changed so that it may be bounded."""
+    """Name what of the scene may be changed to make its loop bounded."""
     unpaid = any(
         item.losses is None and bool(np.any(item.trace.notes & ENERGY)) for item in unbounded
     )

@@ -72,7 +72,7 @@ def accuracy_findings(
 
 
 def by_place_findings(errors: Sequence[PlaceError]) -> Iterator[SceneFinding]:
-    """Where on the object the C is off most; none for fewer than two places."""
+    """Yield a finding that names the place where the C is off most; nothing for a single place."""
     if len(errors) < 2:
         return
     percents = [error.rmse_percent_of_peak for error in errors]

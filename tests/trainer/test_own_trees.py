@@ -1,4 +1,4 @@
-"""Ensembles of one's own: what they were fitted on, and what is told of those that are none."""
+"""Ensembles of one's own: those fitted on ensemble_data are taken, all others refused."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the page holds of a map: where its grid lies, and how finely the page surveys it."""
+"""Describe a map to the page: where its grid lies, and how finely the page surveys it."""
 
 import math
 from typing import Any

@@ -48,7 +48,7 @@ WRONG = {
 
 
 def refused(ensemble, values, force_n, rows):
-    """Whether the check refuses an ensemble that was fitted on values."""
+    """Tell whether the check refuses an ensemble that was fitted on values."""
     checked, measured_n = rows
     fitted = ensemble.fit(values, force_n)
     try:

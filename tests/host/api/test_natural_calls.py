@@ -1,4 +1,4 @@
-"""What a person tries first: it works, or one line says what to call."""
+"""Calls that a person tries first: each works, or one line says what to call."""
 
 from types import SimpleNamespace
 

@@ -117,7 +117,7 @@ def test_a_clock_that_began_earlier_hides_no_wrong_unit():
 @pytest.mark.parametrize("quantity", ["time", "position", "force"])
 @pytest.mark.parametrize("stated", ["x", "1e3x", "-1x", "milli"])
 def test_a_unit_contradicts_a_name_in_a_table_where_it_does_in_a_file(quantity, stated, tmp_path):
-    """Whether it is refused, and if not, which numbers come of it."""
+    """Tell whether a table is refused, and if not, which numbers come of it."""
     units = {"time": ("s", "ms"), "position": ("m", "mm"), "force": ("N", "mN")}
     own, milli = units[quantity]
     unit = milli if stated == "milli" else stated.replace("x", own)
@@ -203,7 +203,7 @@ def test_what_a_refusal_of_a_table_advises_is_taken():
     "names", [("TIME_S", "Position_M", "force_N"), (0, 1, 2), (("t", "s"), ("x", "m"), ("f", "N"))]
 )
 def test_columns_are_named_by_what_is_shown_of_them(names):
-    """Of another case, of no text, of several levels: as the object itself, or as its text."""
+    """Labels of another case, that are no text, or of several levels: as objects, or as text."""
     units = ("s", "m", "N")
     quantities = ("time", "position", "force")
     pairs = zip(quantities, names, units, strict=True)

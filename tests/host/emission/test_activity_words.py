@@ -1,4 +1,4 @@
-"""What emission says of a model that gives energy: only where it does."""
+"""Words of emission on a model that gives energy: only if it does."""
 
 from types import SimpleNamespace
 
