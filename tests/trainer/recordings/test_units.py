@@ -87,6 +87,7 @@ def test_map() -> None:
         ("time=1:s,time=2:s", "given twice"),
         ("time=:s", "time has no column"),
         ("time=0:s", "counted from 1"),
+        ("time=0Hz", "is no rate"),
     ],
 )
 def test_refused_maps(text: str, message: str) -> None:
