@@ -2,6 +2,22 @@
  * must not get, and each reset once. */
 #include "simulated_session.h"
 
+static void a_reset_comes_before_one_call(void)
+{
+    for (int fresh = 0; fresh <= 1; fresh++) {
+        const sp_period period = {.begin_ns = START_NS};
+        between_ticks();
+        self.waiting_count = 1;
+        self.reset_next = 1;
+        call_of(&self, &period, START_NS, fresh);
+        CHECK(sim.resets == 1 && self.resets == 1 && self.reset_next == 0);
+        CHECK((int)self.row.call == (SP_CALL_RESET | (fresh ? 0 : SP_CALL_IDLE)));
+        self.waiting_count = 1;
+        call_of(&self, &period, START_NS, fresh);
+        CHECK(sim.resets == 1 && (int)self.row.call == (fresh ? 0 : SP_CALL_IDLE));
+    }
+}
+
 static void what_a_device_that_is_gone_measured_is_not_measured(void)
 {
     const sp_period period = {.begin_ns = START_NS};
@@ -146,6 +162,38 @@ static void a_device_that_comes_back_is_taken_anew(void)
     CHECK(!sp_loop_at_work(&self) && self.tripped && self.trips == 1);
 }
 
+static void a_reset_reaches_scene_and_device_once(void)
+{
+    between_ticks();
+    self.tripped = 1;
+    sp_loop_reset(&self);
+    accept_requests(&self);
+    CHECK(self.reset_next == 1 && self.tripped == 0 && sim.device_resets == 1);
+    accept_requests(&self);
+    CHECK(sim.device_resets == 1);
+    between_ticks();
+    self.link = NULL;
+    sp_loop_reset(&self);
+    accept_requests(&self);
+    CHECK(self.reset_next == 1 && sim.device_resets == 0);
+}
+
+static void a_pause_ends_with_a_reset(void)
+{
+    between_ticks();
+    sp_loop_pause(&self, 1);
+    accept_requests(&self);
+    CHECK(self.paused == 1 && self.reset_next == 0 && !sp_loop_at_work(&self));
+    accept_requests(&self);
+    CHECK(self.paused == 1 && self.reset_next == 0);
+    sp_loop_pause(&self, 0);
+    accept_requests(&self);
+    CHECK(self.paused == 0 && self.reset_next == 1 && sp_loop_at_work(&self));
+    self.reset_next = 0;
+    accept_requests(&self);
+    CHECK(self.reset_next == 0);
+}
+
 static void asks_for_all(int call)
 {
     if (call == 10) {
@@ -242,12 +290,15 @@ static void zero_is_sent_at_the_end_until_it_is_taken_three_times(void)
 
 int main(void)
 {
+    a_reset_comes_before_one_call();
     what_a_device_that_is_gone_measured_is_not_measured();
     a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second();
     a_device_that_is_not_at_work_gets_no_force();
     a_force_that_was_not_taken_is_not_sent();
     a_force_has_the_sign_of_the_device_and_silence_releases_it();
     a_device_that_comes_back_is_taken_anew();
+    a_reset_reaches_scene_and_device_once();
+    a_pause_ends_with_a_reset();
     a_reset_that_is_asked_for_comes_before_the_next_call();
     what_is_asked_is_heard_in_the_next_period();
     a_device_that_leaves_or_trips_gets_nothing_more();

@@ -165,6 +165,17 @@ static void each_trip_of_the_watchdog_is_counted_once(void)
     }
 }
 
+static void idle_takes_the_last_force_where_the_scene_gives_none(void)
+{
+    const sp_period period = {.begin_ns = START_NS};
+    between_ticks();
+    self.row.returned_n = 3.0;
+    sim.notes = -1;
+    call_of(&self, &period, START_NS, 0);
+    CHECK(self.row.returned_n == 3.0 && self.reason == SP_STOP_MISUSE);
+    CHECK(isnan(self.row.age_s));
+}
+
 /* A period that was open when its limit was met: zero goes out at once. */
 static void an_open_period_that_meets_a_limit_ends_it(void)
 {
@@ -207,6 +218,37 @@ static void a_late_tick_that_meets_a_limit_sends_zero(void)
     }
 }
 
+static void the_status_is_that_of_the_loop(void)
+{
+    sp_loop_state state;
+    between_ticks();
+    self.ticks = 1;
+    self.late = 2;
+    self.stale = 3;
+    self.unused = 4;
+    self.ring.dropped = 5;
+    self.trips = 6;
+    self.disconnects = 7;
+    self.resets = 8;
+    self.ring.head = 9;
+    self.elapsed_ns = 1500000000;
+    self.latched = 11;
+    self.tripped = 12;
+    self.tripped_before_disconnect = 13;
+    self.connected = 14;
+    self.paused = 15;
+    self.reason = 16;
+    self.over = 17;
+    self.got = 18;
+    sp_loop_get_status(&self, &state);
+    CHECK(state.ticks == 1 && state.late == 2 && state.stale == 3 && state.unused == 4);
+    CHECK(state.ring_dropped == 5 && state.watchdog_trips == 6 && state.disconnects == 7);
+    CHECK(state.resets == 8 && state.newest_row == 9 && is_near(state.elapsed_s, 1.5));
+    CHECK(state.latched == 11 && state.tripped == 12 && state.tripped_before_disconnect == 13);
+    CHECK(state.connected == 14 && state.paused == 15 && state.reason == 16);
+    CHECK(state.over == 17 && state.got == 18);
+}
+
 int main(void)
 {
     a_row_says_when_and_with_what_the_scene_was_called();
@@ -214,7 +256,9 @@ int main(void)
     without_a_time_it_runs_until_it_is_asked();
     the_end_of_a_replay_ends_it();
     each_trip_of_the_watchdog_is_counted_once();
+    idle_takes_the_last_force_where_the_scene_gives_none();
     an_open_period_that_meets_a_limit_ends_it();
     a_late_tick_that_meets_a_limit_sends_zero();
+    the_status_is_that_of_the_loop();
     return failed;
 }

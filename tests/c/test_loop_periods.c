@@ -35,6 +35,94 @@ static void a_period_stays_open_only_where_its_sample_may_come(void)
     CHECK(!may_owe(&self));
 }
 
+/* Twenty without a sample among the last hundred; of a silence, six. */
+static void too_few_samples_are_counted_in_the_last_hundred(void)
+{
+    between_ticks();
+    for (int i = 0; i < 1000; i++) { /* 19 in any hundred */
+        self.row.call = i % 100 < 38 && i % 2 == 0 ? SP_CALL_IDLE : 0;
+        check_rate(&self);
+        CHECK(self.reason == 0);
+    }
+    CHECK(self.idle_count == 19);
+    self.row.call = SP_CALL_IDLE; /* in the place of one of them */
+    check_rate(&self);
+    CHECK(self.reason == 0 && self.idle_count == 19);
+    self.row.call = 0;
+    check_rate(&self);
+    self.row.call = SP_CALL_IDLE;
+    check_rate(&self);
+    self.row.call = 0;
+    check_rate(&self);
+    CHECK(self.reason == 0);
+    for (int i = 0; i < 2; i++) { /* the place of one that had its sample */
+        self.row.call = i ? SP_CALL_IDLE | SP_CALL_RESET : 0;
+        for (int k = 0; k < 40; k++) {
+            check_rate(&self);
+        }
+    }
+    CHECK(self.idle_run == 40);
+
+    between_ticks();
+    for (int i = 0; i < 90; i++) {
+        self.row.call = SP_CALL_IDLE;
+        check_rate(&self);
+        CHECK(self.idle_count == (i < 6 ? i + 1 : 6) && self.idle_run == i + 1);
+    }
+    self.row.call = 0;
+    check_rate(&self);
+    CHECK(self.idle_run == 0 && self.idle_count == 6);
+
+    between_ticks();
+    for (int i = 0; i < 20; i++) {
+        CHECK(self.reason == 0);
+        self.row.call = SP_CALL_IDLE;
+        check_rate(&self);
+        CHECK(self.reason == (i == 19 ? SP_STOP_RATE : 0));
+        self.row.call = 0;
+        check_rate(&self);
+    }
+    CHECK(self.idle_count == 20 && self.watched_at == 39); /* the last was not looked at */
+
+    for (int why = 0; why < 3; why++) { /* nothing is counted */
+        between_ticks();
+        self.link = why == 0 ? NULL : &device;
+        self.paused = why == 1;
+        self.reason = why == 2 ? SP_STOP_DEPTH : 0;
+        self.row.call = SP_CALL_IDLE;
+        check_rate(&self);
+        CHECK(self.idle_count == 0 && self.idle_run == 0 && self.watched_at == 0);
+    }
+}
+
+static void samples_that_came_too_late_forgive_the_newest_calls(void)
+{
+    for (int at = 0; at < WATCHED; at += 33) {
+        between_ticks();
+        self.watched_at = at;
+        memset(self.was_idle, 1, sizeof self.was_idle);
+        self.idle_count = WATCHED;
+        self.was_idle[(at + WATCHED - 2) % WATCHED] = 0;
+        self.idle_count--;
+        sp_loop_forgive(&self, 2);
+        CHECK(self.idle_count == WATCHED - 3);
+        for (int back = 1; back <= WATCHED; back++) {
+            CHECK(self.was_idle[(at + WATCHED - back) % WATCHED] == (back > 3));
+        }
+        sp_loop_forgive(&self, 0);
+        CHECK(self.idle_count == WATCHED - 3);
+        sp_loop_forgive(&self, 1000); /* more than there are */
+        CHECK(self.idle_count == 0);
+    }
+    between_ticks();
+    memset(self.was_idle, 1, sizeof self.was_idle);
+    self.idle_count = 7;
+    self.idle_run = 3;
+    sp_loop_watch_anew(&self);
+    CHECK(self.idle_count == 0 && self.idle_run == 0);
+    CHECK(self.was_idle[0] == 0 && self.was_idle[WATCHED - 1] == 0);
+}
+
 static void asks_in_a_silence(int call)
 {
     if (call == 10) {
@@ -101,6 +189,38 @@ static void the_first_deadline_follows_the_second_sample(void)
     CHECK(self.deadline_ns == START_NS + 202 * PERIOD_NS + PERIOD_NS / 4);
 }
 
+static void deadlines_follow_the_clock_of_the_device_little_by_little(void)
+{
+    const struct {
+        int fd, fresh;
+        int64_t early_ns, step_ns; /* more than a quarter of a period before the deadline */
+    } cases[] = {{FD, 1, 0, 1000000},        {FD, 1, 6400, 999900},    {FD, 1, -6400, 1000100},
+                 {0, 1, 6400, 999900},       {FD, 1, 32000, 999500},   {FD, 1, 31999, 999501},
+                 {FD, 1, 32064, 999500},     {FD, 1, -32000, 1000500}, {FD, 1, -90000, 1000500},
+                 {FD, 1, 240000, 999500},    {FD, 0, 6400, 1000000},   {-1, 1, 6400, 1000000},
+                 {FD, 1, 63, 1000000},       {FD, 1, 64, 999999},      {FD, 1, 4160, 999935},
+                 {FD, 1, 32064 + 64, 999500}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        between_ticks();
+        device.fd = cases[i].fd;
+        self.motion.arrived_ns = self.deadline_ns - PERIOD_NS / 4 - (uint64_t)cases[i].early_ns;
+        const uint64_t before_ns = self.deadline_ns;
+        advance(&self, cases[i].fresh);
+        CHECK((int64_t)(self.deadline_ns - before_ns) == cases[i].step_ns);
+    }
+    between_ticks();
+    self.link = NULL;
+    uint64_t before_ns = self.deadline_ns;
+    advance(&self, 1);
+    CHECK(self.deadline_ns - before_ns == PERIOD_NS);
+    between_ticks(); /* a twentieth of a percent of any period */
+    device.fd = FD;
+    self.period_ns = 4 * PERIOD_NS;
+    before_ns = self.deadline_ns;
+    advance(&self, 1);
+    CHECK(self.deadline_ns - before_ns == 4 * PERIOD_NS - 2000);
+}
+
 static void periods_stay_open_for_two_ms_and_one_at_least(void)
 {
     const struct {
@@ -144,14 +264,79 @@ static void all_that_waits_is_read_and_kept_in_order(void)
     CHECK(time.tv_sec == 4 && time.tv_nsec == 999999999);
 }
 
+static void samples_are_looked_for_where_and_as_long_as_they_help(void)
+{
+    const struct {
+        int fd, waiting, owed;
+        uint64_t late_ns;
+        int reads, polls, left;
+    } cases[] = {{-1, 0, 0, 0, 1, 0, 1},         {-1, 1, 0, 0, 0, 0, 1},
+                 {-1, 1, 1, 0, 1, 0, 2},         {FD, 1, 0, 0, 0, 0, 1},
+                 {FD, 2, 0, 0, 0, 0, 1},         {FD, 2, 1, 0, 0, 0, 2},
+                 {FD, 2, 0, 250000, 0, 0, 2},    {FD, 2, 0, 249999, 0, 0, 1},
+                 {FD, 3, 0, PERIOD_NS, 0, 0, 2}, {FD, 3, 0, PERIOD_NS + 250000, 0, 0, 3},
+                 {0, 4, 0, 0, 0, 0, 1}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        between_ticks();
+        device.fd = cases[i].fd;
+        self.waiting_count = cases[i].waiting;
+        self.owed_count = cases[i].owed;
+        self.idle_count = 5;
+        memset(self.was_idle, 1, 5);
+        self.watched_at = 5;
+        sp_loop_look_for_samples(&self, cases[i].late_ns);
+        const int surplus = cases[i].waiting + cases[i].reads - cases[i].left;
+        CHECK(sim.reads == cases[i].reads && sim.polls == cases[i].polls);
+        CHECK(self.waiting_count == cases[i].left && (int)self.unused == surplus);
+        CHECK(self.idle_count == 5 - surplus);
+    }
+    for (int late = 0; late <= 1; late++) { /* a quarter of a period; not where the tick is late */
+        between_ticks();
+        device.fd = late ? FD : 0;
+        sim.read_gives = 0;
+        sim.poll_ns = PERIOD_NS;
+        sim_now_ns = self.deadline_ns;
+        sp_loop_look_for_samples(&self, late ? PERIOD_NS : PERIOD_NS - 1);
+        CHECK(sim.polls == !late && sim.reads == 1);
+        CHECK(sim_now_ns == self.deadline_ns + (late ? 0 : PERIOD_NS / 4));
+    }
+    between_ticks();
+    self.link = NULL;
+    sp_loop_look_for_samples(&self, 0);
+    CHECK(sim.reads == 0 && sim.sleeps == 0);
+}
+
+static void a_device_without_a_descriptor_is_not_waited_for(void)
+{
+    for (int gone = 0; gone <= 1; gone++) {
+        between_ticks();
+        self.link = gone ? NULL : &device;
+        sp_loop_listen(&self, START_NS + 300000, 0);
+        CHECK(sim.sleeps == 1 && sim.polls == 0 && sim_now_ns == START_NS + 300000);
+    }
+    between_ticks();
+    device.fd = 0;
+    sim.poll_ns = 100000;
+    sp_loop_listen(&self, START_NS + 300000, 2);
+    CHECK(sim.sleeps == 0 && sim.polls == 2 && self.waiting_count == 2);
+    sim.poll_ns = 400000;
+    sp_loop_listen(&self, START_NS + 300000, 0);
+    CHECK(sim.polls == 3 && self.waiting_count == 2 && sim_now_ns == START_NS + 300000);
+}
+
 int main(void)
 {
     a_thread_that_is_a_period_late_sends_no_old_force();
     a_period_stays_open_only_where_its_sample_may_come();
+    too_few_samples_are_counted_in_the_last_hundred();
+    samples_that_came_too_late_forgive_the_newest_calls();
     a_device_that_never_sends_has_all_its_rows();
     a_session_follows_the_clock_of_the_device();
     the_first_deadline_follows_the_second_sample();
+    deadlines_follow_the_clock_of_the_device_little_by_little();
     periods_stay_open_for_two_ms_and_one_at_least();
     all_that_waits_is_read_and_kept_in_order();
+    samples_are_looked_for_where_and_as_long_as_they_help();
+    a_device_without_a_descriptor_is_not_waited_for();
     return failed;
 }

@@ -128,6 +128,25 @@ static void frames_are_the_bytes_of_the_protocol_and_come_back(void)
     }
 }
 
+/* Not a byte after them: the next field, or another's memory. */
+static void fields_are_as_long_as_they_are(void)
+{
+    uint8_t bytes[40];
+    sp_wire_hash hash, read;
+    memset(&hash, 0x11, sizeof hash);
+    memset(bytes, 0xaa, sizeof bytes);
+    CHECK(put_u32(bytes, 0x04030201u) == bytes + 4 && bytes[3] == 4 && bytes[4] == 0xaa);
+    CHECK(put_hash(bytes, hash) == bytes + 32 && bytes[31] == 0x11 && bytes[32] == 0xaa);
+    CHECK(get_hash(bytes, &read) == bytes + 32 && memcmp(&read, &hash, 32) == 0);
+}
+
+static void what_is_no_cobs_is_of_no_length(void)
+{
+    uint8_t too_far[] = {5, 1, 2}, ends_early[] = {2, 1, 2}, good[] = {3, 1, 2};
+    CHECK(uncobs(too_far, 3) == 0 && uncobs(ends_early, 3) == 0 && uncobs(good, 0) == 0);
+    CHECK(uncobs(good, 3) == 2 && good[0] == 1 && good[1] == 2);
+}
+
 static void no_more_is_kept_than_the_longest_frame(void)
 {
     sp_wire_receiver receiver = {0};
@@ -342,6 +361,8 @@ int main(void)
     checksums_are_those_of_the_definition();
     the_layout_covers_the_table_to_its_last_field();
     frames_are_the_bytes_of_the_protocol_and_come_back();
+    fields_are_as_long_as_they_are();
+    what_is_no_cobs_is_of_no_length();
     no_more_is_kept_than_the_longest_frame();
     every_message_comes_back_as_it_was_sent();
     only_lengths_that_a_frame_can_have_are_taken();
