@@ -11,7 +11,6 @@ from support.paths import BENCH
 
 sys.path.append(str(BENCH))  # as where the script is run
 SCRIPT = runpy.run_path(str(BENCH / "results.py"))
-TABLE = runpy.run_path(str(BENCH / "judges_table.py"))
 FRONT = runpy.run_path(str(BENCH / "front_page.py"))
 
 
@@ -53,19 +52,6 @@ def test_the_pages_are_written_from_the_benchmark() -> None:
             assert re.findall(shown, path.read_text()) == re.findall(shown, text)
         else:
             assert path.read_text() == text, f"{path}: run python tests/bench/results.py"
-
-
-def test_judges_that_are_no_kin_come_first_and_failures_are_told() -> None:
-    lines = TABLE["judges_section"](JUDGES)
-    page = "\n".join(lines)
-    titles = [line for line in page.splitlines() if line.startswith("### ")]
-    assert titles == [f"### {title}" for title, _ in TABLE["GROUPS"]]
-    tick = "<br>20&nbsp;ns"
-    row = f"| 0.2 | **1**{tick} | 4{tick} | 4{tick} | rf-fd | 4.00 |"
-    assert f"| mullins | one-speed {row}" in page
-    assert "- mullins, preload, rf-fd: ValueError: no rows" in page
-    # Of all four cells auto takes the best but once: the fourth root of 4.
-    assert "| all: 4 | 1.41 | 4.00 | mullins, one-speed |" in page
 
 
 def test_the_readme_s_bars_are_geometric_means_over_the_recordings() -> None:
