@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159 */
+/* springpot 0.1.0 7cc93c2a347e3e373920956433449e0db85c8432ec3ba31942283c7308ba80b0 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0efe727f0c5ab8cebf1f72d6ddba0c67fa731e7538a27c9232e581c51ce37ffc */
+/* springpot 0.1.0 0ee295e43c135fb74e9569f3c49d905ea4a1e46d4f300393eb810365d8c841bc */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate that sp_scene.h and sp_manifest() state:
