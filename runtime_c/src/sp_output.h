@@ -51,8 +51,10 @@ SP_RARE sp_real sp_output_cut(const sp_output_config *config, sp_real force_n, i
 /* Within the scene's limits. */
 static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real force_n, int *notes)
 {
-    const int within = force_n >= config->min_n && force_n <= config->max_n;
-    return within ? force_n : sp_output_cut(config, force_n, notes);
+    if (force_n >= config->min_n && force_n <= config->max_n) {
+        return force_n;
+    }
+    return sp_output_cut(config, force_n, notes);
 }
 
 /* Latched, for so many ticks; from within the limits, whatever a stray write made of given_n. */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7cc93c2a347e3e373920956433449e0db85c8432ec3ba31942283c7308ba80b0 */
+/* springpot 0.1.0 3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0ee295e43c135fb74e9569f3c49d905ea4a1e46d4f300393eb810365d8c841bc */
+/* springpot 0.1.0 700e9b2b31dda6a5d16dcd8faa43808568c807b7b975ee91f955924c7119569e */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 
