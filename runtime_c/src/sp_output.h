@@ -39,28 +39,35 @@ static inline void sp_output_free(sp_output_state *state)
     state->share = (sp_real)1;
 }
 
-/* Latched, for so many ticks. */
-static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
-                                     sp_real ticks, int *notes)
+/* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
+SP_RARE sp_real sp_output_cut(const sp_output_config *config, sp_real force_n, int *notes)
 {
-    const sp_real step = config->fall_n * ticks;
-    const sp_real down_n = state->given_n - step;
-    const sp_real up_n = state->given_n + step;
-    state->given_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
-    *notes |= SP_NOTE_LATCHED;
-    return state->given_n;
+    *notes |= SP_NOTE_CLAMPED;
+    return force_n > config->max_n   ? config->max_n
+           : force_n < config->min_n ? config->min_n
+                                     : (sp_real)0;
 }
 
-/* Within the scene's limits; a NaN compares with nothing: it becomes 0. */
+/* Within the scene's limits. */
 static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real force_n, int *notes)
 {
     if (force_n >= config->min_n && force_n <= config->max_n) {
         return force_n;
     }
-    *notes |= SP_NOTE_CLAMPED;
-    return force_n > config->max_n   ? config->max_n
-           : force_n < config->min_n ? config->min_n
-                                     : (sp_real)0;
+    return sp_output_cut(config, force_n, notes);
+}
+
+/* Latched, for so many ticks; from within the limits, whatever a stray write made of given_n. */
+SP_RARE sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
+                               sp_real ticks, int *notes)
+{
+    const sp_real given_n = sp_output_clamp(config, state->given_n, notes);
+    const sp_real step = config->fall_n * ticks;
+    const sp_real down_n = given_n - step;
+    const sp_real up_n = given_n + step;
+    state->given_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
+    *notes |= SP_NOTE_LATCHED;
+    return state->given_n;
 }
 
 /* The force given before, as far as it has the direction of `force_n`. */

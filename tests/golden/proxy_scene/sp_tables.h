@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671 */
+/* springpot 0.1.0 3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 741a3e9c8d3dc53af01a3a688d0e909ec277ef69af5476b3802f3a08d37cae08 */
+/* springpot 0.1.0 700e9b2b31dda6a5d16dcd8faa43808568c807b7b975ee91f955924c7119569e */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 
