@@ -24,7 +24,12 @@ if TYPE_CHECKING:
     from springpot.host.devices.drivers import (
         parse_device as parse_device,
     )
-    from springpot.host.devices.lines.can_bridge import python_can_bus as python_can_bus
+    from springpot.host.devices.lines.can import (
+        can_database as can_database,
+    )
+    from springpot.host.devices.lines.can import (
+        python_can_bus as python_can_bus,
+    )
     from springpot.host.devices.lines.wire import Sender as Sender
     from springpot.host.devices.lines.wire import constant as constant
     from springpot.host.devices.serial_device import BAUD as BAUD
@@ -55,6 +60,5 @@ if TYPE_CHECKING:
     )
     from springpot.host.recording.press_rows import PressRows as PressRows
     from springpot.host.recording.session import open_press_device as open_press_device
-    from springpot.trainer.recordings.formats.can_log import can_database as can_database
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -1,4 +1,4 @@
-"""Fits in their parts: features, training sets, kinds of model, cross-validation.
+"""Fits in their parts: readers of files, features, training sets, kinds of model, cross-validation.
 
 >>> from springpot.modelling import gl_taps
 >>> gl_taps(0.5, 4, dt_s=1.0)
@@ -69,9 +69,22 @@ if TYPE_CHECKING:
     from springpot.trainer.models.training_set import (
         training_set as training_set,
     )
+    from springpot.trainer.recordings.formats.column_map import Column as Column
+    from springpot.trainer.recordings.formats.column_map import ColumnMap as ColumnMap
+    from springpot.trainer.recordings.formats.column_map import guess_column as guess_column
+    from springpot.trainer.recordings.formats.column_map import split_unit as split_unit
+    from springpot.trainer.recordings.formats.column_map import stated_rate_hz as stated_rate_hz
+    from springpot.trainer.recordings.formats.csv.csv_missing import (
+        wanted_columns as wanted_columns,
+    )
+    from springpot.trainer.recordings.formats.csv.csv_text import read_csv as read_csv
+    from springpot.trainer.recordings.formats.csv.decimals import is_number as is_number
     from springpot.trainer.recordings.formats.file_format import FileFormat as FileFormat
     from springpot.trainer.recordings.formats.file_format import FileRequest as FileRequest
     from springpot.trainer.recordings.formats.raw_channels import RawChannels as RawChannels
+    from springpot.trainer.recordings.formats.units import Quantity as Quantity
+    from springpot.trainer.recordings.formats.units import Unit as Unit
+    from springpot.trainer.recordings.formats.units import choose_unit as choose_unit
     from springpot.trainer.recordings.quality.coverage import (
         Coverage as Coverage,
     )
@@ -82,6 +95,9 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.noise_floor import (
         find_noise_floor as find_noise_floor,
     )
+    from springpot.trainer.recordings.reader_limits import read_apart as read_apart
+    from springpot.trainer.recordings.reader_limits import require_unpacked as require_unpacked
+    from springpot.trainer.recordings.reader_limits import run_reader as run_reader
     from springpot.trainer.selection.cross_validation import (
         Split as Split,
     )

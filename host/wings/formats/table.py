@@ -1,13 +1,13 @@
-"""The formats that springpot reads by itself, registered in pyproject.toml."""
+"""How files of each format begin, and their readers; registered in pyproject.toml."""
 
 import re
 
-from springpot.trainer.recordings.formats.file_format import FileFormat
+from springpot.modelling import FileFormat
 
-HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
+_HDF5 = b"\x89HDF\r\n\x1a\n"
 _MAT5, _MAT73 = b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"  # the latter is HDF5 inside
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
-_HERE = "springpot.trainer.recordings.formats"
+_HERE = "springpot.host.wings.formats"
 
 
 def is_can_log(start: bytes) -> bool:
@@ -28,7 +28,7 @@ MACH1 = FileFormat(
 CAN_LOG = FileFormat("CAN log", is_can_log, f"{_HERE}.can_log:read_can_log", 1)
 HDF5 = FileFormat(
     "HDF5",
-    lambda start: start.startswith((HDF5_MAGIC, _MAT73)) or HDF5_MAGIC in start[512:],
+    lambda start: start.startswith((_HDF5, _MAT73)) or _HDF5 in start[512:],
     f"{_HERE}.arrays:read_hdf5_arrays", 2,
 )  # fmt: skip
 MAT = FileFormat(
@@ -39,6 +39,5 @@ TDMS = FileFormat(
 )
 WORKBOOK = FileFormat(
     "Excel workbook",
-    lambda start: start.startswith(b"PK\x03\x04"), f"{_HERE}.csv.workbook:read_workbook", 5,
+    lambda start: start.startswith(b"PK\x03\x04"), f"{_HERE}.workbook:read_workbook", 5,
 )  # fmt: skip
-CSV = FileFormat("CSV", lambda start: True, f"{_HERE}.csv.csv_text:read_csv", 1000)

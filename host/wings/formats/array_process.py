@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.regular_file import max_unpacked_bytes
-from springpot.trainer.recordings.reader_limits import MAX_RATIO, run_reader
+from springpot.modelling import require_unpacked, run_reader
 
 _MAX_COLUMNS = 32
 Found = Iterator[tuple[str, str, Any]]
@@ -23,9 +22,7 @@ def arrays_as_npz(path: Path, kind: str) -> bytes:
     """Names, units and values of the vectors in a file of the kind "mat", "hdf5" or "tdms"."""
     found = {"mat": _of_mat, "hdf5": _of_hdf5, "tdms": _of_tdms}[kind](path)
     columns = [part for name, unit, value in found for part in _columns(name, unit, value)]
-    taken = sum(values.nbytes for _, _, values in columns)
-    if taken > max_unpacked_bytes(path.stat().st_size, MAX_RATIO):
-        raise ValueError(f"{taken >> 20} MiB of numbers in {path.stat().st_size} bytes")
+    require_unpacked(path, sum(values.nbytes for _, _, values in columns), "MiB of numbers")
     memory = io.BytesIO()
     np.savez(
         memory,

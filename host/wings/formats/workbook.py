@@ -6,13 +6,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.formats.csv.csv_text import read_csv
-from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.reader_limits import read_apart
+from springpot import DataError
+from springpot.modelling import FileRequest, RawChannels, read_apart, read_csv
 
-_MODULE = "springpot.trainer.recordings.formats.csv.workbook_process"
+_MODULE = "springpot.host.wings.formats.workbook_process"
 
 
 def read_workbook(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:

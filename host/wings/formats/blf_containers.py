@@ -10,7 +10,7 @@ import zlib
 from pathlib import Path
 from typing import BinaryIO
 
-from springpot.codegen.errors import DataError
+from springpot import DataError
 
 _FILE_HEADER = struct.Struct("<4sL")  # mark, bytes of the header
 _OBJECT = struct.Struct("<4sHHLL")  # mark, bytes of header, its version, bytes of object, type

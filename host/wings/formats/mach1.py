@@ -15,14 +15,19 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.formats.column_map import ColumnMap, stated_rate_hz
-from springpot.trainer.recordings.formats.csv.decimals import is_number
-from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.sampling import MIN_ROWS
-from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
+from springpot import DataError, UsageError
+from springpot.modelling import (
+    ColumnMap,
+    FileRequest,
+    Quantity,
+    RawChannels,
+    Unit,
+    choose_unit,
+    is_number,
+    stated_rate_hz,
+)
 
+_MIN_ROWS = 3  # of samples
 _SINUSOID = "Sinusoid"
 _FREQUENCY = "Frequency, Hz"
 _DIVIDER = "<divider>"
@@ -59,7 +64,7 @@ def read_mach1(path: Path, request: FileRequest) -> tuple[list[RawChannels], str
     for block in _blocks(path):
         if kind is not None and block.kind.casefold() != kind.casefold():
             left_out.append(f"<{block.kind}> in row {block.line} (--block)")
-        elif sum(1 for line in block.table if line.strip()) <= MIN_ROWS:
+        elif sum(1 for line in block.table if line.strip()) <= _MIN_ROWS:
             left_out.append(f"<{block.kind}> in row {block.line} ({_too_short(block)})")
         else:
             read.append(block)

@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from zipfile import ZipFile
 
-from springpot.codegen.regular_file import max_unpacked_bytes
-from springpot.trainer.recordings.reader_limits import MAX_RATIO, run_reader
+from springpot.modelling import require_unpacked, run_reader
 
 
 def sheets_as_json(path: Path) -> bytes:
@@ -19,8 +18,7 @@ def sheets_as_json(path: Path) -> bytes:
 
     with ZipFile(path) as archive:
         unpacked = sum(part.file_size for part in archive.infolist())
-    if unpacked > max_unpacked_bytes(path.stat().st_size, MAX_RATIO):
-        raise ValueError(f"{unpacked >> 20} MiB of sheets in {path.stat().st_size} bytes")
+    require_unpacked(path, unpacked, "MiB of sheets")
     book = openpyxl.load_workbook(path, read_only=True, data_only=True)
     found = [(sheet.title, _text(sheet.iter_rows(values_only=True))) for sheet in book.worksheets]
     return json.dumps([(title, text) for title, text in found if text.strip()]).encode()

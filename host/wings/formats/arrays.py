@@ -8,22 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.formats.column_map import (
-    EXAMPLE,
+from springpot import DataError
+from springpot.basics import Samples
+from springpot.modelling import (
     ColumnMap,
+    FileRequest,
+    Quantity,
+    RawChannels,
+    Unit,
+    choose_unit,
     guess_column,
+    read_apart,
     split_unit,
     stated_rate_hz,
+    wanted_columns,
 )
-from springpot.trainer.recordings.formats.csv.csv_missing import wanted_columns
-from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
-from springpot.trainer.recordings.reader_limits import read_apart
 
 _MAX_SHOWN = 12
+_EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +93,7 @@ def _load(path: Path, kind: str) -> list[_Array]:
     library = {"mat": "scipy", "tdms": "nptdms"}.get(kind)
     if library and find_spec(library) is None:
         raise ModuleNotFoundError(f"{kind.upper()} files are read by {library}", name=library)
-    module = "springpot.trainer.recordings.formats.array_process"
+    module = "springpot.host.wings.formats.array_process"
     with np.load(io.BytesIO(read_apart(path, module, kind)), allow_pickle=False) as stored:
         names, units = stored["names"], stored["units"]
         arrays = [
@@ -115,7 +117,7 @@ def _choose(path: Path, arrays: list[_Array], quantity: Quantity, columns: Colum
         if len(found) == 1:
             return found[0]
         what = "may be " + ", ".join(repr(a.name) for a in found) if found else "has no array"
-        raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {EXAMPLE}")
+        raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {_EXAMPLE}")
     if isinstance(column.header_or_number, int):
         if column.header_or_number > len(arrays):
             raise DataError(f"{path}: --map {quantity}={column.header_or_number}: it holds {shown}")

@@ -10,23 +10,26 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.formats.blf_containers import require_blf
-from springpot.trainer.recordings.formats.column_map import (
+from springpot import DataError, UsageError
+from springpot.basics import Samples
+from springpot.devices import can_database
+from springpot.host.wings.formats.blf_containers import require_blf
+from springpot.modelling import (
     Column,
+    FileRequest,
+    Quantity,
+    RawChannels,
+    Unit,
+    choose_unit,
     guess_column,
     stated_rate_hz,
 )
-from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.sampling import GAP
-from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 
 _CANDUMP = re.compile(
     r"\((?P<stamp>\d+\.\d+)\)\s+\S+\s+[0-9A-Fa-f]{3,8}#(R\d*|#[0-9A-Fa-f]([0-9A-Fa-f]{2}){0,64}"
     r"|([0-9A-Fa-f]{2}){0,8})( [TR])?"
 )
+_GAP = 1.5  # a step longer than this many usual steps is a gap
 _STAMP_DIGIT_S = 1e-6  # of both formats, as loggers write them
 
 
@@ -127,19 +130,6 @@ def _signals(path: Path, database: Path) -> dict[str, _Signal]:
     return signals
 
 
-def can_database(path: Path) -> Any:
-    """Read a CAN database. Raises DataError where it is none."""
-    import cantools
-
-    try:
-        return cantools.database.load_file(path)
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror}: give a CAN database") from None
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200]
-        raise DataError(f"{path}: not a CAN database ({reason}): correct --dbc") from None
-
-
 def _frames(path: Path) -> Iterator[tuple[int, Any]]:
     """Yield each frame with its row (candump) or number (BLF), from 1."""
     with path.open("rb") as file:
@@ -213,7 +203,7 @@ def _unit(path: Path, quantity: Quantity, signal: _Signal, column: Column | None
 
 def _check_gaps(path: Path, signal: _Signal, stamps_s: Samples) -> None:
     steps_s = np.diff(stamps_s)
-    bad = np.flatnonzero((steps_s <= 0.0) | (steps_s > GAP * np.median(steps_s)))
+    bad = np.flatnonzero((steps_s <= 0.0) | (steps_s > _GAP * np.median(steps_s)))
     if len(bad):
         raise DataError(
             f"{path}, row {signal.places[bad[0] + 1]}: {signal.name} comes {steps_s[bad[0]]:.6g} s "
