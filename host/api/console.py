@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from springpot.codegen.entry_points import part as part
     from springpot.codegen.progress import counted as counted
     from springpot.host.console.keys import reading_keys as reading_keys
     from springpot.host.console.lazy_group import LazyCommand as LazyCommand
@@ -32,9 +33,11 @@ if TYPE_CHECKING:
     from springpot.host.console.output import (
         json_option as json_option,
     )
+    from springpot.host.console.output import print_json as print_json
     from springpot.host.console.output import (
         print_result as print_result,
     )
+    from springpot.host.console.output import print_table as print_table
     from springpot.host.console.output import (
         progress_bar as progress_bar,
     )

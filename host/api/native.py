@@ -28,9 +28,12 @@ if TYPE_CHECKING:
     from springpot.host.native.compiler import (
         CompilerError as CompilerError,
     )
+    from springpot.host.native.compiler import cache_folder as cache_folder
+    from springpot.host.native.compiler import compiler_reason as compiler_reason
     from springpot.host.native.compiler import (
         compiler_version as compiler_version,
     )
+    from springpot.host.native.compiler import find_compiler as find_compiler
     from springpot.host.native.footprint import (
         Footprint as Footprint,
     )

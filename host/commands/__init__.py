@@ -3,7 +3,6 @@
 from springpot.host.console.lazy_group import LazyCommand
 
 _HERE = "springpot.host.commands"
-DOCTOR = LazyCommand(f"{_HERE}.doctor:doctor", place=0)
 DEMO = LazyCommand(f"{_HERE}.scenes.demo:demo", place=1)
 RECORD = LazyCommand(f"{_HERE}.recordings.record:record", place=2)
 IMPORT = LazyCommand(f"{_HERE}.recordings.import_:import_", place=3)

@@ -23,7 +23,7 @@ ROOMS = {
                 "ensemble", "estimator"],
     "host": ["console", "pages", "plot_style", "metrics", "stiffness", "native", "simulation",
              "stability",
-             "emission", "devices", "session", "recording", "doctor", "boards", "validation",
+             "emission", "devices", "session", "recording", "boards", "validation",
              "demo", "api", "commands", "faces", "cli", "wings"],
 }  # fmt: skip
 WINGS = ROOT / "host" / "wings"

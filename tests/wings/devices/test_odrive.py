@@ -12,14 +12,14 @@ from support.peer import peer, wait_until
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.odrive import (
-    Drive,
-    DriveLimits,
-)
-from springpot.host.devices.odrive_device import OdriveDevice
 from springpot.host.recording.session import open_press_device
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
+from springpot.host.wings.devices.odrive import (
+    Drive,
+    DriveLimits,
+)
+from springpot.host.wings.devices.odrive_device import OdriveDevice
 from springpot.trainer.recordings.recording_file import read_recording
 
 TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"

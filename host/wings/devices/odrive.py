@@ -5,9 +5,9 @@ import struct
 import time
 from dataclasses import dataclass
 
-from springpot.codegen.errors import DeviceError
-from springpot.host.devices.device import ZERO_S
-from springpot.host.devices.lines.can_bus import SlcanBus, SocketBus
+from springpot import DeviceError
+from springpot.devices import ZERO_S
+from springpot.host.wings.devices.can_bus import SlcanBus, SocketBus
 
 VERSION, HEARTBEAT, AXIS_STATE, ENCODER, CONTROLLER_MODE = 0x00, 0x01, 0x07, 0x09, 0x0B
 INPUT_TORQUE, LIMITS, CLEAR_ERRORS, TORQUES = 0x0E, 0x0F, 0x18, 0x1C

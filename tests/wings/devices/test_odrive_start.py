@@ -10,11 +10,18 @@ import pytest
 from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import odrive, odrive_device, sample_rate
+from springpot.host.devices import sample_rate
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.odrive import Drive, DriveLimits, Heartbeat, identifier, parse_heartbeat
-from springpot.host.devices.odrive_device import (
+from springpot.host.wings.devices import odrive, odrive_device
+from springpot.host.wings.devices.odrive import (
+    Drive,
+    DriveLimits,
+    Heartbeat,
+    identifier,
+    parse_heartbeat,
+)
+from springpot.host.wings.devices.odrive_device import (
     OdriveDevice,
     Transmission,
     _transmission,

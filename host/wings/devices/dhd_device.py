@@ -5,12 +5,17 @@ import math
 import time
 from typing import Any
 
-from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.device import FORCE_ZERO, ZERO_S, DeviceRequirements, OpenedDevice
-from springpot.host.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
-from springpot.host.devices.sample_rate import require_sample_rate
-from springpot.host.devices.url import Address
-from springpot.host.native.c_library import CLibrary
+from springpot import DeviceError, UsageError
+from springpot.devices import (
+    FORCE_ZERO,
+    ZERO_S,
+    Address,
+    DeviceRequirements,
+    OpenedDevice,
+    require_sample_rate,
+)
+from springpot.host.wings.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
+from springpot.native import CLibrary
 
 _KEYS = ("library", "axis", "surface_mm", "walls_npm", "watchdog", "effector_mass_kg", "weight_n")
 _AXES = {f"{sign}{name}": (axis, -1.0 if sign else 1.0)

@@ -15,12 +15,12 @@ import cantools
 import numpy as np
 import pytest
 
-from springpot.host.devices.odrive import (
+from springpot.host.native.loop_library import loop_library
+from springpot.host.wings.devices.odrive import (
     CLOSED_LOOP,
     ENCODER,
     parse_heartbeat,
 )
-from springpot.host.native.loop_library import loop_library
 
 FILES = {"0.5": "odrive-cansimple-0.5.6.dbc", "0.6": "odrive-cansimple-0.6.10.dbc"}
 NODE = 3

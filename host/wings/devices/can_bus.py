@@ -9,10 +9,9 @@ import time
 
 import serial
 
-from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.lines.can_bridge import FRAME, REMOTE, STANDARD, CanBridge
-from springpot.host.devices.lines.serial_port import open_port
-from springpot.host.devices.url import Address
+from springpot import DeviceError, UsageError
+from springpot.devices import Address, open_port
+from springpot.host.wings.devices.can_bridge import FRAME, REMOTE, STANDARD, CanBridge
 
 BITRATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
 STUFFED_BITS = 135  # of a frame of 8 bytes with a short identifier, at worst

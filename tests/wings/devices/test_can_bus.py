@@ -11,8 +11,8 @@ import pytest
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.lines.can_bus import SocketBus, open_bus
-from springpot.host.devices.odrive import (
+from springpot.host.wings.devices.can_bus import SocketBus, open_bus
+from springpot.host.wings.devices.odrive import (
     identifier,
 )
 

@@ -6,8 +6,7 @@ import struct
 import threading
 from collections.abc import Callable
 
-from springpot.host.devices.lines.can import python_can_bus
-from springpot.host.devices.url import Address
+from springpot.devices import Address, python_can_bus
 
 FRAME = struct.Struct("=IB3x8s")  # struct can_frame
 REMOTE, STANDARD = 0x40000000, 0x7FF  # of its identifier: a flag, and the bits of a short one

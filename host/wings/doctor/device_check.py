@@ -2,17 +2,20 @@
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import SpringpotError
-from springpot.codegen.scene import Device
-from springpot.host.devices.device import requirements_of
-from springpot.host.devices.drivers import driver_of, parse_device
-from springpot.host.doctor.machine_check import Diagnosis
-from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows, empty_rows
-from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
-from springpot.host.recording.protocols import RATE_HZ
-from springpot.host.session.loop import LoopSettings
-from springpot.host.session.runner import SessionRunner
+from springpot import Device, SpringpotError
+from springpot.basics import Samples
+from springpot.devices import OPEN_LOOP, driver_of, parse_device, press_step_functions
+from springpot.host.wings.doctor.machine_check import Diagnosis
+from springpot.loop import (
+    COLUMN,
+    IDLE,
+    LoopRows,
+    LoopSettings,
+    SessionRunner,
+    empty_rows,
+    requirements_of,
+)
+from springpot.simulation import RATE_HZ
 
 PUSH_N, PUSH_S = 1.0, 0.5
 _REST_S, _RISE_S = 1.0, 0.1
@@ -131,11 +134,10 @@ def _sign(rows: LoopRows, url: str) -> Diagnosis:
 
 
 def _direction(url: str) -> str:
-    """Position and force of a Force Dimension device turn together: only a person sees the axis."""
-    address = parse_device(url)
-    if address.scheme != "dhd":
+    """Of a device with one frame, position and force turn together: only a person sees the axis."""
+    if not driver_of(url).own_frame:
         return ""
-    into = address.settings.get("axis", "-z")
+    into = parse_device(url).settings.get("axis", "-z")
     out = into.removeprefix("-") if into.startswith("-") else f"-{into}"
     return f"it moved to {out}: if that is not away from the object, turn ?axis="
 

@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_json, print_table
+from springpot.console import json_option, print_json, print_table
 
 if TYPE_CHECKING:
-    from springpot.host.doctor.machine_check import Diagnosis
+    from springpot.host.wings.doctor.machine_check import Diagnosis
 
 
 @click.command()
 @click.option("--device", "url", help="Examine this device in place of the machine.")
-@click.option("--scene", type=PATH, help="Whose [device] says what the device is.")
+@click.option(
+    "--scene", type=click.Path(path_type=Path), help="Whose [device] says what the device is."
+)
 @click.option("--yes", is_flag=True, help="The device may push with one newton for half a second.")
 @json_option
 def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> None:
@@ -24,7 +25,7 @@ def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> Non
     With --device: is it reached, armed, sampled, and of the right sign.
     """
     if url is None:
-        from springpot.host.doctor.machine_check import examine
+        from springpot.host.wings.doctor.machine_check import examine
 
         findings = examine()
         essential, status = "C compiler", 1
@@ -43,10 +44,9 @@ def doctor(url: str | None, scene: Path | None, yes: bool, as_json: bool) -> Non
 
 
 def _device_findings(url: str, scene: Path | None, yes: bool) -> "list[Diagnosis]":
-    from springpot.codegen.scene import Device
-    from springpot.host.doctor.device_check import PUSH_N, PUSH_S, check_device
-    from springpot.host.emission.scene_file import read_scene
-    from springpot.host.session.terminal import stopping_on_sigterm
+    from springpot import Device, read_scene
+    from springpot.console import stopping_on_sigterm
+    from springpot.host.wings.doctor.device_check import PUSH_N, PUSH_S, check_device
 
     keys = Device() if scene is None else read_scene(scene).device
     push = yes or (

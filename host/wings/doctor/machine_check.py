@@ -9,17 +9,17 @@ from dataclasses import dataclass
 
 from serial.tools import list_ports
 
-from springpot.codegen.errors import DeviceError
-from springpot.host.devices.dhd import LIBRARY_VARIABLE, DhdLibrary, absent_reason
-from springpot.host.devices.lines.serial_port import latency_timer
-from springpot.host.native.compiler import (
+from springpot.console import part
+from springpot.devices import latency_timer
+from springpot.native import (
     CompilerError,
     cache_folder,
     compiler_reason,
     compiler_version,
     find_compiler,
+    missing_tools,
+    toolchain,
 )
-from springpot.host.native.toolchain import missing_tools, toolchain
 
 _LATENCY_MS = 1
 
@@ -38,7 +38,7 @@ def examine() -> list[Diagnosis]:
     """Look at everything that springpot uses on this machine."""
     checks: tuple[Callable[[], Diagnosis], ...] = (_compiler, _cache, _scheduling, _locked, _timer)
     findings = [check() for check in checks]
-    findings += [*_serial_ports(), _force_dimension(), _webassembly()]
+    findings += [*_serial_ports(), *_force_dimension(), _webassembly()]
     for program, package, why in (
         ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
         ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "C for RISC-V boards"),
@@ -134,19 +134,9 @@ def _serial_port(device: str, description: str) -> Diagnosis:
     return Diagnosis(what, True, description)
 
 
-def _force_dimension() -> Diagnosis:
-    what = "Force Dimension's SDK"
-    try:
-        sdk = DhdLibrary("dhd://", None)
-        sdk.require("dhdGetDeviceCount")
-    except DeviceError:
-        do = f"for dhd:// devices: install the maker's SDK; {LIBRARY_VARIABLE} names its libdhd.so"
-        return Diagnosis(what, False, "not found", do)
-    count = sdk.c.dhdGetDeviceCount()
-    if count <= 0:
-        seen, _, do = absent_reason().partition(": ")
-        return Diagnosis(what, True, f"found; {seen}", do)
-    return Diagnosis(what, True, f"{count} devices: `springpot doctor --device dhd://`")
+def _force_dimension() -> list[Diagnosis]:
+    sdk_found = part("force-dimension")
+    return [] if sdk_found is None else [Diagnosis("Force Dimension's SDK", *sdk_found())]
 
 
 def _webassembly() -> Diagnosis:

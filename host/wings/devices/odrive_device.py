@@ -6,20 +6,20 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices.device import (
+from springpot import DeviceError, UsageError
+from springpot.devices import (
     FORCE_ZERO,
+    Address,
     DeviceRequirements,
     OpenedDevice,
     at_most,
+    require_fast_adapter,
+    require_sample_rate,
     too_weak,
 )
-from springpot.host.devices.lines.can_bus import STUFFED_BITS, open_bus
-from springpot.host.devices.lines.serial_port import require_fast_adapter
-from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
-from springpot.host.devices.sample_rate import require_sample_rate
-from springpot.host.devices.url import Address
-from springpot.host.native.c_library import CLibrary
+from springpot.host.wings.devices.can_bus import STUFFED_BITS, open_bus
+from springpot.host.wings.devices.odrive import ENCODER, Drive, DriveLimits, identifier
+from springpot.native import CLibrary
 
 BITRATE = 1_000_000
 MAX_RATE_HZ = 1000  # of cyclic messages: their interval is a whole number of ms

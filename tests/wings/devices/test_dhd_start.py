@@ -8,8 +8,8 @@ from support.peer import peer
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.dhd import UDEV_RULE, VENDOR, absent_reason
 from springpot.host.devices.drivers import open_device
+from springpot.host.wings.devices.dhd import UDEV_RULE, VENDOR, absent_reason
 
 WANTED = DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=8.0, presses=True)
 
