@@ -61,9 +61,11 @@ if TYPE_CHECKING:
     from springpot.host.emission.emission import (
         Emitted as Emitted,
     )
+    from springpot.host.emission.emission import by_hand as by_hand
     from springpot.host.emission.emission import (
         read_emission as read_emission,
     )
+    from springpot.host.emission.emission import require_emission as require_emission
     from springpot.host.emission.emission import (
         write_emission as write_emission,
     )

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from springpot.host.session.log import SessionLog as SessionLog
     from springpot.host.session.loop import LoopSettings as LoopSettings
     from springpot.host.session.note_words import NOTE_WORDS as NOTE_WORDS
+    from springpot.host.session.note_words import notes_in_words as notes_in_words
     from springpot.host.session.runner import (
         Progress as Progress,
     )

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from springpot.trainer.kinds import (
         fit_kind as fit_kind,
     )
+    from springpot.trainer.models.compatibility import zero_of as zero_of
     from springpot.trainer.models.contact import depth_m as depth_m
     from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS
     from springpot.trainer.models.fit import assemble as assemble
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.forests import (
         fit_forest as fit_forest,
     )
+    from springpot.trainer.models.limited import limited_n as limited_n
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.predict import regressor_force as regressor_force
     from springpot.trainer.models.radial import fit_rbf as fit_rbf

@@ -50,6 +50,8 @@ if TYPE_CHECKING:
     from springpot.host.simulation.objects import (
         parse_url as parse_url,
     )
+    from springpot.host.simulation.scenarios import RISE_S as RISE_S
     from springpot.host.simulation.scenarios import Workspace as Workspace
+    from springpot.host.simulation.scenarios import holding as holding
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

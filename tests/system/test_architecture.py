@@ -24,7 +24,7 @@ ROOMS = {
     "host": ["console", "pages", "plot_style", "metrics", "stiffness", "native", "simulation",
              "stability",
              "emission", "devices", "session", "recording", "boards", "validation",
-             "demo", "api", "commands", "faces", "cli", "wings"],
+             "commands", "api", "cli", "wings"],
 }  # fmt: skip
 WINGS = ROOT / "host" / "wings"
 MAX_FILES = 15  # of a folder, __init__.py apart

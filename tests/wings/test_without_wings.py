@@ -55,7 +55,6 @@ def test_the_core_does_its_whole_job_without_wings(tmp_path: Path) -> None:
     run(tmp_path, "run", "--scene", "c", "--device", device, "--seconds", "0.3", "--log", "felt.h5")
     run(tmp_path, "validate", "c", "--recording", "felt.h5")
     run(tmp_path, "validate", "c", "--recording", "again")
-    run(tmp_path, "report", "c")
 
 
 def test_commands_and_options_of_wings_are_not_there_without_them(tmp_path: Path) -> None:

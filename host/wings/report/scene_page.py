@@ -6,37 +6,41 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.atomic_write import write_file
-from springpot.codegen.emit.single import SINGLE_EXAMPLE
-from springpot.codegen.errors import DataError
-from springpot.host.emission.emission import (
+from springpot import DataError
+from springpot.basics import write_file
+from springpot.checks import stability
+from springpot.emission import (
     MODEL_COPY,
     SCENE_COPY,
     Emitted,
+    by_hand,
     read_emission,
     require_emission,
 )
-from springpot.host.metrics import JND_WORDS, floor_words, start_up_ramp
-from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary, scene_files
-from springpot.host.pages.page import page_text
-from springpot.host.session.note_words import notes_in_words
-from springpot.host.stability.check import stability
-from springpot.host.stability.report import stability_section
-from springpot.host.stiffness import slope_words
-from springpot.host.validation import figures
-from springpot.host.validation.by_place import PlaceError
-from springpot.host.validation.error_parts import errors_by_speed
-from springpot.host.validation.findings import (
+from springpot.figures import page_text
+from springpot.host.wings.report import figures
+from springpot.host.wings.report.error_parts import errors_by_speed
+from springpot.host.wings.report.findings import (
     accuracy_findings,
     by_place_findings,
     code_findings,
     relaxation_finding,
     stability_finding,
 )
-from springpot.host.validation.place_figure import place_figure
-from springpot.host.validation.relaxation import recorded_hold, scene_hold
-from springpot.host.validation.store import Stored, read_validation
+from springpot.host.wings.report.place_figure import place_figure
+from springpot.host.wings.report.relaxation import recorded_hold, scene_hold
+from springpot.host.wings.report.stability_page import stability_section
+from springpot.loop import notes_in_words
+from springpot.native import Replay, SceneLibrary
+from springpot.validation import (
+    JND_WORDS,
+    PlaceError,
+    Stored,
+    floor_words,
+    read_validation,
+    slope_words,
+    start_up_ramp,
+)
 
 _REPORT_NAME = "report.html"
 
@@ -97,7 +101,12 @@ def write_report(folder: Path) -> Path:
     }
     path = folder / _REPORT_NAME
     # angle: loss angle of a complex stiffness, degrees.
-    text = page_text("report.html", context, angle=lambda it: f"{np.degrees(np.angle(it)):.1f}")
+    text = page_text(
+        "report.html",
+        context,
+        "springpot.host.wings.report",
+        angle=lambda it: f"{np.degrees(np.angle(it)):.1f}",
+    )
     write_file(path, text.encode())
     return path
 
@@ -120,16 +129,6 @@ def _extent_m(manifest: dict[str, Any]) -> tuple[list[float], list[float]] | Non
     """Ends of the scene's map along x and y."""
     places = manifest.get("places")
     return None if places is None else (places["x_m"], places["y_m"])
-
-
-def by_hand(folder: Path) -> str:
-    """The build of an emission without Python."""
-    files = scene_files(folder)
-    if not files.single:
-        return f"make -C {folder.name} test    # {files.prefix}_selftest.c, without Python"
-    names = (files.sources[0], SINGLE_EXAMPLE.format(files.prefix))
-    sources = " ".join(f"{folder.name}/{name}" for name in names)
-    return f"cc -O2 -I{folder.name} {sources} -lm"
 
 
 def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[str]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.host.validation.store import Series
+from springpot.validation import Series
 
 _SHARE = 0.2  # of the largest swing: smaller ones are harmonics and noise
 _MOST = 6

@@ -19,20 +19,20 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stability.check import Stability
 from springpot.host.stability.check import stability as whole_check
 from springpot.host.stability.judgement import Grade
-from springpot.host.stability.report import write_stability_report
-from springpot.host.validation import report
-from springpot.host.validation.error_parts import errors_by_speed, tool_speed
-from springpot.host.validation.findings import relaxation_finding
-from springpot.host.validation.frequency_loops import frequency_loops
-from springpot.host.validation.relaxation import (
+from springpot.host.validation.store import Series, store_validation
+from springpot.host.validation.validation import validate
+from springpot.host.wings.report import scene_page as report
+from springpot.host.wings.report.error_parts import errors_by_speed, tool_speed
+from springpot.host.wings.report.findings import relaxation_finding
+from springpot.host.wings.report.frequency_loops import frequency_loops
+from springpot.host.wings.report.relaxation import (
     Hold,
     recorded_hold,
     relaxed_share,
     scene_hold,
     settled_after_s,
 )
-from springpot.host.validation.store import Series, store_validation
-from springpot.host.validation.validation import validate
+from springpot.host.wings.report.stability_page import write_stability_report
 
 
 @pytest.fixture(scope="module")

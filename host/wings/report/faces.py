@@ -8,24 +8,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.model_file import model_hash
-from springpot.host.commands.models.fit_result import training_result, training_rows
-from springpot.host.commands.recordings.check import check_parts
-from springpot.host.commands.scenes.emit import emission_rows
-from springpot.host.commands.scenes.stability import stability_rows
-from springpot.host.commands.scenes.validate import validation_rows
-from springpot.host.console.output import TextTable
-from springpot.host.emission.result import Emission
-from springpot.host.session.note_words import NOTE_WORDS
-from springpot.host.stability.check import Stability
-from springpot.host.validation.store import series_of
-from springpot.host.validation.validation import Validation
-from springpot.trainer.models.compatibility import zero_of
-from springpot.trainer.models.fit import Fit
-from springpot.trainer.models.limited import limited_n
-from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
-from springpot.trainer.recordings.recording import Recording
+from springpot import (
+    Emission,
+    Fit,
+    QualityReport,
+    Recording,
+    Stability,
+    UsageError,
+    Validation,
+    check_recordings,
+)
+from springpot.console import (
+    TextTable,
+    check_parts,
+    emission_rows,
+    stability_rows,
+    training_result,
+    training_rows,
+    validation_rows,
+)
+from springpot.loop import NOTE_WORDS
+from springpot.modelling import limited_n, model_hash, zero_of
+from springpot.validation import series_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +45,7 @@ def plotted(found: object, axes: "Axes | None") -> "Axes":
         raise UsageError(f".plot() {_MISSING}")
     from matplotlib import pyplot, rc_context
 
-    from springpot.host.plot_style import STYLE
+    from springpot.figures import STYLE
 
     with rc_context(STYLE):
         if axes is None:
@@ -58,7 +62,7 @@ def html(found: object) -> str:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    from springpot.host.plot_style import STYLE, stride, svg_text
+    from springpot.figures import STYLE, stride, svg_text
 
     with rc_context({**STYLE, "svg.fonttype": "none"}):
         figure = Figure(figsize=(4.6, 2.8), layout="constrained")
@@ -111,7 +115,7 @@ def _fit_parts(fit: Fit) -> list[str | TextTable]:
 
 
 def _draw_recordings(report: QualityReport, axes: "Axes") -> None:
-    from springpot.host.recording.figures import draw_loops, rate_hz
+    from springpot.host.wings.report.recording_figures import draw_loops, rate_hz
 
     draw_loops(axes, report.checked, [rate_hz(item) for item in report.recordings])
 
@@ -132,7 +136,7 @@ def _draw_recording(recording: Recording, axes: "Axes") -> None:
 
 def _draw_fit(fit: Fit, axes: "Axes") -> None:
     """Force of the model in a press of the trained depth, as fast as was recorded and slower."""
-    from springpot.host.plot_style import ERROR, PREDICTED
+    from springpot.figures import ERROR, PREDICTED
 
     model, trained = fit.model, fit.model.trained
     low_m = trained.min_m if model.contact == "always" else 0.0
@@ -149,14 +153,14 @@ def _draw_fit(fit: Fit, axes: "Axes") -> None:
 
 
 def _draw_validation(validation: Validation, axes: "Axes") -> None:
-    from springpot.host.validation.figures import draw_prediction, typical_series
+    from springpot.host.wings.report.figures import draw_prediction, typical_series
 
     draw_prediction(axes, typical_series(series_of(validation)))
     axes.set_xlabel("time, s")
 
 
 def _draw_check(found: Stability | Emission, axes: "Axes") -> None:
-    from springpot.host.stability.figures import draw_map, scale_of
+    from springpot.host.wings.report.stability_figures import draw_map, scale_of
 
     if found.check is None:
         raise UsageError(f"no map of stability: {'; '.join(found.notices)}")

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from springpot.codegen.atomic_write import write_file
-from springpot.host.pages.page import page_text
-from springpot.host.stability import figures
-from springpot.host.stability.check import Stability
-from springpot.host.stability.judgement import Grade, judged_cases
+from springpot import Stability
+from springpot.basics import write_file
+from springpot.checks import Grade, judged_cases
+from springpot.figures import page_text
+from springpot.host.wings.report import stability_figures as figures
 
 
 def write_stability_report(found: Stability, path: Path) -> None:
@@ -27,7 +27,7 @@ def write_stability_report(found: Stability, path: Path) -> None:
         "losses": [item for item in judged_cases(found.outcomes) if item.outcome.losses],
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_file(path, page_text("stability.html", context).encode())
+    write_file(path, page_text("stability.html", context, "springpot.host.wings.report").encode())
 
 
 def stability_section(found: Stability) -> dict[str, Any]:

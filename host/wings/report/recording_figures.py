@@ -11,13 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from springpot.codegen.atomic_write import written_aside
-from springpot.codegen.errors import UsageError
-from springpot.codegen.progress import counted
-from springpot.host.plot_style import ERROR, MUTED, PREDICTED, STYLE, stride
-from springpot.trainer.recordings.quality.coverage import find_coverage
-from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
-from springpot.trainer.recordings.recording import Recording
+from springpot import QualityReport, Recording, UsageError, check_recordings
+from springpot.basics import written_aside
+from springpot.console import counted
+from springpot.figures import ERROR, MUTED, PREDICTED, STYLE, stride
+from springpot.modelling import find_coverage
 
 POSITION, FORCE, DOUBT = ERROR, PREDICTED, MUTED
 _MAX_POINTS = 6000

@@ -7,20 +7,22 @@ from dataclasses import dataclass, replace
 from importlib.resources import as_file, files
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.model_file import write_model
-from springpot.host.console.output import progress_bar, progress_console
-from springpot.host.emission.emission import emit
-from springpot.host.emission.result import Emission
-from springpot.host.emission.scene_file import read_scene
-from springpot.host.recording.protocols import load_protocol
-from springpot.host.recording.session import open_press_device, record_session
-from springpot.host.validation.report import write_report
-from springpot.host.validation.store import store_validation
-from springpot.host.validation.validation import Validation, validate
-from springpot.trainer.recordings.recording_file import read_recordings
+from springpot import (
+    Emission,
+    Fit,
+    UsageError,
+    Validation,
+    emit,
+    read_scene,
+    record,
+    train,
+    validate,
+    write_model,
+)
+from springpot.console import progress_bar, progress_console
+from springpot.host.wings.report.scene_page import write_report
+from springpot.validation import store_validation
 
 _MARK = ".springpot-demo"
 _TRAINING_SEED, _VALIDATION_SEED = 1, 2
@@ -32,7 +34,7 @@ class Demo:
 
     emission: Emission
     validation: Validation
-    fit: Any
+    fit: Fit
     report: Path
     seconds: dict[str, float]
 
@@ -41,22 +43,19 @@ def run_demo(out: Path, object_name: str) -> Demo:
     """Run everything into `out`, replacing an earlier demo there. Raises UsageError otherwise."""
     _prepare(out)
     seconds: dict[str, float] = {}
+    url = f"sim://{object_name}"
     with _step("record", seconds):
-        _record(object_name, "paper", _TRAINING_SEED, out / "training")
-        _record(object_name, "validation", _VALIDATION_SEED, out / "validation")
-    training, testing = (read_recordings([out / name]) for name in ("training", "validation"))
+        training = record(url, "paper", out / "training", _TRAINING_SEED)
+        testing = record(url, "validation", out / "validation", _VALIDATION_SEED)
     with _step("train", seconds):
-        from springpot.trainer.kinds import AUTO, fit_model
-        from springpot.trainer.models.fit import FitOptions
-
-        fit = fit_model(AUTO, object_name, training, FitOptions())
+        fit = train(training, name=object_name)
         model_file = out / "model.spm"
         write_model(model_file, fit.model)
     with _step("emit and build", seconds):
         with as_file(files("springpot.host") / "scenes" / "plain.toml") as shipped:
             shutil.copyfile(shipped, out / "scene.toml")
         scene = replace(read_scene(out / "scene.toml"), name=object_name)
-        emission = emit(scene, model_file, out / "c")
+        emission = emit(out / "c", model=model_file, scene=scene)
     with _step("validate", seconds):
         validation = validate(out / "c", testing)
         store_validation(out / "c", validation)
@@ -72,12 +71,6 @@ def _prepare(out: Path) -> None:
         shutil.rmtree(out)
     out.mkdir(parents=True, exist_ok=True)
     (out / _MARK).touch()
-
-
-def _record(object_name: str, protocol: str, seed: int, folder: Path) -> None:
-    url = f"sim://{object_name}"
-    device = open_press_device(url, seed)
-    record_session(device, url, protocol, load_protocol(protocol, seed), folder, lambda _: None)
 
 
 @contextmanager

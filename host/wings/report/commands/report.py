@@ -4,17 +4,16 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_result, progress_bar
+from springpot.console import json_option, print_result, progress_bar
 
 
 @click.command()
-@click.argument("folder", type=PATH)
+@click.argument("folder", type=click.Path(path_type=Path))
 @json_option
 def report(folder: Path, as_json: bool) -> None:
     """Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
-    from springpot.codegen.entry_points import part
-    from springpot.host.validation.report import write_report
+    from springpot.console import part
+    from springpot.host.wings.report.scene_page import write_report
 
     of_bench = part("bench-report")
     with progress_bar("report"):

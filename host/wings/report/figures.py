@@ -8,12 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from springpot.codegen.arrays import Samples
-from springpot.host.metrics import SCORED_ABOVE_N, just_noticeable_percent, rms
-from springpot.host.plot_style import ERROR, MEASURED, MUTED, PREDICTED, STYLE, stride, svg_text
-from springpot.host.validation.frequency_loops import LoopRow, frequency_loops
-from springpot.host.validation.relaxation import Hold
-from springpot.host.validation.store import Series
+from springpot.basics import Samples
+from springpot.figures import ERROR, MEASURED, MUTED, PREDICTED, STYLE, stride, svg_text
+from springpot.host.wings.report.frequency_loops import LoopRow, frequency_loops
+from springpot.host.wings.report.relaxation import Hold
+from springpot.validation import SCORED_ABOVE_N, Series, just_noticeable_percent, rms
 
 _POINTS = 2000  # of a curve against time: three for each pixel
 _MAX_PICKED = 12  # recordings in a page

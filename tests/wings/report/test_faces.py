@@ -13,8 +13,8 @@ from support.pages.sources import API
 from support.small import passive_model, training
 
 import springpot
-from springpot.host import faces
 from springpot.host.session.note_words import NOTE_WORDS
+from springpot.host.wings.report import faces
 
 # What the command line prints of each.
 ROWS = {

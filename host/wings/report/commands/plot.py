@@ -4,15 +4,14 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, paths_argument, print_result, progress_bar
+from springpot.console import json_option, paths_argument, print_result, progress_bar
 
 
 @click.command()
 @paths_argument("recordings")
 @click.option(
     "--out",
-    type=PATH,
+    type=click.Path(path_type=Path),
     default=Path("plots"),
     show_default=True,
     help="Folder to write into.",
@@ -29,9 +28,9 @@ from springpot.host.console.output import json_option, paths_argument, print_res
 @json_option
 def plot(recordings: tuple[str, ...], out: Path, forms: tuple[str, ...], as_json: bool) -> None:
     """Draw RECORDINGS: time series, loops by rate and amplitude, spectra, stiffness and loss."""
-    from springpot.host.recording.figures import write_figures
-    from springpot.trainer.recordings.recording_file import read_recordings
+    from springpot import read_recordings
+    from springpot.host.wings.report.recording_figures import write_figures
 
     with progress_bar("plot"):
-        files = write_figures(out, read_recordings(map(Path, recordings)), forms)
+        files = write_figures(out, read_recordings(*recordings), forms)
     print_result({"out": str(out), "files": files}, as_json, {Path(f).name: f for f in files})

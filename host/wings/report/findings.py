@@ -4,15 +4,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from springpot.codegen.plan.plan import Plan
-from springpot.host.metrics import SCORED_ABOVE_N, floor_words
-from springpot.host.pages.page import plain
-from springpot.host.stability.check import Stability
-from springpot.host.stability.judgement import Grade, judged_cases
-from springpot.host.validation.by_place import PlaceError, place_line
-from springpot.host.validation.error_parts import SpeedError
-from springpot.host.validation.relaxation import Hold, relaxed_share, settled_after_s
-from springpot.trainer.models.folds import geometric_mean
+from springpot import Stability
+from springpot.checks import Grade, judged_cases
+from springpot.emission import Plan
+from springpot.figures import plain
+from springpot.host.wings.report.error_parts import SpeedError
+from springpot.host.wings.report.relaxation import Hold, relaxed_share, settled_after_s
+from springpot.validation import SCORED_ABOVE_N, PlaceError, floor_words, geometric_mean, place_line
 
 _MOSTLY = 0.9  # of samples nearer than a hand can tell: good; below half: bad
 _ACCURATE_PERCENT = 5.0  # RMSE, of the peak, where no sample is above the scored force

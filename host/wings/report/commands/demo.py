@@ -4,20 +4,18 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_result
+from springpot.console import json_option, print_result
 
 
 @click.command()
-@click.option("--out", type=PATH, default=Path("demo"), show_default=True)
+@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True)
 @click.option("--object", "object_name", default="ecoflex-00-30", show_default=True)
 @json_option
 def demo(out: Path, object_name: str, as_json: bool) -> None:
     """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
-    from springpot.host.commands.scenes.emit import emission_rows
-    from springpot.host.commands.scenes.validate import validation_rows
-    from springpot.host.demo import run_demo
-    from springpot.host.validation.validation import fail_on_mismatch
+    from springpot.console import emission_rows, validation_rows
+    from springpot.host.wings.report.demo import run_demo
+    from springpot.validation import fail_on_mismatch
 
     done = run_demo(out, object_name)
     result = {

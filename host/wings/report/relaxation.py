@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.plan.plan import Plan
-from springpot.host.native.replay import Replay
-from springpot.host.simulation.scenarios import RISE_S, Workspace, holding
-from springpot.host.validation.store import Series
+from springpot.basics import Samples
+from springpot.emission import Plan
+from springpot.native import Replay
+from springpot.simulation import RISE_S, Workspace, holding
+from springpot.validation import Series
 
 HOLD_FOR_S = 60.0
 _SHARE = 0.6  # of the trained depth

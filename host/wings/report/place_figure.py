@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from springpot.host.plot_style import MEASURED, MUTED, PREDICTED, STYLE, svg_text
-from springpot.host.validation.by_place import PlaceError
+from springpot.figures import MEASURED, MUTED, PREDICTED, STYLE, svg_text
+from springpot.validation import PlaceError
 
 _SIDE = 4.4  # inches, of the longer one
 _MOST_LABELLED = 49

@@ -7,9 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
-from springpot.host.metrics import rms
-from springpot.host.validation.store import Series
+from springpot.basics import Samples
+from springpot.validation import Series, rms
 
 _EDGES = (0.0, 0.1, 0.3, 0.6, 1.0)  # of the speed that 99 % are below: one stroke is no range
 _OVER_S = 0.01  # speed is a difference over this time, each way: a sample's step is mostly noise

@@ -8,12 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from springpot.codegen.coupling.linear_loop import DESIGN_HAND
-from springpot.host.plot_style import ERROR, MEASURED, PREDICTED, STYLE, stride, svg_text
-from springpot.host.stability.closed_loop import Outcome
-from springpot.host.stability.judgement import QUIET_MPS
-from springpot.host.stability.small_signal import Map
-from springpot.trainer.selection.small_signal import ACTIVE
+from springpot.checks import ACTIVE, DESIGN_HAND, QUIET_MPS, Map, Outcome
+from springpot.figures import ERROR, MEASURED, PREDICTED, STYLE, stride, svg_text
 
 _POINTS = 1500
 _DARK = 0.6  # of the colour scale: text in darker cells is white
