@@ -12,6 +12,7 @@ from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from springpot.codegen.arrays import Indices as Indices
+    from springpot.codegen.arrays import Reals as Reals
     from springpot.codegen.arrays import Samples as Samples
     from springpot.codegen.atomic_write import (
         folder_written_aside as folder_written_aside,

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         fit_kind as fit_kind,
     )
     from springpot.trainer.models.compatibility import zero_of as zero_of
+    from springpot.trainer.models.contact import contact_of as contact_of
     from springpot.trainer.models.contact import depth_m as depth_m
     from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS
     from springpot.trainer.models.fit import assemble as assemble
@@ -100,6 +101,7 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.reader_limits import read_apart as read_apart
     from springpot.trainer.recordings.reader_limits import require_unpacked as require_unpacked
     from springpot.trainer.recordings.reader_limits import run_reader as run_reader
+    from springpot.trainer.recordings.spikes import hold_spikes as hold_spikes
     from springpot.trainer.selection.cross_validation import (
         Split as Split,
     )

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from springpot.host.recording.protocols import (
         Profile as Profile,
     )
+    from springpot.host.recording.protocols import cosine_cycles as cosine_cycles
+    from springpot.host.recording.protocols import inverted_cosine as inverted_cosine
     from springpot.host.recording.protocols import (
         load_protocol as load_protocol,
     )

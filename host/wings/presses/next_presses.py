@@ -14,11 +14,9 @@ from math import floor, log10, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
-from springpot.trainer.features.values import highpass
-from springpot.trainer.models.contact import contact_of, depth_m
-from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.spikes import LONGEST, hold_spikes
+from springpot import Recording
+from springpot.basics import Samples
+from springpot.modelling import contact_of, depth_m, highpass, hold_spikes
 
 N_NEXT = 3
 _SHARES = (0.25, 0.5, 0.75, 1.0)  # of the greatest recorded force, which is never exceeded
@@ -37,6 +35,7 @@ _ROWS = 100  # of a press, evenly in time
 _SAMPLES = 1000  # of a press that is not recorded yet
 _MAX_SAMPLES = 20_000  # of a recording
 _BINS = 200
+_GLITCH = 5  # samples at most
 
 _Square = NDArray[np.float64]
 
@@ -135,7 +134,7 @@ def possible_presses(peak_n: float, band_hz: tuple[float, float]) -> list[NextPr
 def _greatest_n(recording: Recording) -> float:
     """The force that more samples reach than a glitch has: a protocol will press as hard."""
     own = np.sort(recording.force_n)[::-1]
-    return float(own[min(LONGEST, len(own) // 20)])
+    return float(own[min(_GLITCH, len(own) // 20)])
 
 
 def _recorded_shares(

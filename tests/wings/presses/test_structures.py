@@ -12,9 +12,9 @@ from springpot.host.commands.recordings.record import record
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.recording.protocols import Profile, load_protocol
-from springpot.host.recording.structures import STRUCTURES
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import PressSettings, parse_url
+from springpot.host.wings.presses.structures import STRUCTURES
 from springpot.trainer.recordings.recording_file import read_recordings
 
 HALF_S = 0.5 * 10 * (1 - np.cos(2 * np.pi * 2 * np.arange(500) / 1000))

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from springpot.codegen.arrays import Reals
-from springpot.codegen.errors import DeviceError, UsageError
-from springpot.codegen.plan.plan import Plan
-from springpot.host.devices.device import requirements_of
-from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.native.replay import Replay
+from springpot import DeviceError, UsageError
+from springpot.basics import Reals
+from springpot.devices import SerialDevice, parse_device
+from springpot.emission import Plan
+from springpot.loop import requirements_of
+from springpot.native import Replay
 
 _ANSWER_S = 5.0
 _POLL_S = 0.0001

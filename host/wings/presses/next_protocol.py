@@ -5,13 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from springpot.codegen.atomic_write import write_file
-from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.model import Contact
-from springpot.trainer.models.contact import contact_of
-from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.spikes import hold_spikes
-from springpot.trainer.selection.next_presses import NextPress
+from springpot import DataError, Recording, UsageError
+from springpot.basics import write_file
+from springpot.host.wings.presses.next_presses import NextPress, next_presses
+from springpot.modelling import contact_of, find_coverage, hold_spikes
 
 _SUFFIX = ".toml"
 _NONE = "not known: no force of these recordings lasts longer than a glitch"
@@ -51,6 +48,19 @@ def write_protocol(path: Path, presses: Sequence[NextPress]) -> None:
         ) from None
 
 
+def next_told(
+    recordings: Sequence[Recording], contact: str, path: Path | None
+) -> tuple[list[dict[str, Any]], str]:
+    """Return the presses as JSON values and in words; write them as a protocol if there is a path.
+
+    contact: of the model that was fitted. Raises as `write_protocol`.
+    """
+    presses = next_presses(recordings, find_coverage(recordings).band_hz)
+    if path is not None:
+        write_protocol(path, presses)
+    return next_metadata(presses), next_words(presses, contact, path)
+
+
 def next_metadata(presses: Sequence[NextPress]) -> list[dict[str, Any]]:
     """JSON values: of each press, and how far models differ before and after it is recorded."""
     return [
@@ -60,7 +70,7 @@ def next_metadata(presses: Sequence[NextPress]) -> list[dict[str, Any]]:
     ]
 
 
-def next_words(presses: Sequence[NextPress], contact: Contact, path: Path | None) -> str:
+def next_words(presses: Sequence[NextPress], contact: str, path: Path | None) -> str:
     """A line a press, and what to do with them."""
     if not presses:
         return _NONE
