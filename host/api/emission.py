@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     )
     from springpot.codegen.emit.project import prefixed as prefixed
     from springpot.codegen.literals import literal as literal
+    from springpot.codegen.plan.instructions import instruction_bound as instruction_bound
     from springpot.codegen.plan.plan import Plan as Plan
     from springpot.codegen.plan.plan import make_plan as make_plan
     from springpot.codegen.plan.units import state_bytes as state_bytes
@@ -69,6 +70,7 @@ if TYPE_CHECKING:
     from springpot.host.emission.emission import (
         write_emission as write_emission,
     )
+    from springpot.host.emission.result import over_budget as over_budget
     from springpot.host.emission.scene_file import (
         model_path as model_path,
     )

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from springpot.codegen.forest.leaves import level_order as level_order
+    from springpot.codegen.forest.quantisation import quantisation_over as quantisation_over
+    from springpot.codegen.forest.quantisation import rounded as rounded
     from springpot.codegen.model.features import Features as Features
     from springpot.codegen.model.features import FirBank as FirBank
     from springpot.codegen.model.model import (
@@ -26,6 +29,7 @@ if TYPE_CHECKING:
     )
     from springpot.codegen.model.passive import Hammerstein as Hammerstein
     from springpot.codegen.model.regressors import Forest as Forest
+    from springpot.codegen.model.regressors import Quantisation as Quantisation
     from springpot.codegen.model.regressors import Regressor as Regressor
     from springpot.trainer.features.exponentials import recursive_bank as recursive_bank
     from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
@@ -50,22 +54,30 @@ if TYPE_CHECKING:
     from springpot.trainer.kinds import (
         fit_kind as fit_kind,
     )
+    from springpot.trainer.models.compatibility import require_compatible as require_compatible
     from springpot.trainer.models.compatibility import zero_of as zero_of
     from springpot.trainer.models.contact import contact_of as contact_of
     from springpot.trainer.models.contact import depth_m as depth_m
     from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS
     from springpot.trainer.models.fit import assemble as assemble
+    from springpot.trainer.models.folds import recording_folds as recording_folds
     from springpot.trainer.models.forests import (
         depth_scale as depth_scale,
     )
     from springpot.trainer.models.forests import (
         fit_forest as fit_forest,
     )
+    from springpot.trainer.models.forests import random_forest as random_forest
     from springpot.trainer.models.limited import limited_n as limited_n
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
+    from springpot.trainer.models.predict import predict_each_n as predict_each_n
     from springpot.trainer.models.predict import regressor_force as regressor_force
     from springpot.trainer.models.radial import fit_rbf as fit_rbf
+    from springpot.trainer.models.rf_fd import MAX_TAPS as MAX_TAPS
+    from springpot.trainer.models.rf_fd import PAPER_ORDERS as PAPER_ORDERS
     from springpot.trainer.models.rf_fd import PAPER_TAPS as PAPER_TAPS
+    from springpot.trainer.models.rf_fd import fractional_features as fractional_features
+    from springpot.trainer.models.rf_fd import window_samples as window_samples
     from springpot.trainer.models.training_set import (
         TrainingSet as TrainingSet,
     )

@@ -3,8 +3,8 @@
 import numpy as np
 from support.small import small_model, training
 
-from springpot.codegen.forest.prune import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.regressors import Forest
+from springpot.host.wings.smaller.pruning import fewer_trees, larger_leaves, quantised
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import depth_m
 from springpot.trainer.models.predict import regressor_force

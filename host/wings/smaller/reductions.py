@@ -1,32 +1,27 @@
 """Smaller versions of a model that fit a scene's budget, measured on recordings."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from springpot.codegen.errors import SpringpotError
-from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import write_model
-from springpot.codegen.plan.instructions import instruction_bound
-from springpot.codegen.plan.plan import Plan, make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.scene import Budget, Scene
-from springpot.host.emission.emission import emit
-from springpot.host.emission.result import over_budget
-from springpot.host.metrics import rms
-from springpot.host.native.replay import Replay, replayed_accuracy
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.compatibility import require_compatible
-from springpot.trainer.models.contact import depth_m
-from springpot.trainer.models.predict import predict_each_n, regressor_force
-from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.prune import Pruned, pruned_models
+from springpot import Budget, Emission, Model, Recording, Scene, SpringpotError, write_model
+from springpot.emission import Plan, instruction_bound, make_plan, over_budget, state_bytes
+from springpot.host.wings.smaller.pruned_models import Pruned, pruned_models
+from springpot.modelling import (
+    depth_m,
+    feature_values,
+    predict_each_n,
+    regressor_force,
+    require_compatible,
+)
+from springpot.native import Replay, SceneLibrary, replayed_accuracy
+from springpot.validation import rms
 
+Emit = Callable[[Scene, Path, Path], Emission]
 _BEST = 3
 _EVALUATED = 4000  # samples that decide the order; what is reported is measured on all
 
@@ -51,9 +46,12 @@ class Reduction:
 
 
 def best_reductions(
-    scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
+    scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool, emit: Emit
 ) -> list[Reduction]:
-    """At most three reductions that fit, lowest error first; each size of leaf is there once."""
+    """At most three reductions that fit, lowest error first; each size of leaf is there once.
+
+    emit: writes a scene with a model's file into a folder, and measures it.
+    """
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
     for recording in recordings:
         require_compatible(recording, model, tick_s)
@@ -69,7 +67,7 @@ def best_reductions(
             break
         if pruned.leaves in leaves_found:
             continue
-        reduction = _measured(scene, pruned, recordings, accept_unsafe)
+        reduction = _measured(scene, pruned, recordings, emit)
         if reduction is not None:
             leaves_found.add(pruned.leaves)
             found.append(reduction)
@@ -103,7 +101,7 @@ def _evaluation(model: Model, recordings: Sequence[Recording]) -> _Evaluation:
 
 
 def _measured(
-    scene: Scene, pruned: Pruned, recordings: Sequence[Recording], accept_unsafe: bool
+    scene: Scene, pruned: Pruned, recordings: Sequence[Recording], emit: Emit
 ) -> Reduction | None:
     """Build it for its target and replay it here; None where it does not fit either."""
     free = replace(scene, budget=Budget())
@@ -116,7 +114,7 @@ def _measured(
         file = Path(scratch) / "model.spm"
         write_model(file, model)
         try:
-            emission = emit(free, file, Path(scratch) / "c", accept_unsafe)
+            emission = emit(free, file, Path(scratch) / "c")
         except SpringpotError:
             return None
         if emission.footprint is None or over_budget(emission, scene.budget):

@@ -12,7 +12,7 @@ from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
 from springpot.host.native import toolchain
-from springpot.trainer.selection import prune
+from springpot.host.wings.smaller import pruned_models as prune
 
 EVALUATION = recording("judge", press(1.5, 0.011))
 

@@ -8,12 +8,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import singledispatch
 
-from springpot.codegen.forest.prune import fewer_trees, larger_leaves, quantised
-from springpot.codegen.model.features import Features, FirBank
-from springpot.codegen.model.model import Model
-from springpot.codegen.model.regressors import Forest, Regressor
-from springpot.trainer.features.fast_fir import fast_fir_bank
-from springpot.trainer.models.rf_fd import MAX_TAPS
+from springpot import Model
+from springpot.host.wings.smaller.pruning import fewer_trees, larger_leaves, quantised
+from springpot.modelling import MAX_TAPS, Features, FirBank, Forest, Regressor, fast_fir_bank
 
 _TREES = (1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05)  # shares of the trees
 _LEAVES = (1, 2, 4, 8, 16, 32)  # leaves made one

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.codegen.forest.leaves import level_order
-from springpot.codegen.forest.quantisation import MAX
-from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.modelling import Forest, Quantisation, level_order
 
+_MAX_BIN = 2**16 - 1
 _ABOVE = 0.01  # of a feature's thresholds: room for values beyond the maximum
 
 
@@ -45,7 +44,7 @@ def quantised(forest: Forest, n_features: int) -> Forest:
         if here.any():
             values = forest.threshold[here]
             span = (1.0 + _ABOVE) * float(np.ptp(values)) or 1.0
-            feature_min[column], bins_per_unit[column] = values.min(), (MAX - 1) / span
+            feature_min[column], bins_per_unit[column] = values.min(), (_MAX_BIN - 1) / span
             threshold[here] = np.floor((values - feature_min[column]) * bins_per_unit[column] + 0.5)
     return replace(
         forest, threshold=threshold, quantisation=Quantisation(feature_min, bins_per_unit)

@@ -12,24 +12,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.quantisation import quantisation_over, rounded
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.contact import depth_m
-from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.folds import recording_folds
-from springpot.trainer.models.forests import random_forest
-from springpot.trainer.models.rf_fd import (
+from springpot import Fit, FitOptions, Recording, UsageError
+from springpot.basics import Samples
+from springpot.modelling import (
+    KINDS,
     MAX_TAPS,
     PAPER_ORDERS,
     PAPER_TAPS,
-    fit_rf_fd,
+    TrainingSet,
+    depth_m,
+    feature_values,
     fractional_features,
+    quantisation_over,
+    random_forest,
+    recording_folds,
+    rounded,
     window_samples,
 )
-from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.recording import Recording
 
 _TREES = (0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0)  # of the trees asked for
 _LEAVES = (1, 2, 4, 8, 16)  # times the leaf asked for
@@ -70,7 +69,7 @@ def fit_reduced(
     begin = time.perf_counter()
     search = reduced_options(data, options, options.within or 0.0, validation)
     search_s = time.perf_counter() - begin
-    fit = fit_rf_fd(name, data, search.options)
+    fit: Fit = KINDS["rf-fd"].function()(name, data, search.options)
     return replace(fit, search_s=search_s, metadata={**fit.metadata, **search.metadata()})
 
 

@@ -5,10 +5,10 @@ import pytest
 from support.small import press, recording, training
 
 from springpot.codegen.errors import UsageError
+from springpot.host.wings.smaller.forest_search import reduced_options
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
-from springpot.trainer.selection.reduce import reduced_options
 
 OPTIONS = FitOptions(trees=20, leaf=5)
 
