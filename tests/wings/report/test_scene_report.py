@@ -16,8 +16,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.stability.check import Stability
-from springpot.host.stability.check import stability as whole_check
+from springpot.host.stability.check import Stability, stability as whole_check
 from springpot.host.stability.judgement import Grade
 from springpot.host.validation.store import Series, store_validation
 from springpot.host.validation.validation import validate

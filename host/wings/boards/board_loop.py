@@ -13,22 +13,20 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.errors import DeviceError, UsageError
-from springpot.codegen.reference.notes import LATCHED
-from springpot.host.devices.device import OpenedDevice
-from springpot.host.devices.lines.wire import Frame, constant
-from springpot.host.devices.serial_device import SerialDevice
-from springpot.host.native.loop_library import (
+from springpot import DeviceError, UsageError, read_recordings
+from springpot.devices import Frame, OpenedDevice, SerialDevice, constant
+from springpot.emission import LATCHED, backward_velocity
+from springpot.loop import (
     COLUMNS,
     IDLE,
     RESET,
+    LinkCounts,
     LoopRows,
+    LoopSettings,
+    LoopState,
     Stop,
     empty_rows,
 )
-from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
-from springpot.trainer.recordings.recording_file import read_recording
 
 _POLL_S, _AGAIN_S = 0.0005, 0.05
 
@@ -215,7 +213,10 @@ class _Feed:
     """Motion for a board, one sample a period."""
 
     def __init__(self, file: Path, period_s: float) -> None:
-        recording = read_recording(file)
+        found = read_recordings(file)
+        if len(found) != 1:
+            raise UsageError(f"?feed={file}: {len(found)} recordings: give the file of one")
+        recording = found[0]
         if abs(recording.dt_s / period_s - 1) > 1e-3:
             raise UsageError(
                 f"{file} is sampled at {recording.rate_hz:g} Hz, the board runs at "
