@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         missing as missing,
     )
     from springpot.host.boards.emulator import run_batch as run_batch, steps as steps
-    from springpot.host.native.c_library import CLibrary as CLibrary
+    from springpot.host.native.c_library import CLibrary as CLibrary, load_c as load_c
     from springpot.host.native.compiler import (
         CompilerError as CompilerError,
         cache_folder as cache_folder,
