@@ -59,7 +59,7 @@ def absent(group: str, found: Collection[str]) -> str:
 
     found: names of the entries that `registered` gave. Empty if nothing is missing.
     """
-    names = [one.name for one in _entries(group) if _is_own(one) and one.name not in found]
+    names = sorted(one.name for one in _entries(group) if _is_own(one) and one.name not in found)
     if not names:
         return ""
     return f"; not installed here: {', '.join(names)}; to have them, install all of springpot"
