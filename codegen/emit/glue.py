@@ -64,6 +64,7 @@ def scene_numbers(plan: Plan) -> str:
         "DT_S": literal(plan.silence.dt_s),
         "MAX_FORCE_N": literal(plan.output.max_n),
         "TRAINED_DEPTH_M": literal(plan.range.max_m),
+        "WATCHDOG_S": literal(plan.dtype(plan.watchdog_s)),
         "STATE_BYTES": str(state_bytes(plan)),
     }
     defines = "".join(f"#define {name}_{key} {value}\n" for key, value in numbers.items())
@@ -157,11 +158,12 @@ def _api(plan: Plan, manifest: str) -> str:
                 "take_place(state);"]  # fmt: skip
         kept = [
             "sp_map_state place = {(sp_real)0, (sp_real)0, 0u};",
-            "if (state != NULL) {",
+            "const int begun = state != NULL && state->begun == SP_GUARD_BEGUN;",
+            "if (begun) {",
             f"    place = {of_map};",
             "}",
         ]
-        again = ["if (state != NULL) {", f"    {of_map} = place;", f"    {of_map}.waits = 1u;",
+        again = ["if (begun) {", f"    {of_map} = place;", f"    {of_map}.waits = 1u;",
                  "    take_place(state);", "}"]  # fmt: skip
     return filled(
         "api.c",

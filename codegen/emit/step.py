@@ -10,7 +10,7 @@ def hold(plan: Plan) -> str:
         "int notes = SP_NOTE_HELD;",
         *_silent(plan),
         "const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);",
-        "sp_real given_n = share * state->output.given_n;",
+        "sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);",
         *_wait(plan),
         "state->output.given_n = given_n;",
         "if (state->silence.latched) {",
@@ -97,7 +97,7 @@ def step(plan: Plan) -> str:
     """C function sp_step."""
     device = ", velocity_mps" if plan.needs_device_velocity else ""
     lines = [
-        *_REFUSE_NULL,
+        *_REFUSED,
         "uint32_t left = 0;",
         "sp_real ticks = (sp_real)1;",
         "if (state->silence.silent_s > (sp_real)0) {",
@@ -117,7 +117,7 @@ def step(plan: Plan) -> str:
 def step_dt(plan: Plan) -> str:
     """C function sp_step_dt: what is longer than a tick is silence before it."""
     lines = [
-        *_REFUSE_NULL,
+        *_REFUSED,
         "if (!sp_is_time(dt_s)) {",
         "    return SP_ERROR_TIME_STEP;",
         "}",
@@ -139,9 +139,12 @@ def step_dt(plan: Plan) -> str:
     return "\n".join([head, "{", *indented(lines), "}"])
 
 
-_REFUSE_NULL = (
+_REFUSED = (
     "if (state == NULL || force_n == NULL) {",
     "    return SP_ERROR_NULL;",
+    "}",
+    "if (state->begun != SP_GUARD_BEGUN) {",
+    "    return SP_ERROR_STATE;",
     "}",
 )
 

@@ -53,6 +53,7 @@ def planned_headers(plan: Plan) -> list[str]:
 def state_members(plan: Plan) -> list[Member]:
     """Members of sp_state, in order."""
     members = [
+        Member("uint32_t begun", (U32,)),
         Member("sp_silence_state silence", (REAL, REAL, U32)),
         Member("sp_guard_state guard", (REAL, REAL, U32, U32)),
     ]

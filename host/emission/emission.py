@@ -126,7 +126,7 @@ def write_emission(
 def _built(
     plan: Plan, aside: Path, folder: Path, write_s: float, accept_unmeasured: bool
 ) -> Emission:
-    notices = [*felt_notices(plan), *_unchecked(plan.scene)]
+    notices = [*felt_notices(plan), *_unchecked(plan)]
     footprint = compile_s = checked = None
     unmeasured = ""
     try:
@@ -221,13 +221,20 @@ def _activity(checked: Check) -> list[str]:
     ]
 
 
-def _unchecked(scene: Scene) -> list[str]:
+def _unchecked(plan: Plan) -> list[str]:
+    scene = plan.scene
     messages = []
     if scene.budget.tick_us is not None:
         messages.append(
             "budget.tick_us is not checked at emission: `springpot validate` measures it"
         )
-    if scene.budget.tick_instructions is not None and scene.runtime.measured_step:
+    if scene.runtime.measured_step and not plan.any_rate:
+        keeps = "the coupling" if plan.couple is not None else "a part of the model"
+        messages.append(
+            f"runtime.measured_step: no sp_step_dt is emitted, for {keeps} keeps one time step: "
+            "sp_step and sp_idle take what comes late"
+        )
+    elif scene.budget.tick_instructions is not None and scene.runtime.measured_step:
         messages.append(
             "budget.tick_instructions is of sp_step: sp_step_dt takes more, and is not bounded"
         )

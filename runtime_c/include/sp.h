@@ -1,6 +1,6 @@
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
- * The loop of a haptic device, at the rate that sp_manifest() states:
+ * The loop of a haptic device, at the rate that sp_scene.h and sp_manifest() state:
  *
  *     static sp_state state;                  (from sp_scene.h; on a PC, sp_state_size() bytes)
  *     sp_init(&state);

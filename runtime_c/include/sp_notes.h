@@ -15,8 +15,9 @@ enum {
 };
 
 enum {
-    SP_ERROR_NULL = -1,     /* a pointer that is needed is null */
-    SP_ERROR_TIME_STEP = -2 /* a time step that is not finite, not positive, or too long */
+    SP_ERROR_NULL = -1,      /* a pointer that is needed is null */
+    SP_ERROR_TIME_STEP = -2, /* a time step that is not finite, not positive, or too long */
+    SP_ERROR_STATE = -3      /* memory that is no state: call sp_init first */
 };
 /* springpot declarations end */
 

@@ -25,6 +25,9 @@ typedef struct {
     uint32_t started;
 } sp_guard_state;
 
+/* What sp_init writes into a state: memory that it never saw does not hold this word. */
+#define SP_GUARD_BEGUN 0x5b9a3c1fu
+
 static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
 {
     return x == x && x >= config->min_m && x <= config->max_m; /* a NaN is not itself */

@@ -155,11 +155,13 @@ static inline sp_real sp_lateral_length(sp_lateral_state *state, const sp_real *
     return length_n;
 }
 
-/* A force of given_n in the direction that is kept. */
+/* A force of given_n in the direction that is kept; a part that a stray write made is none. */
 static inline void sp_lateral_give(const sp_lateral_state *state, sp_real given_n, sp_real *force_n)
 {
     for (uint32_t k = 0; k < 3; k++) {
-        force_n[k] = given_n * state->unit[k];
+        const sp_real part = state->unit[k];
+        const int sound = part >= (sp_real)-1 && part <= (sp_real)1;
+        force_n[k] = sound ? given_n * part : (sp_real)0;
     }
 }
 

@@ -39,18 +39,6 @@ static inline void sp_output_free(sp_output_state *state)
     state->share = (sp_real)1;
 }
 
-/* Latched, for so many ticks. */
-static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
-                                     sp_real ticks, int *notes)
-{
-    const sp_real step = config->fall_n * ticks;
-    const sp_real down_n = state->given_n - step;
-    const sp_real up_n = state->given_n + step;
-    state->given_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
-    *notes |= SP_NOTE_LATCHED;
-    return state->given_n;
-}
-
 /* Within the scene's limits; a NaN compares with nothing: it becomes 0. */
 static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real force_n, int *notes)
 {
@@ -61,6 +49,19 @@ static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real fo
     return force_n > config->max_n   ? config->max_n
            : force_n < config->min_n ? config->min_n
                                      : (sp_real)0;
+}
+
+/* Latched, for so many ticks; from within the limits, whatever a stray write made of given_n. */
+static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
+                                     sp_real ticks, int *notes)
+{
+    const sp_real given_n = sp_output_clamp(config, state->given_n, notes);
+    const sp_real step = config->fall_n * ticks;
+    const sp_real down_n = given_n - step;
+    const sp_real up_n = given_n + step;
+    state->given_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
+    *notes |= SP_NOTE_LATCHED;
+    return state->given_n;
 }
 
 /* The force given before, as far as it has the direction of `force_n`. */

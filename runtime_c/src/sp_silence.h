@@ -61,11 +61,14 @@ static inline sp_real sp_silence_passed(const sp_silence_config *config, sp_sile
     return over < ticks ? over : ticks;
 }
 
-/* Ticks without a good sample before this one, which lasts tick_s. */
+/* Ticks without a good sample before this one, which lasts tick_s: no more than the watchdog
+ * allows, whatever a stray write made of the state. */
 static inline uint32_t sp_silence_missed(const sp_silence_config *config,
                                          const sp_silence_state *state, sp_real tick_s)
 {
-    const sp_real ticks = (state->silent_s + tick_s) * config->per_dt;
+    const sp_real most_s = config->watchdog_s;
+    const sp_real silent_s = state->silent_s < most_s ? state->silent_s : most_s;
+    const sp_real ticks = (silent_s + tick_s) * config->per_dt;
     return ticks >= (sp_real)1.5 ? (uint32_t)(ticks - (sp_real)0.5) : 0;
 }
 

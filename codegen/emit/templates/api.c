@@ -16,6 +16,9 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
+    }
     if (!sp_is_time(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
@@ -26,6 +29,7 @@ void sp_init(sp_state *state)
 {
     if (state != NULL) {
         (void)memset(state, 0, sizeof *state);
+        state->begun = SP_GUARD_BEGUN;
 @INIT@    }
 }
 

@@ -91,7 +91,7 @@ static int hold3(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
 {
     int notes = SP_NOTE_HELD;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    state->output.given_n = share * state->output.given_n;
+    state->output.given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
     if (state->silence.latched) {
         notes = 0;
         (void)sp_output_fall(&output, &state->output, latched, &notes);
@@ -125,6 +125,9 @@ int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocit
     (void)velocity_mps;
     if (state == NULL || position_m == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
+    }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
     }
     uint32_t left = 0;
     if (state->silence.silent_s > (sp_real)0) {
@@ -167,6 +170,9 @@ int sp_idle3(sp_state *state, sp_real dt_s, sp_real force_n[3])
 {
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
+    }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
     }
     if (!sp_is_time(dt_s)) {
         return SP_ERROR_TIME_STEP;

@@ -1,5 +1,6 @@
 """Poles over a measured time step: true to the derivative at any rate, with jitter and stalls."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,11 @@ import numpy as np
 import pytest
 from support.c.caputo import caputo_derivative
 from support.paths import C_TESTS
-from support.small import DT_S, model_file, press, scene, training
+from support.small import DT_S, model_file, passive_model, press, scene, training
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.scene import Coupling, Runtime
 from springpot.codegen.stages.recursive import SLOW_TICKS
 from springpot.host.emission.emission import emit
 from springpot.host.native.c_library import CLibrary
@@ -172,9 +174,14 @@ def test_a_long_time_step_is_silence_before_the_sample(tmp_path: Path, dt_s: flo
 
 def test_a_scene_of_one_rate_has_no_measured_step(tmp_path: Path) -> None:
     model = fit_model("rf-fd", "x", training(), FitOptions(trees=3, leaf=30)).model
-    emit(scene(), model_file(tmp_path, model), tmp_path / "c")
+    asked = replace(scene(), runtime=Runtime(measured_step=True))
+    emission = emit(asked, model_file(tmp_path, model), tmp_path / "c")
     assert "step_dt" not in (tmp_path / "c" / "sp.h").read_text()
     assert not (tmp_path / "c" / "sp_measured.h").exists()
+    assert any("no sp_step_dt" in line for line in emission.notices)
+    coupled = replace(asked, coupling=Coupling(mode="proxy"))
+    notices = emit(coupled, model_file(tmp_path, passive_model()), tmp_path / "d").notices
+    assert any("no sp_step_dt is emitted, for the coupling" in line for line in notices)
 
 
 @pytest.mark.parametrize("longest_s", [20.0, 1000.0])

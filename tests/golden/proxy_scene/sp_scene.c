@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671 */
+/* springpot 0.1.0 c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159 */
 #include <stddef.h>
 #include <string.h>
 
@@ -103,7 +103,7 @@ static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
     int notes = SP_NOTE_HELD;
     const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_real given_n = share * state->output.given_n;
+    sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
     const sp_real passed = dt_s * silence.per_dt;
     const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
     const sp_real ticks = most - latched;
@@ -136,6 +136,9 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
 {
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
+    }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
     }
     uint32_t left = 0;
     sp_real ticks = (sp_real)1;
@@ -194,6 +197,9 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
+    }
     if (!sp_is_time(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
@@ -204,6 +210,7 @@ void sp_init(sp_state *state)
 {
     if (state != NULL) {
         (void)memset(state, 0, sizeof *state);
+        state->begun = SP_GUARD_BEGUN;
     }
 }
 
@@ -224,5 +231,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671 */
+/* springpot 0.1.0 c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -27,10 +27,12 @@
 #define SP_DT_S 0.001f
 #define SP_MAX_FORCE_N 10.955592f
 #define SP_TRAINED_DEPTH_M 0.011998461f
-#define SP_STATE_BYTES 132
+#define SP_WATCHDOG_S 0.02f
+#define SP_STATE_BYTES 136
 
 /* proxy: what one tick hands to the next. */
 struct sp_state {
+    uint32_t begun;
     sp_silence_state silence;
     sp_guard_state guard;
     sp_real penetration_before[4];
@@ -44,6 +46,6 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 132 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 136 ? 1 : -1];
 
 #endif

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e77fdcf7fd3a2f0e22bd83183347179a346e8d96da4a3396f56076db2bcb4671 */
+/* springpot 0.1.0 c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 741a3e9c8d3dc53af01a3a688d0e909ec277ef69af5476b3802f3a08d37cae08 */
+/* springpot 0.1.0 0efe727f0c5ab8cebf1f72d6ddba0c67fa731e7538a27c9232e581c51ce37ffc */
 /* Example: one position (m) a line on standard input, force (N) and notes on standard
  * output, a tick of 0.001 s each. Checks the compiler first. */
 #include <stdio.h>

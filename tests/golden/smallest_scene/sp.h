@@ -1,7 +1,7 @@
-/* springpot 0.1.0 741a3e9c8d3dc53af01a3a688d0e909ec277ef69af5476b3802f3a08d37cae08 */
+/* springpot 0.1.0 0efe727f0c5ab8cebf1f72d6ddba0c67fa731e7538a27c9232e581c51ce37ffc */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
- * The loop of a haptic device, at the rate that sp_manifest() states:
+ * The loop of a haptic device, at the rate that sp_scene.h and sp_manifest() state:
  *
  *     static sp_state state;                  (from sp_scene.h; on a PC, sp_state_size() bytes)
  *     sp_init(&state);

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 741a3e9c8d3dc53af01a3a688d0e909ec277ef69af5476b3802f3a08d37cae08 */
+/* springpot 0.1.0 0efe727f0c5ab8cebf1f72d6ddba0c67fa731e7538a27c9232e581c51ce37ffc */
 #include <stddef.h>
 #include <string.h>
 
@@ -83,7 +83,7 @@ static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
     int notes = SP_NOTE_HELD;
     const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_real given_n = share * state->output.given_n;
+    sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
     const sp_real passed = dt_s * silence.per_dt;
     const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
     const sp_real ticks = most - latched;
@@ -112,6 +112,9 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
 {
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
+    }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
     }
     uint32_t left = 0;
     sp_real ticks = (sp_real)1;
@@ -170,6 +173,9 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
+    }
     if (!sp_is_time(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
@@ -180,6 +186,7 @@ void sp_init(sp_state *state)
 {
     if (state != NULL) {
         (void)memset(state, 0, sizeof *state);
+        state->begun = SP_GUARD_BEGUN;
         state->simd = sp_forest_simd();
     }
 }
@@ -201,5 +208,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"741a3e9c8d3dc53af01a3a688d0e909ec277ef69af5476b3802f3a08d37cae08\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"0efe727f0c5ab8cebf1f72d6ddba0c67fa731e7538a27c9232e581c51ce37ffc\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

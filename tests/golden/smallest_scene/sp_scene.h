@@ -1,4 +1,4 @@
-/* springpot 0.1.0 741a3e9c8d3dc53af01a3a688d0e909ec277ef69af5476b3802f3a08d37cae08 */
+/* springpot 0.1.0 0efe727f0c5ab8cebf1f72d6ddba0c67fa731e7538a27c9232e581c51ce37ffc */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -26,10 +26,12 @@
 #define SP_DT_S 0.001f
 #define SP_MAX_FORCE_N 12.0f
 #define SP_TRAINED_DEPTH_M 0.01f
-#define SP_STATE_BYTES 208
+#define SP_WATCHDOG_S 0.02f
+#define SP_STATE_BYTES 212
 
 /* smallest: what one tick hands to the next. */
 struct sp_state {
+    uint32_t begun;
     sp_silence_state silence;
     sp_guard_state guard;
     sp_real history[2 * 16];
@@ -41,6 +43,6 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 208 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 212 ? 1 : -1];
 
 #endif

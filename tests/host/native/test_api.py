@@ -30,6 +30,7 @@ def test_null_pointers_are_misuse_and_change_nothing(tmp_path: Path) -> None:
     lib = library(tmp_path)
     ffi = lib.loaded.ffi
     state = lib.loaded.memory(lib.state_bytes, "sp_state")
+    lib.function("init")(state)
     force = ffi.new("float[1]", [7.0])
     assert lib.function("step")(ffi.NULL, 0.0, 0.0, force) == NULL
     assert lib.function("step")(state, 0.0, 0.0, ffi.NULL) == NULL

@@ -1,0 +1,104 @@
+"""Whatever lies in the memory of a state: refused, or a force within the scene's limits."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from codegen.stages.test_lateral import plan_of
+from support.c import golden_forces
+from support.small import press
+
+from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.units import member_offset, state_members
+from springpot.codegen.stages.stage import DOUBLE, REAL, U32, padded
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.trial_build import built
+
+STATE, LATERAL = -3, "lateral"
+HOSTILE = (np.nan, np.inf, -np.inf, 3e38, -3e38, 1e30, -1e30, 1e-42, 1.0, -1.0, 0.0)
+NAMES = [*golden_forces.models(), LATERAL]
+
+
+def plan(name: str, number: str) -> Plan:
+    if name == LATERAL:
+        return plan_of(number)
+    scene = golden_forces.scene(name, number, "proxy" if number == "float32" else "off")
+    return make_plan(golden_forces.model(name), scene, accept_unsafe=True)
+
+
+class Calls:
+    """All calls of a scene on one memory, and the forces that they write."""
+
+    def __init__(self, library: SceneLibrary) -> None:
+        self._library, loaded = library, library.loaded
+        self.state: Any = loaded.memory(library.state_bytes, "sp_state")
+        self.bytes = np.frombuffer(loaded.ffi.buffer(self.state, library.state_bytes), np.uint8)
+        self.force = loaded.ffi.new(f"{library.real}[3]")
+        self._has = [name for name in ("step", "idle", "step_dt", "step3", "idle3")
+                     if hasattr(loaded.c, f"sp_{name}")]  # fmt: skip
+
+    def init(self) -> None:
+        self._library.function("init")(self.state)
+
+    def all(self, at_m: float) -> Iterator[tuple[int, list[float]]]:
+        """Note or error, and the force, of each call; idle for a tick."""
+        arguments = {"step": (at_m, 0.0), "idle": (1e-3,), "step_dt": (1e-3, at_m, 0.0),
+                     "step3": ([0.01, 0.0, at_m], [0.0] * 3), "idle3": (1e-3,)}  # fmt: skip
+        for name in self._has:
+            found = self._library.function(name)(self.state, *arguments[name], self.force)
+            yield found, list(self.force)
+
+
+@pytest.mark.parametrize("number", ["float32", "float64"])
+@pytest.mark.parametrize("name", NAMES)
+def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
+    random = np.random.default_rng(1)
+    with built(plan(name, number)) as library:
+        calls = Calls(library)
+        for fill in (0x00, 0xCD, 0xFF, None):
+            any_bytes = random.integers(0, 256, library.state_bytes)
+            calls.bytes[:] = any_bytes if fill is None else fill
+            before = calls.bytes.copy()
+            for found, force_n in calls.all(0.002):
+                assert found == STATE
+                assert force_n == [0.0] * 3
+            np.testing.assert_array_equal(calls.bytes, before)
+
+
+def numbers_of(plan: Plan) -> Iterator[tuple[int, type[Any]]]:
+    """Offset and type of every number in a state that is no index, after the word of sp_init."""
+    types: dict[str, type[Any]] = {REAL: plan.dtype, DOUBLE: np.float64, U32: np.uint32}
+    for member in state_members(plan):
+        at = member_offset(plan, member.declaration.split()[-1].split("[")[0])
+        for scalar in member.scalars:
+            at = padded(at, np.dtype(types[scalar]).itemsize)
+            if scalar != U32:
+                yield at, types[scalar]
+            at += np.dtype(types[scalar]).itemsize
+
+
+@pytest.mark.parametrize("number", ["float32", "float64"])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, number: str) -> None:
+    random = np.random.default_rng(2)
+    planned = plan(name, number)
+    places = list(numbers_of(planned))
+    least_n = -float(planned.output.max_n) if name == LATERAL else float(planned.output.min_n)
+    with built(planned) as library:
+        calls = Calls(library)
+        for _ in range(60):
+            calls.init()
+            for at_m in press(1.0)[: random.integers(1, 400) : 40]:
+                list(calls.all(float(at_m)))
+            damaged = random.random(len(places)) < random.choice([0.02, 0.3, 1.0])
+            with np.errstate(over="ignore"):
+                for (at, dtype), hit in zip(places, damaged, strict=True):
+                    if hit:
+                        number_there = np.array([random.choice(HOSTILE)], dtype)
+                        calls.bytes[at : at + dtype(0).nbytes] = number_there.view(np.uint8)
+            for at_m in (0.003, 0.0031, np.nan, 0.0035, -0.001, 0.002):
+                for found, force_n in calls.all(at_m):
+                    assert found >= 0
+                    for axis_n in force_n:
+                        assert least_n <= axis_n <= float(planned.output.max_n)
