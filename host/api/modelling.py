@@ -111,6 +111,7 @@ if TYPE_CHECKING:
         Quantity as Quantity,
         Unit as Unit,
         choose_unit as choose_unit,
+        factor_to_si as factor_to_si,
     )
     from springpot.trainer.recordings.quality.coverage import (
         Coverage as Coverage,
