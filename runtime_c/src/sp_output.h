@@ -39,21 +39,27 @@ static inline void sp_output_free(sp_output_state *state)
     state->share = (sp_real)1;
 }
 
-/* Within the scene's limits; a NaN compares with nothing: it becomes 0. */
-static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real force_n, int *notes)
+/* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
+SP_RARE sp_real sp_output_cut(const sp_output_config *config, sp_real force_n, int *notes)
 {
-    if (force_n >= config->min_n && force_n <= config->max_n) {
-        return force_n;
-    }
     *notes |= SP_NOTE_CLAMPED;
     return force_n > config->max_n   ? config->max_n
            : force_n < config->min_n ? config->min_n
                                      : (sp_real)0;
 }
 
+/* Within the scene's limits. */
+static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real force_n, int *notes)
+{
+    if (force_n >= config->min_n && force_n <= config->max_n) {
+        return force_n;
+    }
+    return sp_output_cut(config, force_n, notes);
+}
+
 /* Latched, for so many ticks; from within the limits, whatever a stray write made of given_n. */
-static inline sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
-                                     sp_real ticks, int *notes)
+SP_RARE sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
+                               sp_real ticks, int *notes)
 {
     const sp_real given_n = sp_output_clamp(config, state->given_n, notes);
     const sp_real step = config->fall_n * ticks;

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159 */
+/* springpot 0.1.0 3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929 */
 #include <stddef.h>
 #include <string.h>
 
@@ -231,5 +231,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c02ddcb0c8188d1dbbeaa3234e81e64f837973668b125a42d1ac179d7cbc7159 */
+/* springpot 0.1.0 3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0efe727f0c5ab8cebf1f72d6ddba0c67fa731e7538a27c9232e581c51ce37ffc */
+/* springpot 0.1.0 700e9b2b31dda6a5d16dcd8faa43808568c807b7b975ee91f955924c7119569e */
 #include <stddef.h>
 #include <string.h>
 
