@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from springpot.codegen.short_repr import short_repr
+
 if TYPE_CHECKING:
     from springpot.host.devices.device import OpenedDevice
     from springpot.host.native.loop_library import LoopRows
@@ -47,6 +49,7 @@ class LoopState:
     reason: int = 0
     over: int = 0
     got: int = 0
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
