@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from springpot.codegen.entry_points import blaming, registered
+from springpot.codegen.entry_points import blaming, registered, required_part
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -45,10 +45,6 @@ _MODELS = "springpot.trainer.models"
 # Registered in pyproject.toml. A mark and a lightness each: they differ in black and white.
 RF_FD = Kind("rf-fd", "the paper's: a forest on fractional derivatives",
              f"{_MODELS}.rf_fd:fit_rf_fd", "o", "#1b6ca8", 0)  # fmt: skip
-RBF_FD = Kind("rbf-fd", "the paper's: radial basis functions on two fractional derivatives",
-              f"{_MODELS}.rbf:fit_rbf_fd", "s", "#c1121f", 1)  # fmt: skip
-RBF_PV = Kind("rbf-pv", "the paper's baseline: radial basis functions on position and velocity",
-              f"{_MODELS}.rbf:fit_rbf_pv", "^", "#e09f3e", 2)  # fmt: skip
 RF_HISTORY = Kind("rf-history", "the negative control: a forest on past positions",
                   f"{_MODELS}.rf_fd:fit_rf_history", "v", "#8d99ae", 3)  # fmt: skip
 HAMMERSTEIN = Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",
@@ -59,7 +55,6 @@ BOOSTED = Kind("boosted", "boosted trees on fractional derivatives",
                f"{_MODELS}.rf_fd:fit_boosted", "D", "#5a189a", 6)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error
 _AUTO_FIT = "springpot.trainer.selection.auto:fit_auto"
-_REDUCED_FIT = "springpot.trainer.selection.reduce:fit_reduced"  # --within
 
 
 def kind_names() -> tuple[str, ...]:
@@ -156,7 +151,7 @@ def fit_kind(
         if kind == AUTO:
             fit = _loaded(_AUTO_FIT)(name, data, options, validation)
         elif options.within is not None:
-            fit = _loaded(_REDUCED_FIT)(name, data, options, validation)
+            fit = required_part("smaller-forest", "--within")(name, data, options, validation)
         else:
             fit = _fitted(KINDS[kind], name, data, options, validation)
     warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))

@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 
 from springpot.figures import STYLE, svg_text
 from springpot.host.simulation.objects import FOREIGN_OBJECTS
-from springpot.host.validation.figures import prediction_figure, typical_series
 from springpot.host.validation.store import read_validation
 from springpot.host.wings.evidence.benchmark.labels import kilobytes
 from springpot.host.wings.evidence.benchmark.point import points_of
 from springpot.host.wings.evidence.benchmark.report import plain
+from springpot.host.wings.report.figures import prediction_figure, typical_series
 from springpot.trainer.kinds import AUTO
 
 Metadata = dict[str, Any]

@@ -1,0 +1,170 @@
+"""Kinds `rbf-fd` and `rbf-pv`: radial basis functions, and the choice of two orders."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from springpot import Fit, FitOptions, Recording, UsageError
+from springpot.basics import Samples
+from springpot.modelling import (
+    PAPER_ORDERS,
+    Features,
+    Folds,
+    FractionalBank,
+    PositionVelocity,
+    TrainingSet,
+    assemble,
+    depth_m,
+    farthest_points,
+    feature_values,
+    fit_passive,
+    fit_rbf,
+    fold_families,
+    fractional_features,
+    kernel,
+    normal_equations,
+    standard,
+)
+
+FOAW_S = 0.024
+FOAW_BAND_M = 15e-6
+SEARCH_CENTERS = 100
+SEARCH_ROWS = 10_000  # of the validation recordings
+_RIDGE = 1e-11  # of the mean diagonal, in the search only
+Pair = tuple[int, int]
+
+
+def fit_rbf_fd(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
+    """Radial basis functions on two fractional derivatives (equation 12), of all 45 pairs.
+
+    The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
+    on the validation recordings, as the paper did. Raises UsageError where those are missing then.
+    """
+    begin = time.perf_counter()
+    rows = data.rows(options.fraction, options.seed)
+    bank = fractional_features(data.dt_s, options.window_s, options.engine)
+    values, force_n = data.features(bank, rows), data.force_n(rows)
+    feature_s = time.perf_counter() - begin
+    key = ("pairs", options.window_s, options.engine, options.fraction, options.seed)
+    families = fold_families(data, rows, options.seed)
+    by_folds, search_s = data.once(key, lambda: _pair_errors(values, force_n, families))
+    begin = time.perf_counter()
+    pairs = {"cv": min(by_folds, key=lambda pair: by_folds[pair])}
+    if validation:
+        by_paper = _paper_errors(bank, values, force_n, data, validation)
+        pairs["paper"] = min(by_paper, key=lambda pair: by_paper[pair])
+    if options.select not in pairs:
+        raise UsageError("--select paper chooses orders on validation recordings: give --validate")
+    search_s += time.perf_counter() - begin
+    chosen = pairs[options.select]
+    metadata = {"pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()}}
+    features = bank.take(np.array(chosen))
+    fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
+    return replace(fit, feature_s=feature_s, search_s=search_s)
+
+
+def fit_rbf_pv(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
+    """Radial basis functions on position and velocity (equation 13, [13])."""
+    begin = time.perf_counter()
+    rows = data.rows(options.fraction, options.seed)
+    features = foaw_features(data.dt_s)
+    values, force_n = data.features(features, rows), data.force_n(rows)
+    feature_s = time.perf_counter() - begin
+    fit = _fitted("rbf-pv", name, data, options, features, values, force_n, {})
+    return replace(fit, feature_s=feature_s)
+
+
+def _fitted(
+    kind: str,
+    name: str,
+    data: TrainingSet,
+    options: FitOptions,
+    features: Features,
+    values: Samples,
+    force_n: Samples,
+    metadata: Mapping[str, Any],
+) -> Fit:
+    """The functions on features (rows, 2), and the passive fallback beside them."""
+    begin = time.perf_counter()
+    rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
+    fit_s = time.perf_counter() - begin
+    passive, _, _ = fit_passive(data, options)
+    metadata = {"n_centers": len(rbf.centers), "condition": condition, **metadata}
+    parts, rows = (features, rbf), len(values)
+    model = assemble(kind, name, data, options, rows, parts, passive, False, metadata)
+    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
+
+
+def foaw_features(dt_s: float) -> PositionVelocity:
+    """Velocity estimate over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000)."""
+    return PositionVelocity(length=max(1, round(FOAW_S / dt_s)), band_m=FOAW_BAND_M)
+
+
+def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -> dict[Pair, float]:
+    """Cross-validated RMSE of every pair; over several ways to fold, their product.
+
+    By recording, and by condition where there are enough of them: pairs that interpolate between
+    recordings alike differ in what they do between conditions.
+    Normal equations of a fold are made once, and serve every fit that does not hold it out.
+    """
+    errors = {}
+    for pair in combinations(range(values.shape[1]), 2):
+        z = standard(values[:, pair])(values[:, pair])
+        system = kernel(z, z[farthest_points(z, SEARCH_CENTERS)])
+        system /= np.sqrt(np.square(system).mean(axis=0))
+        errors[pair] = float(
+            np.prod([_held_out_rmse(system, force_n, folds.number) for folds in families])
+        )
+    return errors
+
+
+def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float:
+    parts = [normal_equations(system[fold == f], force_n[fold == f]) for f in np.unique(fold)]
+    matrix, vector = sum(p.matrix for p in parts), sum(p.vector for p in parts)
+    squares = sum(
+        part.error(_ridge_solve(matrix - part.matrix, vector - part.vector)) for part in parts
+    )
+    return float(np.sqrt(squares / len(force_n)))
+
+
+def _ridge_solve(matrix: Samples, vector: Samples) -> Samples:
+    ridge = _RIDGE * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
+    weights: Samples = np.linalg.solve(matrix + ridge, vector)
+    return weights
+
+
+def _paper_errors(
+    bank: FractionalBank,
+    values: Samples,
+    force_n: Samples,
+    data: TrainingSet,
+    validation: Sequence[Recording],
+) -> dict[Pair, float]:
+    """RMSE of every pair on evenly spaced rows of the validation recordings."""
+    step = max(1, sum(len(rec.force_n) for rec in validation) // SEARCH_ROWS)
+    tests = [
+        (feature_values(bank, depth_m(rec, data.contact), rec.dt_s,
+                        np.arange(0, len(rec.force_n), step)), rec.force_n[::step])
+        for rec in validation
+    ]  # fmt: skip
+    tested, measured_n = (np.concatenate(parts) for parts in zip(*tests, strict=True))
+    errors = {}
+    for pair in combinations(range(values.shape[1]), 2):
+        scaling = standard(values[:, pair])
+        z = scaling(values[:, pair])
+        centers = z[farthest_points(z, SEARCH_CENTERS)]
+        system = kernel(z, centers)
+        size = np.sqrt(np.square(system).mean(axis=0))
+        normal = normal_equations(system / size, force_n)
+        weights = _ridge_solve(normal.matrix, normal.vector) / size
+        predicted_n = kernel(scaling(tested[:, pair]), centers) @ weights
+        errors[pair] = float(np.sqrt(np.mean(np.square(predicted_n - measured_n))))
+    return errors
