@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from springpot.codegen.model.features import (
         Features as Features,
         FirBank as FirBank,
-        FractionalBank as FractionalBank,
-        PositionVelocity as PositionVelocity,
     )
     from springpot.codegen.model.model import (
         TrainedRange as TrainedRange,
@@ -58,7 +56,6 @@ if TYPE_CHECKING:
     from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS, assemble as assemble
     from springpot.trainer.models.folds import (
         Folds as Folds,
-        fold_families as fold_families,
         recording_folds as recording_folds,
     )
     from springpot.trainer.models.forests import (
@@ -67,17 +64,13 @@ if TYPE_CHECKING:
         random_forest as random_forest,
     )
     from springpot.trainer.models.limited import limited_n as limited_n
-    from springpot.trainer.models.passive.nonnegative import normal_equations as normal_equations
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.predict import (
         predict_each_n as predict_each_n,
         regressor_force as regressor_force,
     )
     from springpot.trainer.models.radial import (
-        farthest_points as farthest_points,
         fit_rbf as fit_rbf,
-        kernel as kernel,
-        standard as standard,
     )
     from springpot.trainer.models.rf_fd import (
         MAX_TAPS as MAX_TAPS,
