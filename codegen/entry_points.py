@@ -11,7 +11,7 @@ Nothing of a package is loaded before its group is used.
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -52,6 +52,17 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
             found[entry.name] = loaded
     places = {name: (getattr(one, "place", 100), name) for name, one in found.items()}
     return dict(sorted(found.items(), key=lambda item: places[item[0]]))
+
+
+def absent(group: str, found: Collection[str]) -> str:
+    """Say, to end a message, which of springpot's own entries belong to wings that are not here.
+
+    found: names of the entries that `registered` gave. Empty if nothing is missing.
+    """
+    names = sorted(one.name for one in _entries(group) if _is_own(one) and one.name not in found)
+    if not names:
+        return ""
+    return f"; not installed here: {', '.join(names)}; to have them, install all of springpot"
 
 
 def part(name: str) -> Any | None:

@@ -39,3 +39,14 @@ def shared_data() -> Path:
 def mach1_file() -> Path:
     """Real recordings of a Mach-1 tester, in every clone."""
     return Path(__file__).parent / "data" / "mach1" / "Dynamic_data.txt"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Emit the small scene, once for a module."""
+    from support.small import model_file, scene  # not before numpy's threads are set
+
+    from springpot.host.emission.emission import emit
+
+    base = tmp_path_factory.mktemp("scene")
+    return emit(scene(), model_file(base), base / "c").folder

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from springpot.codegen.entry_points import blaming, registered
+from springpot.codegen.entry_points import blaming, registered, required_part
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -59,7 +59,6 @@ BOOSTED = Kind("boosted", "boosted trees on fractional derivatives",
                f"{_MODELS}.rf_fd:fit_boosted", "D", "#5a189a", 6)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error
 _AUTO_FIT = "springpot.trainer.selection.auto:fit_auto"
-_REDUCED_FIT = "springpot.trainer.selection.reduce:fit_reduced"  # --within
 
 
 def kind_names() -> tuple[str, ...]:
@@ -156,7 +155,7 @@ def fit_kind(
         if kind == AUTO:
             fit = _loaded(_AUTO_FIT)(name, data, options, validation)
         elif options.within is not None:
-            fit = _loaded(_REDUCED_FIT)(name, data, options, validation)
+            fit = required_part("smaller-forest", "--within")(name, data, options, validation)
         else:
             fit = _fitted(KINDS[kind], name, data, options, validation)
     warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))

@@ -8,7 +8,7 @@ def hold(plan: Plan) -> str:
     """C function `hold`: sp_idle, and a step whose sample is not taken."""
     lines = [
         "int notes = SP_NOTE_HELD;",
-        *_silent(plan),
+        *silent(plan),
         "const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);",
         "sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);",
         *_wait(plan),
@@ -27,19 +27,27 @@ def hold(plan: Plan) -> str:
     return "\n".join([*head, "{", *indented(lines), "}"])
 
 
-def _silent(plan: Plan) -> list[str]:
+def silent(plan: Plan) -> list[str]:
+    """C lines: ticks that were silent before; nothing without an account that acts."""
     if plan.energy is None or not plan.energy_acts:
         return []
     return ["const sp_real silent = state->silence.silent_s * silence.per_dt;"]
+
+
+def silent_ticks() -> list[str]:
+    """C lines: ticks of dt_s before the watchdog latched."""
+    return [
+        "const sp_real passed = dt_s * silence.per_dt;",
+        "const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;",
+        "const sp_real ticks = most - latched;",
+    ]
 
 
 def _wait(plan: Plan) -> list[str]:
     if plan.energy is None or not plan.energy_acts:
         return []
     return [
-        "const sp_real passed = dt_s * silence.per_dt;",
-        "const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;",
-        "const sp_real ticks = most - latched;",
+        *silent_ticks(),
         "given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);",
     ]
 

@@ -64,6 +64,7 @@ class FractionalBank(Features):
     orders: tuple[float, ...]
 
     table: ClassVar[str] = "weights"
+    __repr__ = short_repr
 
     @property
     def n_features(self) -> int:

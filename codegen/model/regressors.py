@@ -40,6 +40,7 @@ class Quantisation:
 
     feature_min: NDArray[np.float64]
     bins_per_unit: NDArray[np.float64]
+    __repr__ = short_repr
 
     def on_scaled(self, scale: float) -> "Quantisation":
         """The same bins for features that are smaller by a factor."""

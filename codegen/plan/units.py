@@ -46,7 +46,9 @@ def planned_headers(plan: Plan) -> list[str]:
     headers += ["sp_couple.h"] if plan.couple is not None else []
     headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
     headers += ["sp_energy.h"] if plan.energy is not None else []
-    headers += plan.lateral.headers if plan.lateral is not None else ()
+    if plan.lateral is not None:
+        headers += plan.lateral.headers
+        headers += ["sp_energy3.h"] if plan.energy is not None else []
     return list(dict.fromkeys([*headers, "sp_output.h"]))
 
 
@@ -66,7 +68,10 @@ def state_members(plan: Plan) -> list[Member]:
         members.append(Member("sp_real smoothed_n", (REAL,)))
     if plan.energy is not None:
         members.append(Member("sp_energy_state energy", (REAL,) * 7))
-    members += plan.lateral.members if plan.lateral is not None else ()
+    if plan.lateral is not None:
+        members += plan.lateral.members
+        if plan.energy is not None:
+            members.append(Member("sp_energy3_state lateral_energy", (REAL,) * 19))
     return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
 
 

@@ -1,6 +1,5 @@
 """Numpy reference of sp_step3: a tool of three axes on a map, tick by tick, bit for bit."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +8,7 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.limits import GuardConfig
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.guarding import SILENCE_WORTH
+from springpot.codegen.reference.lateral_energy import Account3, squared
 from springpot.codegen.reference.lateral_motion import LateralMotion
 from springpot.codegen.reference.notes import HELD, OUTSIDE, RESYNC
 from springpot.codegen.reference.output import Output
@@ -75,8 +75,9 @@ class _Loop:
         guards = (plan.lateral_guard, plan.lateral_guard, plan.guard)
         self._axes = [_Axis(config, plan.dtype) for config in guards]
         self._motion = LateralMotion(plan.lateral, plan.dtype)
-        self._output = Output(replace(plan, energy=None))
         zero = self._real(0)
+        self._account = None if plan.energy is None else Account3(plan.energy, plan.dtype)
+        self._output = Output(plan, self._account)
         self._silent, self._missed, self._latched, self._began = zero, zero, False, False
         self._unit = [zero, zero, zero]
 
@@ -96,16 +97,27 @@ class _Loop:
             given_n, notes = self._held(flushed(raw[2]))
             return self._given(given_n), notes
         self._heard()
+        step = [(x - was) / ticks for x, was in zip(at, self._motion.at, strict=True)]
+        self._pay(at, step, ticks)
         if self._began:
             notes |= RESYNC
             self._began, left = False, 0
             self._motion.rest(at)
-            self._output.restart(at[2])
+            self._output.restart(at)
+            step = [self._real(0)] * 3
         if left:
             self._make_up(at, ticks, left)
         length_n, note = self._tick(at)
-        given_n, more = self._output.force(self._latched, left > 0, self._real(0), length_n)
+        given_n, more = self._output.force(self._latched, left > 0, step, length_n)
         return self._given(given_n), notes | note | more
+
+    def _pay(self, at: list[Any], step: list[Any], ticks: Any) -> None:
+        if self._account is None:
+            return
+        damped, viscous = self._real(0), self._plan.viscous_npm
+        if viscous is not None:
+            damped = viscous * ticks * squared(step, self._real)
+        self._account.pay(self._output.given, at, ticks, damped)
 
     def _make_up(self, at: list[Any], ticks: Any, left: int) -> None:
         steps = [(x - was) / ticks for x, was in zip(at, self._motion.at, strict=True)]
@@ -135,6 +147,8 @@ class _Loop:
         known = length > self._real(SMALLEST)
         one = self._real(1)
         self._unit = [max(min(n / length, one), -one) if known else self._real(0) for n in unit]
+        if self._account is not None:
+            self._account.unit = self._unit
         return length
 
     def _given(self, given_n: Any) -> list[Any]:
@@ -148,7 +162,7 @@ class _Loop:
     def _held(self, depth: Any) -> tuple[Any, int]:
         """hold3 of one tick: its length, N, and notes."""
         silence, fall, real = self._plan.silence, self._real(0), self._real
-        passed = silence.dt_s * silence.per_dt
+        passed, silent = silence.dt_s * silence.per_dt, self._silent * silence.per_dt
         if self._latched:
             fall = passed
         else:
@@ -162,4 +176,4 @@ class _Loop:
         if self._axes[2].plausible(depth):
             part = depth / good if depth < good else real(1)
             share = min(part, real(1)) if depth > 0 else real(0)
-        return self._output.hold(self._latched, real(0), fall, share)
+        return self._output.hold(self._latched, silent, fall, share)

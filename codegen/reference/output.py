@@ -13,15 +13,17 @@ ENERGY_DOUBT = 1.5  # SP_ENERGY_DOUBT
 class Output:
     """Keep the force of the last call, and bound the next one by it."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, account: "Account | None" = None) -> None:
         self._config = plan.output
         self._real = plan.dtype
         self._acts = plan.energy_acts
         self._viscous = plan.viscous_npm
-        self._account = None if plan.energy is None else _Account(plan.energy, plan.dtype)
+        self._account = account
+        if account is None and plan.energy is not None:
+            self._account = Account(plan.energy, plan.dtype)
         # One tick in ticks, as the C has it: 1 but for rounding.
         self._tick = plan.silence.dt_s * plan.silence.per_dt
-        self._given: Any = self._real(0)
+        self.given: Any = self._real(0)
         self._share: Any = self._real(0)
         self._rise: Any = self._real(0)
 
@@ -40,19 +42,19 @@ class Output:
 
         Force, N, and notes.
         """
-        self._given, note = share * self._given, HELD
+        self.given, note = share * self.given, HELD
         if self._account is not None and self._acts:
-            self._given, cut = self._account.wait(silent, self._tick - fall, self._given)
+            self.given, cut = self._account.wait(silent, self._tick - fall, self.given)
             note |= cut
         if latched:
             return self._fall(fall), LATCHED
-        return self._given, note
+        return self.given, note
 
     def pay(self, x: Any, ticks: Any, way: Any, step: Any) -> None:
         """Good sample at x, m, so many ticks and so far from the one before; step: in a tick, m."""
         if self._account is not None:
             damped = self._real(0) if self._viscous is None else self._viscous * step * way
-            self._account.pay(self._given, x, ticks, damped)
+            self._account.pay(self.given, x, ticks, damped)
 
     def force(self, latched: Any, after_silence: bool, step: Any, force: Any) -> tuple[Any, int]:
         """Return what leaves of the model's force at a good sample, N, and notes."""
@@ -66,16 +68,16 @@ class Output:
             self._share = self._share + self._rise * self._real(1)
             note |= RAMPED
         force, clamped = self._clamped(force)
-        self._given, limited = self._slewed(force)
+        self.given, limited = self._slewed(force)
         note |= clamped | limited
         if self._account is not None:
-            cut, cuts = self._account.limit(step, self._given)
+            cut, cuts = self._account.limit(step, self.given)
             note |= cuts
-            self._given = cut if self._acts else self._given
-        return self._given, note
+            self.given = cut if self._acts else self.given
+        return self.given, note
 
     def _before(self, force: Any) -> Any:
-        given, zero = self._given, self._real(0)
+        given, zero = self.given, self._real(0)
         return max(given, zero) if force > 0 else min(given, zero)
 
     def _resume(self, force: Any) -> None:
@@ -102,12 +104,12 @@ class Output:
 
     def _fall(self, ticks: Any) -> Any:
         step = self._config.fall_n * ticks
-        down, up = self._given - step, self._given + step
-        self._given = down if down > 0 else up if up < 0 else self._real(0)
-        return self._given
+        down, up = self.given - step, self.given + step
+        self.given = down if down > 0 else up if up < 0 else self._real(0)
+        return self.given
 
 
-class _Account:
+class Account:
     """sp_energy.h."""
 
     def __init__(self, config: EnergyConfig, real: type[Any]) -> None:
@@ -115,47 +117,47 @@ class _Account:
         self._real = real
         self.restart(real(0))
 
-    def _most(self, x: Any) -> Any:
+    def most(self, x: Any) -> Any:
         config = self._config
         way = x - config.from_m
         u = way if way > 0 else self._real(0)
         return config.most_j + u * (config.push_n + u * config.stiffness_npm)
 
     def restart(self, x: Any) -> None:
-        self._left: Any = self._most(x)
-        self._position: Any = x
-        self._looked: Any = x
+        self.left: Any = self.most(x)
+        self.position: Any = x
+        self.looked: Any = x
         zero = self._real(0)
-        self._ticks: Any = zero
-        self._step: Any = zero
-        self._bend: Any = zero
-        self._turn: Any = zero
+        self.ticks: Any = zero
+        self.step: Any = zero
+        self.bend: Any = zero
+        self.turn: Any = zero
 
     def pay(self, given: Any, x: Any, ticks: Any, damped: Any) -> None:
-        moved = x - self._position
-        left = self._left + damped
+        moved = x - self.position
+        left = self.left + damped
         if abs(moved) > self._config.slack_m:
             left = left + given * moved
-            self._position = x
-        self._left = bounded(min(left, self._most(x)))
-        self._ticks = self._ticks + ticks
-        if self._ticks >= self._config.look_ticks:
+            self.position = x
+        self.left = bounded(min(left, self.most(x)))
+        self.ticks = self.ticks + ticks
+        if self.ticks >= self._config.look_ticks:
             self._look(x)
 
     def _look(self, x: Any) -> None:
-        way = x - self._looked
+        way = x - self.looked
         moved = way if abs(way) > self._config.slack_m else self._real(0)
-        per_tick = self._real(1) / self._ticks
+        per_tick = self._real(1) / self.ticks
         step = moved * per_tick
-        bend = (step - self._step) * per_tick
-        turn = flushed(self._turn * self._config.keep)
-        self._step, self._bend = step, bend
-        self._turn = abs(bend) if abs(bend) > turn else turn
-        self._looked, self._ticks = x, self._real(0)
+        bend = (step - self.step) * per_tick
+        turn = flushed(self.turn * self._config.keep)
+        self.step, self.bend = step, bend
+        self.turn = abs(bend) if abs(bend) > turn else turn
+        self.looked, self.ticks = x, self._real(0)
 
     def limit(self, step: Any, force: Any) -> tuple[Any, int]:
         asked = -(force * step)
-        may = self._left * self._real(0.5) if self._left > 0 else self._real(0)
+        may = self.left * self._real(0.5) if self.left > 0 else self._real(0)
         if not asked > may:
             return force, 0
         share = may / asked
@@ -171,14 +173,14 @@ class _Account:
         note = 0
         for i in range(1, 1 + (int(ticks + self._real(0.5)) if ticks > 0 else 0)):
             at = silent + self._real(i)
-            on = self._step + at * self._bend
-            turned = at * (self._real(ENERGY_DOUBT) * self._turn)
+            on = self.step + at * self.bend
+            turned = at * (self._real(ENERGY_DOUBT) * self.turn)
             step = on - turned if given > 0 else on + turned
             work = given * step
             if work < 0:
-                depth = self._position - self._config.from_m
-                self._left = bounded(self._left + work)
-                self._position = bounded(self._position + step)
+                depth = self.position - self._config.from_m
+                self.left = bounded(self.left + work)
+                self.position = bounded(self.position + step)
                 given = given * self._share_at(depth, depth + on)
                 given, cut = self.limit(step, given)
                 note |= cut

@@ -11,21 +11,13 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.codegen.arrays import Indices as Indices
-    from springpot.codegen.arrays import Samples as Samples
+    from springpot.codegen.arrays import Indices as Indices, Reals as Reals, Samples as Samples
     from springpot.codegen.atomic_write import (
         folder_written_aside as folder_written_aside,
-    )
-    from springpot.codegen.atomic_write import (
         sync_folder as sync_folder,
-    )
-    from springpot.codegen.atomic_write import (
         write_file as write_file,
-    )
-    from springpot.codegen.atomic_write import (
         written_aside as written_aside,
     )
-    from springpot.codegen.scene import Number as Number
-    from springpot.codegen.scene import Target as Target
+    from springpot.codegen.scene import Number as Number, Target as Target
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

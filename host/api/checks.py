@@ -14,11 +14,7 @@ from springpot.lazy_names import lazy_names
 if TYPE_CHECKING:
     from springpot.codegen.coupling.linear_loop import (
         DESIGN_HAND as DESIGN_HAND,
-    )
-    from springpot.codegen.coupling.linear_loop import (
         HAND_MODELS as HAND_MODELS,
-    )
-    from springpot.codegen.coupling.linear_loop import (
         Hand as Hand,
     )
     from springpot.host.stability.check import (
@@ -26,26 +22,26 @@ if TYPE_CHECKING:
     )
     from springpot.host.stability.closed_loop import (
         MORE_DELAY as MORE_DELAY,
-    )
-    from springpot.host.stability.closed_loop import (
+        Outcome as Outcome,
         Rendered as Rendered,
-    )
-    from springpot.host.stability.closed_loop import (
         case_outcome as case_outcome,
     )
-    from springpot.host.stability.judgement import judge as judge
+    from springpot.host.stability.judgement import (
+        QUIET_MPS as QUIET_MPS,
+        Grade as Grade,
+        judge as judge,
+        judged_cases as judged_cases,
+    )
     from springpot.host.stability.linear import (
         is_stable as is_stable,
-    )
-    from springpot.host.stability.linear import (
         loop_words as loop_words,
-    )
-    from springpot.host.stability.linear import (
         require_stable as require_stable,
-    )
-    from springpot.host.stability.linear import (
         scene_loop as scene_loop,
     )
-    from springpot.host.stability.small_signal import small_signal_map as small_signal_map
+    from springpot.host.stability.small_signal import (
+        Map as Map,
+        small_signal_map as small_signal_map,
+    )
+    from springpot.trainer.selection.small_signal import ACTIVE as ACTIVE
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -10,45 +10,39 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from springpot.codegen.entry_points import part as part
     from springpot.codegen.progress import counted as counted
+    from springpot.host.commands.models.fit_result import (
+        training_result as training_result,
+        training_rows as training_rows,
+    )
+    from springpot.host.commands.recordings.check import check_parts as check_parts
+    from springpot.host.commands.scenes.emit import emission_rows as emission_rows
+    from springpot.host.commands.scenes.stability import stability_rows as stability_rows
+    from springpot.host.commands.scenes.validate import validation_rows as validation_rows
     from springpot.host.console.keys import reading_keys as reading_keys
-    from springpot.host.console.lazy_group import LazyCommand as LazyCommand
-    from springpot.host.console.lazy_group import LazyGroup as LazyGroup
+    from springpot.host.console.lazy_group import LazyCommand as LazyCommand, LazyGroup as LazyGroup
     from springpot.host.console.options import (
         PERCENT as PERCENT,
-    )
-    from springpot.host.console.options import (
         POSITIVE as POSITIVE,
-    )
-    from springpot.host.console.options import (
         SEED as SEED,
-    )
-    from springpot.host.console.options import (
         accept_edited_option as accept_edited_option,
-    )
-    from springpot.host.console.options import (
         recordings_given as recordings_given,
     )
     from springpot.host.console.output import (
+        TextTable as TextTable,
         json_option as json_option,
-    )
-    from springpot.host.console.output import (
+        paths_argument as paths_argument,
+        print_json as print_json,
         print_result as print_result,
-    )
-    from springpot.host.console.output import (
+        print_table as print_table,
         progress_bar as progress_bar,
-    )
-    from springpot.host.console.output import (
         progress_console as progress_console,
-    )
-    from springpot.host.console.output import (
         say as say,
     )
     from springpot.host.console.quality import report_quality as report_quality
     from springpot.host.console.toml_file import (
         checked_keys as checked_keys,
-    )
-    from springpot.host.console.toml_file import (
         toml_as_json as toml_as_json,
     )
     from springpot.host.session.terminal import stopping_on_sigterm as stopping_on_sigterm

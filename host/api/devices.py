@@ -11,50 +11,50 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.host.devices.device import DeviceRequirements as DeviceRequirements
-    from springpot.host.devices.device import OpenedDevice as OpenedDevice
-    from springpot.host.devices.device import VirtualDevice as VirtualDevice
-    from springpot.host.devices.drivers import Driver as Driver
+    from springpot.host.devices.device import (
+        FORCE_ZERO as FORCE_ZERO,
+        ZERO_S as ZERO_S,
+        DeviceRequirements as DeviceRequirements,
+        OpenedDevice as OpenedDevice,
+        VirtualDevice as VirtualDevice,
+        at_most as at_most,
+        too_weak as too_weak,
+    )
     from springpot.host.devices.drivers import (
+        Driver as Driver,
         driver_of as driver_of,
-    )
-    from springpot.host.devices.drivers import (
         open_device as open_device,
-    )
-    from springpot.host.devices.drivers import (
         parse_device as parse_device,
     )
-    from springpot.host.devices.lines.can_bridge import python_can_bus as python_can_bus
-    from springpot.host.devices.lines.wire import Sender as Sender
-    from springpot.host.devices.lines.wire import constant as constant
-    from springpot.host.devices.serial_device import BAUD as BAUD
-    from springpot.host.devices.serial_device import SerialDevice as SerialDevice
+    from springpot.host.devices.lines.can import (
+        can_database as can_database,
+        python_can_bus as python_can_bus,
+    )
+    from springpot.host.devices.lines.serial_port import (
+        latency_timer as latency_timer,
+        open_port as open_port,
+        require_fast_adapter as require_fast_adapter,
+    )
+    from springpot.host.devices.lines.wire import (
+        Frame as Frame,
+        Sender as Sender,
+        constant as constant,
+    )
+    from springpot.host.devices.sample_rate import require_sample_rate as require_sample_rate
+    from springpot.host.devices.serial_device import BAUD as BAUD, SerialDevice as SerialDevice
     from springpot.host.devices.url import (
         Address as Address,
-    )
-    from springpot.host.devices.url import (
         parse_address as parse_address,
     )
     from springpot.host.recording.indentation import (
         OPEN_LOOP as OPEN_LOOP,
-    )
-    from springpot.host.recording.indentation import (
         Limits as Limits,
-    )
-    from springpot.host.recording.indentation import (
         PressedDevice as PressedDevice,
-    )
-    from springpot.host.recording.indentation import (
         press_step_functions as press_step_functions,
-    )
-    from springpot.host.recording.indentation import (
         rest as rest,
-    )
-    from springpot.host.recording.indentation import (
         trip_error as trip_error,
     )
     from springpot.host.recording.press_rows import PressRows as PressRows
     from springpot.host.recording.session import open_press_device as open_press_device
-    from springpot.trainer.recordings.formats.can_log import can_database as can_database
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

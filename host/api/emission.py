@@ -14,63 +14,40 @@ if TYPE_CHECKING:
     from springpot.codegen.coupling.gains import couple_config as couple_config
     from springpot.codegen.emit.golden import (
         backward_velocity as backward_velocity,
-    )
-    from springpot.codegen.emit.golden import (
         golden_positions as golden_positions,
     )
     from springpot.codegen.emit.project import prefixed as prefixed
     from springpot.codegen.literals import literal as literal
-    from springpot.codegen.plan.plan import Plan as Plan
-    from springpot.codegen.plan.plan import make_plan as make_plan
+    from springpot.codegen.plan.instructions import instruction_bound as instruction_bound
+    from springpot.codegen.plan.plan import Plan as Plan, make_plan as make_plan
     from springpot.codegen.plan.units import state_bytes as state_bytes
     from springpot.codegen.reference.notes import (
         CLAMPED as CLAMPED,
-    )
-    from springpot.codegen.reference.notes import (
         LATCHED as LATCHED,
-    )
-    from springpot.codegen.reference.notes import (
         RESYNC as RESYNC,
     )
     from springpot.codegen.reference.run import run_reference as run_reference
     from springpot.codegen.reference.tick import Coupled as Coupled
     from springpot.codegen.stages.stage import (
         Columns as Columns,
-    )
-    from springpot.codegen.stages.stage import (
         FeatureStage as FeatureStage,
-    )
-    from springpot.codegen.stages.stage import (
         Member as Member,
-    )
-    from springpot.codegen.stages.stage import (
         RegressorStage as RegressorStage,
-    )
-    from springpot.codegen.stages.stage import (
         feature_stage as feature_stage,
-    )
-    from springpot.codegen.stages.stage import (
         regressor_stage as regressor_stage,
     )
     from springpot.host.emission.emission import (
         MODEL_COPY as MODEL_COPY,
-    )
-    from springpot.host.emission.emission import (
         SCENE_COPY as SCENE_COPY,
-    )
-    from springpot.host.emission.emission import (
         Emitted as Emitted,
-    )
-    from springpot.host.emission.emission import (
+        by_hand as by_hand,
         read_emission as read_emission,
-    )
-    from springpot.host.emission.emission import (
+        require_emission as require_emission,
         write_emission as write_emission,
     )
+    from springpot.host.emission.result import over_budget as over_budget
     from springpot.host.emission.scene_file import (
         model_path as model_path,
-    )
-    from springpot.host.emission.scene_file import (
         scene_from_json as scene_from_json,
     )
 else:

@@ -14,36 +14,29 @@ if TYPE_CHECKING:
     from springpot.host.devices.device import requirements_of as requirements_of
     from springpot.host.native.loop_library import (
         COLUMN as COLUMN,
-    )
-    from springpot.host.native.loop_library import (
+        COLUMNS as COLUMNS,
         IDLE as IDLE,
-    )
-    from springpot.host.native.loop_library import (
         NONE as NONE,
-    )
-    from springpot.host.native.loop_library import (
         RESET as RESET,
-    )
-    from springpot.host.native.loop_library import (
         LoopRows as LoopRows,
-    )
-    from springpot.host.native.loop_library import (
+        Stop as Stop,
         empty_rows as empty_rows,
-    )
-    from springpot.host.native.loop_library import (
         loop_library as loop_library,
     )
     from springpot.host.session.c_loop import StepFunctions as StepFunctions
     from springpot.host.session.log import SessionLog as SessionLog
-    from springpot.host.session.loop import LoopSettings as LoopSettings
-    from springpot.host.session.note_words import NOTE_WORDS as NOTE_WORDS
+    from springpot.host.session.loop import (
+        LinkCounts as LinkCounts,
+        LoopSettings as LoopSettings,
+        LoopState as LoopState,
+    )
+    from springpot.host.session.note_words import (
+        NOTE_WORDS as NOTE_WORDS,
+        notes_in_words as notes_in_words,
+    )
     from springpot.host.session.runner import (
         Progress as Progress,
-    )
-    from springpot.host.session.runner import (
         RowTaker as RowTaker,
-    )
-    from springpot.host.session.runner import (
         SessionRunner as SessionRunner,
     )
 else:

@@ -1,4 +1,4 @@
-"""Fits in their parts: features, training sets, kinds of model, cross-validation.
+"""Fits in their parts: readers of files, features, training sets, kinds of model, cross-validation.
 
 >>> from springpot.modelling import gl_taps
 >>> gl_taps(0.5, 4, dt_s=1.0)
@@ -10,88 +10,120 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.codegen.model.features import Features as Features
-    from springpot.codegen.model.features import FirBank as FirBank
+    from springpot.codegen.forest.leaves import level_order as level_order
+    from springpot.codegen.forest.quantisation import (
+        quantisation_over as quantisation_over,
+        rounded as rounded,
+    )
+    from springpot.codegen.model.features import (
+        Features as Features,
+        FirBank as FirBank,
+    )
     from springpot.codegen.model.model import (
         TrainedRange as TrainedRange,
     )
     from springpot.codegen.model.model_file import (
         model_bytes as model_bytes,
-    )
-    from springpot.codegen.model.model_file import (
         model_hash as model_hash,
-    )
-    from springpot.codegen.model.model_file import (
         register_part as register_part,
     )
     from springpot.codegen.model.passive import Hammerstein as Hammerstein
-    from springpot.codegen.model.regressors import Forest as Forest
-    from springpot.codegen.model.regressors import Regressor as Regressor
+    from springpot.codegen.model.regressors import (
+        Forest as Forest,
+        Quantisation as Quantisation,
+        Regressor as Regressor,
+    )
     from springpot.trainer.features.exponentials import recursive_bank as recursive_bank
     from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
     from springpot.trainer.features.fractional import (
         fir_derivatives as fir_derivatives,
-    )
-    from springpot.trainer.features.fractional import (
         gl_taps as gl_taps,
     )
     from springpot.trainer.features.values import (
         feature_values as feature_values,
-    )
-    from springpot.trainer.features.values import (
         highpass as highpass,
     )
     from springpot.trainer.kinds import (
         KINDS as KINDS,
-    )
-    from springpot.trainer.kinds import (
         Kind as Kind,
-    )
-    from springpot.trainer.kinds import (
         fit_kind as fit_kind,
     )
-    from springpot.trainer.models.contact import depth_m as depth_m
-    from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS
-    from springpot.trainer.models.fit import assemble as assemble
+    from springpot.trainer.models.compatibility import (
+        require_compatible as require_compatible,
+        zero_of as zero_of,
+    )
+    from springpot.trainer.models.contact import contact_of as contact_of, depth_m as depth_m
+    from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS, assemble as assemble
+    from springpot.trainer.models.folds import (
+        Folds as Folds,
+        recording_folds as recording_folds,
+    )
     from springpot.trainer.models.forests import (
         depth_scale as depth_scale,
-    )
-    from springpot.trainer.models.forests import (
         fit_forest as fit_forest,
+        random_forest as random_forest,
     )
+    from springpot.trainer.models.limited import limited_n as limited_n
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
-    from springpot.trainer.models.predict import regressor_force as regressor_force
-    from springpot.trainer.models.radial import fit_rbf as fit_rbf
-    from springpot.trainer.models.rf_fd import PAPER_TAPS as PAPER_TAPS
+    from springpot.trainer.models.predict import (
+        predict_each_n as predict_each_n,
+        regressor_force as regressor_force,
+    )
+    from springpot.trainer.models.radial import (
+        fit_rbf as fit_rbf,
+    )
+    from springpot.trainer.models.rf_fd import (
+        MAX_TAPS as MAX_TAPS,
+        PAPER_ORDERS as PAPER_ORDERS,
+        PAPER_TAPS as PAPER_TAPS,
+        fractional_features as fractional_features,
+        window_samples as window_samples,
+    )
     from springpot.trainer.models.training_set import (
         TrainingSet as TrainingSet,
-    )
-    from springpot.trainer.models.training_set import (
         training_set as training_set,
     )
-    from springpot.trainer.recordings.formats.file_format import FileFormat as FileFormat
-    from springpot.trainer.recordings.formats.file_format import FileRequest as FileRequest
+    from springpot.trainer.recordings.formats.column_map import (
+        Column as Column,
+        ColumnMap as ColumnMap,
+        guess_column as guess_column,
+        split_unit as split_unit,
+        stated_rate_hz as stated_rate_hz,
+    )
+    from springpot.trainer.recordings.formats.csv.csv_missing import (
+        wanted_columns as wanted_columns,
+    )
+    from springpot.trainer.recordings.formats.csv.csv_text import read_csv as read_csv
+    from springpot.trainer.recordings.formats.csv.decimals import is_number as is_number
+    from springpot.trainer.recordings.formats.file_format import (
+        FileFormat as FileFormat,
+        FileRequest as FileRequest,
+    )
     from springpot.trainer.recordings.formats.raw_channels import RawChannels as RawChannels
-    from springpot.trainer.recordings.quality.coverage import (
-        Coverage as Coverage,
+    from springpot.trainer.recordings.formats.units import (
+        Quantity as Quantity,
+        Unit as Unit,
+        choose_unit as choose_unit,
+        factor_to_si as factor_to_si,
     )
     from springpot.trainer.recordings.quality.coverage import (
+        Coverage as Coverage,
         find_coverage as find_coverage,
     )
     from springpot.trainer.recordings.quality.cycles import find_cycles as find_cycles
     from springpot.trainer.recordings.quality.noise_floor import (
         find_noise_floor as find_noise_floor,
     )
+    from springpot.trainer.recordings.reader_limits import (
+        read_apart as read_apart,
+        require_unpacked as require_unpacked,
+        run_reader as run_reader,
+    )
+    from springpot.trainer.recordings.spikes import hold_spikes as hold_spikes
     from springpot.trainer.selection.cross_validation import (
         Split as Split,
-    )
-    from springpot.trainer.selection.cross_validation import (
         cross_validated_rmse_n as cross_validated_rmse_n,
-    )
-    from springpot.trainer.selection.cross_validation import (
         holdout as holdout,
-    )
-    from springpot.trainer.selection.cross_validation import (
         recording_splits as recording_splits,
     )
 else:

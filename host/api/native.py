@@ -15,73 +15,47 @@ from springpot.lazy_names import lazy_names
 if TYPE_CHECKING:
     from springpot.host.boards.boards import (
         Board as Board,
-    )
-    from springpot.host.boards.boards import (
         default_board as default_board,
-    )
-    from springpot.host.boards.boards import (
         missing as missing,
     )
-    from springpot.host.boards.emulator import run_batch as run_batch
-    from springpot.host.boards.emulator import steps as steps
-    from springpot.host.native.c_library import CLibrary as CLibrary
+    from springpot.host.boards.emulator import run_batch as run_batch, steps as steps
+    from springpot.host.native.c_library import CLibrary as CLibrary, load_c as load_c
     from springpot.host.native.compiler import (
         CompilerError as CompilerError,
-    )
-    from springpot.host.native.compiler import (
+        cache_folder as cache_folder,
+        compiler_reason as compiler_reason,
         compiler_version as compiler_version,
+        find_compiler as find_compiler,
     )
     from springpot.host.native.footprint import (
         Footprint as Footprint,
-    )
-    from springpot.host.native.footprint import (
         measure_footprint as measure_footprint,
     )
-    from springpot.host.native.machine import cpu_s as cpu_s
-    from springpot.host.native.machine import machine_metadata as machine_metadata
+    from springpot.host.native.machine import cpu_s as cpu_s, machine_metadata as machine_metadata
     from springpot.host.native.replay import (
         Replay as Replay,
-    )
-    from springpot.host.native.replay import (
         TickTimes as TickTimes,
-    )
-    from springpot.host.native.replay import (
         replayed as replayed,
-    )
-    from springpot.host.native.replay import (
         replayed_accuracy as replayed_accuracy,
     )
     from springpot.host.native.scene_library import (
         SceneLibrary as SceneLibrary,
-    )
-    from springpot.host.native.scene_library import (
         port_headers as port_headers,
     )
     from springpot.host.native.toolchain import (
         SOFT_DOUBLES as SOFT_DOUBLES,
-    )
-    from springpot.host.native.toolchain import (
         missing_tools as missing_tools,
-    )
-    from springpot.host.native.toolchain import (
         toolchain as toolchain,
     )
-    from springpot.host.native.trial_build import built as built
-    from springpot.host.native.trial_build import written as written
+    from springpot.host.native.trial_build import built as built, written as written
     from springpot.host.native.wasm_module import scene_module as scene_module
     from springpot.host.native.wasm_node import (
         missing_node as missing_node,
-    )
-    from springpot.host.native.wasm_node import (
         run_in_node as run_in_node,
     )
     from springpot.runtime_c.paths import (
         PORT_BROWSER as PORT_BROWSER,
-    )
-    from springpot.runtime_c.paths import (
         PORT_WIRE as PORT_WIRE,
-    )
-    from springpot.runtime_c.paths import (
         SIM as SIM,
     )
 else:

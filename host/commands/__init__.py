@@ -3,12 +3,9 @@
 from springpot.host.console.lazy_group import LazyCommand
 
 _HERE = "springpot.host.commands"
-DOCTOR = LazyCommand(f"{_HERE}.doctor:doctor", place=0)
-DEMO = LazyCommand(f"{_HERE}.scenes.demo:demo", place=1)
 RECORD = LazyCommand(f"{_HERE}.recordings.record:record", place=2)
 IMPORT = LazyCommand(f"{_HERE}.recordings.import_:import_", place=3)
 CHECK = LazyCommand(f"{_HERE}.recordings.check:check_", place=4)
-PLOT = LazyCommand(f"{_HERE}.recordings.plot:plot", place=5)
 EXPORT = LazyCommand(f"{_HERE}.recordings.export:export_", place=6)
 TRAIN = LazyCommand(f"{_HERE}.models.train:train", place=7)
 PREDICT = LazyCommand(f"{_HERE}.models.predict:predict", place=7)
@@ -18,5 +15,4 @@ FIRMWARE = LazyCommand(f"{_HERE}.scenes.firmware:firmware", place=10)
 STABILITY = LazyCommand(f"{_HERE}.scenes.stability:stability_", place=11)
 VALIDATE = LazyCommand(f"{_HERE}.scenes.validate:validate_", place=12)
 RUN = LazyCommand(f"{_HERE}.scenes.run:run", place=13)
-REPORT = LazyCommand(f"{_HERE}.scenes.report:report", place=17)
 COMPLETION = LazyCommand(f"{_HERE}.completion:completion", place=22)

@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from springpot.codegen.entry_points import blaming, registered
+from springpot.codegen.entry_points import absent, blaming, registered
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
@@ -72,16 +72,6 @@ REPLAY = Driver(
     "replay://FILE, a recording", f"{_HERE}.virtual:ReplayDevice", virtual=True, place=1
 )
 SERIAL = Driver("serial:///dev/ttyACM0?baud=921600", f"{_HERE}.serial_device:SerialDevice", place=2)
-ODRIVE = Driver(
-    "odrive://slcan//dev/ttyACM0?node=0, odrive://socketcan/can0?node=0, or "
-    "odrive://INTERFACE/CHANNEL?node=0 for another interface of python-can",
-    f"{_HERE}.odrive_device:OdriveDevice", on_bus=True, echoes=True, place=3,
-)  # fmt: skip
-DHD = Driver(
-    "dhd://, the first Force Dimension device, or dhd://1, the second",
-    f"{_HERE}.dhd_device:DhdDevice",
-    has_default=True, holds_weight=True, own_frame=True, place=4,
-)  # fmt: skip
 
 
 def parse_device(url: str) -> Address:
@@ -90,13 +80,16 @@ def parse_device(url: str) -> Address:
     Raises DeviceError for a scheme that no driver serves, UsageError for a URL without its place.
     """
     table = drivers()
-    return parse_address(
-        url,
-        {scheme: driver.example for scheme, driver in table.items()},
-        "device",
-        [scheme for scheme, driver in table.items() if driver.on_bus],
-        [scheme for scheme, driver in table.items() if driver.has_default],
-    )
+    try:
+        return parse_address(
+            url,
+            {scheme: driver.example for scheme, driver in table.items()},
+            "device",
+            [scheme for scheme, driver in table.items() if driver.on_bus],
+            [scheme for scheme, driver in table.items() if driver.has_default],
+        )
+    except DeviceError as error:
+        raise DeviceError(f"{error}{absent('devices', table)}") from None
 
 
 def driver_of(url: str) -> Driver:

@@ -7,60 +7,26 @@ import numpy as np
 
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.devices.device import DeviceRequirements, OpenedDevice, VirtualDevice, too_weak
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice, VirtualDevice
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand
-from springpot.host.simulation.free_device import FreeDevice, FreeDeviceTruth
 from springpot.host.simulation.objects import PressSettings, parse_url
 from springpot.trainer.recordings.recording_file import read_recording
 
 # What the hand intends; its spring and the rendered force decide how deep it comes.
 _INTENDED_M, _PRESSES_HZ = 0.02, 0.5
 FREE = "free"  # sim://free
-# Settings of sim://free: default, least, most, and what one is of the device's own unit.
-_FREE_SETTINGS = {
-    "mass": ("mass_kg", 0.2, 0.001, 100.0, 1.0),
-    "viscous": ("viscous_nspm", 2.0, 0.0, 1e3, 1.0),
-    "coulomb": ("coulomb_n", 0.1, 0.0, 1e3, 1.0),
-    "delay_ms": ("delay_s", 1.0, 0.0, 10.0, 1e-3),
-    "step_um": ("position_step_m", 10.0, 0.0, 1e4, 1e-6),
-    "noise_um": ("position_noise_m", 3.0, 0.0, 1e4, 1e-6),
-    "velocity_noise_mps": ("velocity_noise_mps", -1.0, 0.0, 10.0, 1.0),
-    "sign": ("sign", 1.0, -1.0, 1.0, 1.0),
-    "max_n": ("max_n", 10.0, 0.0, 1e4, 1.0),
-    "bias_n": ("bias_n", 0.0, -1e3, 1e3, 1.0),
-}
 
 
 def simulated_device(address: Address, requirements: DeviceRequirements) -> OpenedDevice:
     """What a sim:// URL names. Raises UsageError for what is none of it."""
-    kind = SimulatedFreeDevice if address.place == FREE else SimulatedDevice
-    return kind(address, requirements)
-
-
-class SimulatedFreeDevice(VirtualDevice):
-    """A device that nobody holds: to be measured, nothing else."""
-
-    def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
-        """Make it. Raises UsageError for a wrong URL, or where something is to be rendered."""
-        if not requirements.free:
-            raise UsageError(
-                f"{address.url}: nobody holds that device, it is there for `springpot identify`: "
-                "to render or record, give sim://OBJECT"
-            )
-        truth = _free_truth(address)
-        self.max_n = truth.max_n
-        if truth.max_n < requirements.max_n:
-            gives = f"gives at most {truth.max_n:g} N"
-            raise too_weak(address.url, gives, requirements, truth.max_n)
-        self._device = FreeDevice(truth, 1 / requirements.rate_hz)
-        self._memory: Any = None
-
-    def link(self, library: CLibrary) -> Any:
-        self._memory = library.memory(library.c.sp_link_free_size())
-        return library.c.sp_link_free_init(self._memory, library.pointer(self._device.address))
+    if address.place != FREE:
+        return SimulatedDevice(address, requirements)
+    free: OpenedDevice = required_part("free-device", address.url)(address, requirements)
+    return free
 
 
 class SimulatedDevice(VirtualDevice):
@@ -126,15 +92,3 @@ def _require_no_measuring(address: Address, requirements: DeviceRequirements) ->
             f"{address.url}: is no device that is free to move: give a real one that nobody "
             "holds, or sim://free"
         )
-
-
-def _free_truth(address: Address) -> FreeDeviceTruth:
-    address.require_known((*_FREE_SETTINGS, "seed"))
-    sign = address.number("sign", 1.0, -1.0, 1.0)
-    if sign not in (-1.0, 1.0):
-        raise UsageError(f"{address.url}: sign={sign:g}: give 1 or -1")
-    values = {
-        name: unit * address.number(key, default, least, most)
-        for key, (name, default, least, most, unit) in _FREE_SETTINGS.items()
-    }
-    return FreeDeviceTruth(**values, seed=int(address.number("seed", 0, 0, 2**32 - 1)))

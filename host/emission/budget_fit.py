@@ -2,8 +2,10 @@
 
 import tempfile
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import BudgetError, UsageError
 from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.scene import Scene
@@ -39,9 +41,9 @@ def emit_fitting(
             raise  # nothing can be measured, of a smaller model neither
         if not recordings:
             raise BudgetError(f"{error}; give --recording REC to see what would fit") from None
-        from springpot.host.emission.reductions import best_reductions  # loads what fits need
-
-        found = best_reductions(scene, read_model(model_file), recordings, accept_unsafe)
+        best = required_part("reductions", "--fit, --recording")  # loads what fits need
+        emitted = partial(emit, accept_unsafe=accept_unsafe)
+        found = best(scene, read_model(model_file), recordings, accept_unsafe, emitted)
         if not found:
             raise BudgetError(
                 f"{error}; no reduction of this model fits: use another kind"

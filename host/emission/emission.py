@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.single import emit_single
+from springpot.codegen.emit.single import SINGLE_EXAMPLE, emit_single
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
@@ -246,3 +246,13 @@ def _unchecked(plan: Plan) -> list[str]:
             "their library is not counted"
         )
     return messages
+
+
+def by_hand(folder: Path) -> str:
+    """The build of an emission without Python."""
+    files = scene_files(folder)
+    if not files.single:
+        return f"make -C {folder.name} test    # {files.prefix}_selftest.c, without Python"
+    names = (files.sources[0], SINGLE_EXAMPLE.format(files.prefix))
+    sources = " ".join(f"{folder.name}/{name}" for name in names)
+    return f"cc -O2 -I{folder.name} {sources} -lm"

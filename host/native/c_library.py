@@ -66,7 +66,7 @@ def declarations(headers: Sequence[Path], real: str = "") -> str:
     return "\n".join(parts)
 
 
-def load(
+def load_c(
     headers: Sequence[Path],
     sources: Sequence[Path],
     real: str = "",

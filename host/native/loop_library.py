@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.entry_points import registered
-from springpot.host.native.c_library import CLibrary, load
+from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.compiler import CompilerError
 from springpot.runtime_c.paths import PORT_POSIX, PORT_WIRE, SIM
 
@@ -72,7 +72,7 @@ def _built(real: str, others: Sequence[Path]) -> CLibrary:
     links = [*sorted(PORT_POSIX.glob("sp_link_*.c")), *others]
     headers = [*(PORT_POSIX / name for name in names), *links]
     sources = [*sorted(PORT_POSIX.glob("*.c")), *others, PORT_WIRE / "sp_wire.c"]
-    return load(headers, [*sources, *sorted(SIM.glob("*.c"))], real, ["-pthread"])
+    return load_c(headers, [*sources, *sorted(SIM.glob("*.c"))], real, ["-pthread"])
 
 
 def empty_rows(count: int = 0) -> LoopRows:

@@ -13,7 +13,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
-from springpot.host.native.c_library import CLibrary, load
+from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.loop_library import INPUT
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
@@ -146,7 +146,7 @@ class Replay:
 @cache
 def load_port(real: str) -> CLibrary:
     """sp_replay.h for scenes of `real` ("float" or "double"), built and loaded once."""
-    return load([PORT_TESTBENCH / "sp_replay.h"], [PORT_TESTBENCH / "sp_replay.c"], real)
+    return load_c([PORT_TESTBENCH / "sp_replay.h"], [PORT_TESTBENCH / "sp_replay.c"], real)
 
 
 def motions_of(plan: Plan, recordings: Sequence[Recording]) -> list[DepthMotion]:

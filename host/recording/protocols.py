@@ -1,7 +1,7 @@
 """Force commands for recording an object: the paper's protocols, an extended one, a user's own."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from springpot.codegen.entry_points import required_part
+from springpot.codegen.entry_points import part, required_part
 from springpot.codegen.errors import UsageError
 from springpot.codegen.short_repr import short_repr
 
@@ -136,8 +136,7 @@ def load_protocol(protocol: str, seed: int) -> list[Profile]:
 
     Raises UsageError where it is neither.
     """
-    from springpot.host.recording.structures import STRUCTURES
-
+    more: Mapping[str, Callable[[int], list[Profile]]] = part("protocols") or {}
     match protocol:
         case "paper":
             return training()
@@ -145,10 +144,10 @@ def load_protocol(protocol: str, seed: int) -> list[Profile]:
             return validation(seed)
         case "extended":
             return extended(seed)
-    if protocol in STRUCTURES:
-        return STRUCTURES[protocol](seed)
+    if protocol in more:
+        return more[protocol](seed)
     if not protocol.endswith(".toml"):
-        known = ", ".join(("paper", "validation", "extended", *STRUCTURES))
+        known = ", ".join(("paper", "validation", "extended", *more))
         raise UsageError(f"protocol {protocol!r}: give {known}, or a file ending in .toml")
     return from_file(Path(protocol), seed)
 

@@ -1,6 +1,13 @@
 """Settings, state and counters of a loop, which Python or C may keep the time of."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from springpot.codegen.short_repr import short_repr
+
+if TYPE_CHECKING:
+    from springpot.host.devices.device import OpenedDevice
+    from springpot.host.native.loop_library import LoopRows
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,7 @@ class LoopState:
     reason: int = 0
     over: int = 0
     got: int = 0
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True)
@@ -54,3 +62,23 @@ class LinkCounts:
     unsent: int = 0
     saturated: int = 0
     device_error: int = 0
+
+
+class Loop(Protocol):
+    """What keeps the time of a session: C on this machine, or a board that renders by itself."""
+
+    no_sample_advice: str
+
+    def start(self, device: "OpenedDevice") -> None: ...
+    def attach(self, device: "OpenedDevice") -> None: ...
+    def ask_stop(self) -> None: ...
+    def sense(self, measured_n: float) -> None: ...
+    def pause(self, paused: bool) -> None: ...
+    def reset(self) -> None: ...
+    def get_status(self) -> LoopState: ...
+    def counts(self) -> LinkCounts: ...
+    def drain(self) -> "LoopRows": ...
+    def flight(self, seconds: float) -> "LoopRows": ...
+    def join(self) -> None: ...
+    def scheduler(self) -> str: ...
+    def refused(self) -> str: ...

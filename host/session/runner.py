@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.console.output import say
@@ -21,10 +22,9 @@ from springpot.host.native.loop_library import (
     LoopRows,
     empty_rows,
 )
-from springpot.host.session.board_loop import BoardLoop
 from springpot.host.session.c_loop import CLoop, StepFunctions
 from springpot.host.session.log import FLIGHT_S
-from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
+from springpot.host.session.loop import LinkCounts, Loop, LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, fault_at_end, spread_us, why_stopped
 from springpot.host.session.supervisor import DeviceSupervisor
 
@@ -243,9 +243,7 @@ class SessionRunner:
         self._loop.ask_stop()
 
 
-def _loop_for(
-    device: OpenedDevice, steps: StepFunctions, settings: LoopSettings
-) -> CLoop | BoardLoop:
+def _loop_for(device: OpenedDevice, steps: StepFunctions, settings: LoopSettings) -> Loop:
     """A board that renders keeps its own time."""
     board = device.rendering_board()
     if board is not None and settings.reversed:
@@ -255,4 +253,7 @@ def _loop_for(
             "a board that renders sends its force by itself: turn the sign in its firmware, and "
             "leave [device] force_sign out"
         )
-    return CLoop(steps, settings) if board is None else BoardLoop(board, settings)
+    if board is None:
+        return CLoop(steps, settings)
+    of_board: Loop = required_part("board-loop", board.address.url)(board, settings)
+    return of_board

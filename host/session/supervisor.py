@@ -7,9 +7,7 @@ from collections.abc import Callable
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import open_device
-from springpot.host.session.board_loop import BoardLoop
-from springpot.host.session.c_loop import CLoop
-from springpot.host.session.loop import LoopState
+from springpot.host.session.loop import Loop, LoopState
 
 _RETRY_S = 0.05
 
@@ -23,7 +21,7 @@ class DeviceSupervisor:
 
     def __init__(
         self,
-        loop: CLoop | BoardLoop,
+        loop: Loop,
         device: OpenedDevice,
         url: str,
         requirements: DeviceRequirements,

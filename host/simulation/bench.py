@@ -11,7 +11,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.native.c_library import CLibrary, load
+from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.simulation.hand_loop import tool_device
 from springpot.host.simulation.objects import (
     ALL_OBJECTS,
@@ -228,7 +228,7 @@ class SimulatedHand:
 
 @cache
 def _library() -> CLibrary:
-    library = load([paths.SIM / "sim.h"], sorted(paths.SIM.glob("*.c")))
+    library = load_c([paths.SIM / "sim.h"], sorted(paths.SIM.glob("*.c")))
     _check_names(library, "object", ALL_OBJECTS)
     _check_names(library, "hand", HAND_NAMES)
     return library

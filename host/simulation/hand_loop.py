@@ -12,7 +12,7 @@ from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.short_repr import short_repr
-from springpot.host.native.c_library import CLibrary, load
+from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
@@ -152,4 +152,4 @@ def _check(status: int) -> None:
 @cache
 def _load(real: str) -> CLibrary:
     sources = [PORT_TESTBENCH / "sp_closed_loop.c", *sorted(SIM.glob("*.c"))]
-    return load([SIM / "sim.h", PORT_TESTBENCH / "sp_closed_loop.h"], sources, real)
+    return load_c([SIM / "sim.h", PORT_TESTBENCH / "sp_closed_loop.h"], sources, real)

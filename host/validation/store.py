@@ -40,6 +40,7 @@ class Stored:
     metadata: dict[str, Any]
     series: tuple[Series, ...]
     tick_ns: NDArray[np.float64]
+    __repr__ = short_repr
 
 
 def series_of(validation: Validation) -> list[Series]:

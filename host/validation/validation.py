@@ -5,12 +5,13 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan
@@ -35,9 +36,6 @@ from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording
-
-if TYPE_CHECKING:
-    from springpot.host.boards.replay import BoardReplay
 
 PACED_S = 3.0
 
@@ -134,7 +132,10 @@ def validate(
     # What the C carries is a part of it; the hash is of what was built, edits and all.
     stored = json.loads((folder / "manifest.json").read_text())
     library.manifest = {**stored, **library.manifest, "hash": emitted.hash}
-    with _board(device, plan, emitted.hash) as board:
+    opened: AbstractContextManager[Any] = nullcontext()
+    if device is not None:
+        opened = required_part("board-replay", "--device")(device, plan, emitted.hash)
+    with opened as board:
         found = _validated(plan, library, recordings, paced_s, board)
     return replace(
         _with_parts(found, model, plan, recordings),
@@ -165,16 +166,6 @@ def _with_parts(
     )
 
 
-def _board(
-    device: str | None, plan: Plan, scene_hash: str
-) -> AbstractContextManager["BoardReplay | None"]:
-    if device is None:
-        return nullcontext()
-    from springpot.host.boards.replay import board_replay  # opens ports, which no other case needs
-
-    return board_replay(device, plan, scene_hash)
-
-
 def fail_on_mismatch(folder: Path, validation: Validation) -> None:
     """Raise MismatchError where C and reference differed in a tick."""
     if validation.mismatches:
@@ -189,7 +180,7 @@ def _validated(
     library: SceneLibrary,
     recordings: Sequence[Recording],
     paced_s: float,
-    board: "BoardReplay | None",
+    board: Any,
 ) -> Validation:
     replay = Replay(library)
     predicted: dict[int, NDArray[np.float64]] = {}

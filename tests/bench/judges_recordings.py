@@ -6,9 +6,9 @@ import numpy as np
 
 from springpot.host.metrics import rms
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
-from springpot.host.recording.structures import STRUCTURES
 from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
 from springpot.host.simulation.objects import parse_url
+from springpot.host.wings.presses.structures import STRUCTURES
 from springpot.trainer.recordings.recording import Recording
 
 Recordings = tuple[Recording, ...]

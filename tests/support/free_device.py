@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows, empty_rows
-from springpot.host.simulation.free_device import FreeDevice, FreeDeviceTruth
+from springpot.host.wings.lab.free_device import FreeDevice, FreeDeviceTruth
 from springpot.host.wings.lab.identification.excitation import (
     Excitation,
     MoveLimits,

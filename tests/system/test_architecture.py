@@ -23,8 +23,8 @@ ROOMS = {
                 "ensemble", "estimator"],
     "host": ["console", "pages", "plot_style", "metrics", "stiffness", "native", "simulation",
              "stability",
-             "emission", "devices", "session", "recording", "doctor", "boards", "validation",
-             "demo", "api", "commands", "faces", "cli", "wings"],
+             "emission", "devices", "session", "recording", "boards", "validation",
+             "commands", "api", "cli", "wings"],
 }  # fmt: skip
 WINGS = ROOT / "host" / "wings"
 MAX_FILES = 15  # of a folder, __init__.py apart

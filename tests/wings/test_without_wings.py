@@ -1,8 +1,14 @@
 """The core without host/wings: it still records, trains, emits, runs, validates."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
+from support.small import model_file, press, recording
+
+from springpot import write_recording
 
 # A finder before all others that knows no module below springpot.host.wings.
 HIDING = """
@@ -29,7 +35,16 @@ amplitude_n = 4.0
 frequency_hz = 2.0
 cycles = 3
 """
-OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "material")
+OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "material", "doctor",
+            "demo", "plot", "report")  # fmt: skip
+FOREIGN = {  # how files of formats begin that only a wing reads
+    "x.mat": b"MATLAB 5.0 MAT-file, made by hand\0\1\2",
+    "x.h5": b"\x89HDF\r\n\x1a\n" + bytes(600),
+    "x.xlsx": b"PK\x03\x04" + bytes(60),
+    "x.tdms": b"TDSm" + bytes(60),
+    "x.txt": b"<Mach-1 File>\n<INFO>\n<END INFO>\n",
+    "x.log": b"(1.000000) can0 123#0011\n(1.001000) can0 123#0012\n",
+}
 
 
 def run(folder: Path, *words: str, status: int = 0) -> subprocess.CompletedProcess[str]:
@@ -55,7 +70,6 @@ def test_the_core_does_its_whole_job_without_wings(tmp_path: Path) -> None:
     run(tmp_path, "run", "--scene", "c", "--device", device, "--seconds", "0.3", "--log", "felt.h5")
     run(tmp_path, "validate", "c", "--recording", "felt.h5")
     run(tmp_path, "validate", "c", "--recording", "again")
-    run(tmp_path, "report", "c")
 
 
 def test_commands_and_options_of_wings_are_not_there_without_them(tmp_path: Path) -> None:
@@ -68,7 +82,60 @@ def test_commands_and_options_of_wings_are_not_there_without_them(tmp_path: Path
     assert not set(OF_WINGS) & set(commands)
     refused = run(tmp_path, "train", "none", "--model", "springpot", "--out", "x.spm", status=2)
     assert "'springpot' is not one of" in refused.stderr
+    assert (
+        "'rbf-fd' is not one of"
+        in run(tmp_path, "train", "none", "--model", "rbf-fd", "--out", "x.spm", status=2).stderr
+    )
     for words in (("record", "--device", "sim://ecoflex-00-30", "--protocol", "paper",
                    "--force", "serial:///dev/none", "--out", "x"),
                   ("emit", "--pick", "pc-1khz", "--out", "c")):  # fmt: skip
         assert "not installed here" in run(tmp_path, *words, status=2).stderr
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Recordings, a model and its scene, with all of springpot."""
+    folder = tmp_path_factory.mktemp("made")
+    write_recording(folder / "press.h5", recording("press", press(2.0)))
+    model_file(folder).rename(folder / "pad.spm")
+    (folder / "scene.toml").write_text(SCENE)
+    return folder
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("export", "press.h5", "--to", "mat", "--out", "mat"),
+        ("train", "press.h5", "--model", "rf-fd", "--within", "1%", "--out", "x.spm"),
+        ("train", "press.h5", "--model", "hammerstein", "--next", "x.toml", "--out", "x.spm"),
+        ("stability", "--scene", "scene.toml", "--report", "x.html"),
+        ("run", "--scene", "scene.toml", "--device", "sim://free", "--log", "x.h5"),
+    ],
+)
+def test_an_option_of_a_wing_is_one_line_without_it(made: Path, words: tuple[str, ...]) -> None:
+    told = run(made, *words, status=2).stderr.strip().splitlines()[-1]
+    assert "of springpot is not installed here: install all of springpot" in told
+
+
+def test_what_to_record_next_is_not_said_without_its_wing(made: Path) -> None:
+    result = run(made, "train", "press.h5", "--model", "hammerstein", "--json", "--out", "y.spm")
+    assert "next_presses" not in json.loads(result.stdout)
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_file_of_a_format_that_is_not_there_is_one_line(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(FOREIGN[name])
+    (told,) = run(tmp_path, "import", name, "--out", "rec", status=3).stderr.splitlines()
+    assert f"{name}" in told
+    assert told.endswith(
+        "; not installed here: can-log, hdf5, mach-1, mat, tdms, workbook; to have them, install "
+        "all of springpot"
+    )
+
+
+@pytest.mark.parametrize("url", ["odrive://slcan//dev/none?node=0", "dhd://"])
+def test_a_device_that_is_not_there_is_one_line(made: Path, url: str) -> None:
+    words = ("run", "--scene", "scene.toml", "--device", url, "--log", "x.h5")
+    told = run(made, *words, status=5).stderr.strip().splitlines()[-1]
+    assert "no driver for" in told
+    assert "; not installed here: dhd, odrive; to have them" in told

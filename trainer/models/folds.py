@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.short_repr import short_repr
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.quality.motion import turning_points
 
@@ -27,6 +28,7 @@ class Folds:
 
     number: Indices
     tested: tuple[int, ...]
+    __repr__ = short_repr
 
 
 def repeats_apart(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: int) -> Folds:

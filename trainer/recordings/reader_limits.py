@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from springpot.codegen.errors import DataError
+from springpot.codegen.regular_file import max_unpacked_bytes
 
 MAX_RATIO = 256  # a recording of nothing but zeros shrinks by 230
 _MAX_BYTES, _LEAST_BYTES = 8 << 30, 1 << 30  # of a process, libraries included
@@ -26,6 +27,16 @@ def limit_reader(path: Path) -> None:
     cpu_s = min(_MAX_CPU_S, _LEAST_CPU_S + mib)
     resource.setrlimit(resource.RLIMIT_AS, (max_bytes, max_bytes))
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s))
+
+
+def require_unpacked(path: Path, unpacked_bytes: int, what: str) -> None:
+    """Raise ValueError if more comes out of a file than one of its size can hold.
+
+    what: comes out of it, such as "MiB of numbers".
+    """
+    file_bytes = path.stat().st_size
+    if unpacked_bytes > max_unpacked_bytes(file_bytes, MAX_RATIO):
+        raise ValueError(f"{unpacked_bytes >> 20} {what} in {file_bytes} bytes")
 
 
 def run_reader(path: Path, read: Callable[[Path], bytes]) -> None:

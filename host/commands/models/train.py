@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from springpot.codegen.entry_points import part, required_part
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import NOT_NEGATIVE, PATH, PERCENT, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
@@ -131,7 +132,6 @@ def train(
         )
     from springpot.host.commands.models.fit_result import errors, training_result, training_rows
     from springpot.host.console.quality import report_quality
-    from springpot.host.recording.next_protocol import require_surface
     from springpot.host.validation.seen import seen_line
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
     from springpot.trainer.recordings.recording_file import read_recordings
@@ -143,8 +143,10 @@ def train(
     )  # fmt: skip
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
+    planning: Any = part("next-presses")
     if next_file is not None:
-        require_surface(next_file, training)
+        planning = required_part("next-presses", "--next")
+        planning.require_surface(next_file, training)
     said = {finding.text for finding in report_quality(training).findings}
     fit = _fitted(kind, out, training, testing, options)
     for line in fit.warnings:
@@ -157,22 +159,10 @@ def train(
     if figures.get("seen"):
         say(seen_line(figures["seen"], len(testing)))
     rows = training_rows(fit, result, out, found, len(testing))
-    result["next_presses"], rows["record next"] = _next_presses(training, fit, next_file)
+    if planning is not None:
+        told, rows["record next"] = planning.next_told(training, fit.model.contact, next_file)
+        result["next_presses"] = told
     print_result(result, as_json, rows)
-
-
-def _next_presses(
-    training: "list[Recording]", fit: "Fit", next_file: Path | None
-) -> tuple[list[dict[str, Any]], str]:
-    """The presses that would tell most, as JSON values and in words; as a protocol if asked for."""
-    from springpot.host.recording.next_protocol import next_metadata, next_words, write_protocol
-    from springpot.trainer.recordings.quality.coverage import find_coverage
-    from springpot.trainer.selection.next_presses import next_presses
-
-    presses = next_presses(training, find_coverage(training).band_hz)
-    if next_file is not None:
-        write_protocol(next_file, presses)
-    return next_metadata(presses), next_words(presses, fit.model.contact, next_file)
 
 
 def _fitted(

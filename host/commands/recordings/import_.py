@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from springpot.codegen.entry_points import part
 from springpot.codegen.errors import UsageError
 from springpot.codegen.progress import counted
 from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
@@ -192,14 +193,13 @@ def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:
 
 def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
     """Figures of each recording, with the file that it is in."""
-    from springpot.trainer.recordings.quality.plausible import glance
-
+    glance: Any = part("glance")
     pairs = zip(files, report.recordings, report.checked, strict=True)
     return [
         {
             "file": str(file),
             **{key: figures[key] for key in _OF_REPORT},
-            "glance": glance(recording).words,
+            **({"glance": glance(recording).words} if glance else {}),
         }
         for file, figures, recording in pairs
     ]
@@ -213,8 +213,9 @@ def _show(rows: Sequence[dict[str, Any]]) -> None:
         words = row["signs"]["words"]
         click.echo(
             f"{row['file']}  {row['samples']} samples at {row['rate_hz']:.6g} Hz, "
-            f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N\n"
-            f"  {row['glance']}" + ("" if words in said else f"\n  {words}")
+            f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N"
+            + (f"\n  {row['glance']}" if "glance" in row else "")
+            + ("" if words in said else f"\n  {words}")
         )
         said.add(words)
 

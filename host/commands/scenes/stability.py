@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, print_result, progress_bar
@@ -33,6 +34,7 @@ def stability_(
     from springpot.host.emission.scene_file import default_scene, model_path, read_scene
     from springpot.host.stability.check import stability
 
+    write_page = required_part("stability-page", "--report") if report else None
     if scene_file is not None:
         scene = read_scene(scene_file)
         model = read_model(model_file or model_path(scene, scene_file))
@@ -44,10 +46,8 @@ def stability_(
     plan = make_plan(model, scene, accept_unsafe=True)
     with progress_bar("all cases, three hands, two delays"):
         found = stability(plan)
-    if report is not None:
-        from springpot.host.stability.report import write_stability_report
-
-        write_stability_report(found, report)
+    if write_page is not None:
+        write_page(found, report)
     print_result(found.as_dict(), as_json, stability_rows(found))
     found.require_bounded()
 

@@ -10,6 +10,7 @@ from typing import Any
 from cobs import cobs
 from google_crc32c import value as crc32c
 
+from springpot.codegen.short_repr import short_repr
 from springpot.runtime_c.paths import PORT_WIRE
 
 _CODES = {"u8": "B", "u32": "I", "f32": "f", "hash": "32s"}
@@ -45,6 +46,7 @@ class Frame:
     sequence: int
     values: dict[str, Any]
     old: bool
+    __repr__ = short_repr
 
 
 @cache

@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, choose_coupling
-from springpot.codegen.coupling.gains import couple_config
-from springpot.codegen.coupling.gains import transition as exact_step
+from springpot.codegen.coupling.gains import couple_config, transition as exact_step
 from springpot.codegen.coupling.linear_loop import (
     DESIGN_HAND,
     HAND_MODELS,

@@ -10,8 +10,7 @@ from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 from support.paths import C_TESTS
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest import compact as compact_layout
-from springpot.codegen.forest import wide as wide_layout
+from springpot.codegen.forest import compact as compact_layout, wide as wide_layout
 from springpot.codegen.forest.compact import compact_forest
 from springpot.codegen.forest.leaves import used_features
 from springpot.codegen.forest.quantisation import quantisation_over, rounded

@@ -31,9 +31,9 @@ PAGE = (ROOT / "docs" / "reference" / "json.md").read_text()
 SCENE = 'schema = 1\nname = "x"\nmodel = "hammerstein.spm"\n'
 # What is not run here, for it takes people, devices or minutes: where its result is put together.
 BUILT = {
-    "springpot demo": "host/commands/scenes/demo.py",
+    "springpot demo": "host/wings/report/commands/demo.py",
     "springpot place": "host/wings/lab/commands/place.py",
-    "springpot report": "host/commands/scenes/report.py",
+    "springpot report": "host/wings/report/commands/report.py",
     "springpot reproduce": "host/wings/evidence/paper/evidence.py",
     "springpot study run": "host/wings/study/commands/study.py",
 }

@@ -20,7 +20,7 @@ from springpot.host.devices.lines.serial_port import (
     require_fast_line,
     used_by,
 )
-from springpot.host.doctor import machine_check as doctor
+from springpot.host.wings.doctor import machine_check as doctor
 
 
 def refused(place: object) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from support.messages import refusing
 
-from springpot.host.native.c_library import CLibrary, declarations, load
+from springpot.host.native.c_library import CLibrary, declarations, load_c
 from springpot.host.native.compiler import CompilerError, cache_folder, shared_library
 
 HEADER = """/* Sums. */
@@ -34,7 +34,7 @@ sp_real sum(const sp_real *values, uint32_t n)
 def summing(folder: Path, real: str) -> CLibrary:
     (folder / "sum.h").write_text(HEADER)
     (folder / "sum.c").write_text(SOURCE)
-    return load([folder / "sum.h"], [folder / "sum.c"], real)
+    return load_c([folder / "sum.h"], [folder / "sum.c"], real)
 
 
 @pytest.mark.parametrize(("real", "dtype"), [("float", np.float32), ("double", np.float64)])

@@ -18,13 +18,13 @@ from springpot.codegen.scene import Coupling, Device, Guard, Scene
 from springpot.host.commands.scenes.stability import stability_rows
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
-from springpot.host.stability import figures
 from springpot.host.stability.check import Stability
 from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.judgement import Grade, device_advice, judge, judged_cases
 from springpot.host.stability.losses import Losses
 from springpot.host.stability.verdict import map_words, why_unbounded
 from springpot.host.stability.vibration import Vibration
+from springpot.host.wings.report import stability_figures as figures
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")

@@ -16,11 +16,11 @@ from springpot.host.emission.emission import emit
 from springpot.host.session.session import Session
 from springpot.host.stability.judgement import Grade
 from springpot.host.validation.by_place import PlaceError, place_errors, place_line
-from springpot.host.validation.findings import by_place_findings
-from springpot.host.validation.place_figure import place_figure
-from springpot.host.validation.report import write_report
 from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import validate
+from springpot.host.wings.report.findings import by_place_findings
+from springpot.host.wings.report.place_figure import place_figure
+from springpot.host.wings.report.scene_page import write_report
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording

@@ -31,8 +31,8 @@ _RECORDING = (
 )
 _JOURNAL = ("tests/trainer/recordings/test_journal.py",)
 _ODRIVE = (
-    "tests/host/devices/test_odrive_start.py",
-    "tests/host/devices/test_odrive.py::test_wrong_urls_are_one_line",
+    "tests/wings/devices/test_odrive_start.py",
+    "tests/wings/devices/test_odrive.py::test_wrong_urls_are_one_line",
 )
 _SERIAL = (
     "tests/host/devices/test_serial_start.py",
@@ -54,8 +54,8 @@ TESTS = {
     "codegen/model/field_types.py": _MODEL,
     "codegen/model/validity.py": _MODEL,
     "codegen/model/model_file.py": _MODEL,
-    "host/devices/odrive.py": _ODRIVE,
-    "host/devices/odrive_device.py": _ODRIVE,
+    "host/wings/devices/odrive.py": _ODRIVE,
+    "host/wings/devices/odrive_device.py": _ODRIVE,
     "host/devices/lines/serial_port.py": _SERIAL,
     "host/devices/serial_device.py": _SERIAL,
 }

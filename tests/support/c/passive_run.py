@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.host.native.c_library import CLibrary, load
+from springpot.host.native.c_library import CLibrary, load_c
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from support.paths import TESTS
 
@@ -18,7 +18,7 @@ _HERE = TESTS / "support" / "c"
 @cache
 def _library() -> CLibrary:
     include = [f"-I{folder}" for folder in (SOURCE, INCLUDE, INCLUDE / "double")]
-    return load([_HERE / "passive_run.h"], [_HERE / "passive_run.c"], extra_flags=include)
+    return load_c([_HERE / "passive_run.h"], [_HERE / "passive_run.c"], extra_flags=include)
 
 
 class PassiveC:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.host.native.c_library import CLibrary, load
+from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.recording.indentation import OPEN_LOOP
 from springpot.host.simulation.objects import ALL_OBJECTS
 from springpot.host.wings.lab.force_sensor.alignment import Delay, alignment_command
@@ -119,4 +119,4 @@ class PressedTool:
 def pressed_library() -> CLibrary:
     headers = [SIM / "sim.h", PORT_POSIX / "sp_press.h", _HERE / "pressed_tool.h"]
     sources = [_HERE / "pressed_tool.c", PORT_POSIX / "sp_press.c", *sorted(SIM.glob("*.c"))]
-    return load(headers, sources)
+    return load_c(headers, sources)

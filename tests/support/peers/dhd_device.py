@@ -20,8 +20,8 @@ from line import Clock, Port, arguments, be_a_device, say
 
 from springpot.host.devices.lines.wire import Receiver, Sender, constant, layout
 from springpot.host.native.compiler import shared_library
-from springpot.host.simulation.free_device import FreeDeviceTruth
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES
+from springpot.host.wings.lab.free_device import FreeDeviceTruth
 from springpot.runtime_c.paths import SIM
 
 SOURCE = Path(__file__).with_name("libdhd.c")

@@ -18,8 +18,8 @@ import numpy as np
 
 from springpot.codegen.atomic_write import written_aside
 from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
-from springpot.host.simulation.free_device import FreeDevice, FreeDeviceTruth
 from springpot.host.simulation.objects import HAND_NAMES, OBJECTS, SimulatedObject
+from springpot.host.wings.lab.free_device import FreeDevice, FreeDeviceTruth
 
 
 def arguments(description: str) -> argparse.ArgumentParser:

@@ -15,7 +15,7 @@ from springpot.codegen.errors import DataError
 from springpot.host.cli import exit_status
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
-from springpot.host.commands.recordings.plot import plot
+from springpot.host.wings.report.commands.plot import plot
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import Finding

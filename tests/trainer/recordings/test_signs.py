@@ -14,8 +14,8 @@ from support.files.mislabelled import Mislabelled, mislabelled, motion, true_for
 
 from springpot.codegen.errors import DataError, SpringpotError
 from springpot.host.commands.recordings.import_ import import_
-from springpot.host.validation.findings import code_findings
 from springpot.host.validation.seen import accepted_words
+from springpot.host.wings.report.findings import code_findings
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n

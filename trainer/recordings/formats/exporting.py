@@ -10,6 +10,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import write_file, written_aside
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
 from springpot.trainer.recordings.recording import SIGN_RULE, Recording
 
@@ -31,7 +32,8 @@ def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> 
             metadata = json.dumps(recording.metadata() | _RULE, indent=2, sort_keys=True) + "\n"
             write_file(path.with_suffix(".json"), metadata.encode())
         else:
-            _write_mat(aside, recording)
+            write_mat = required_part("mat-export", "--to mat")
+            write_mat(aside, recording, _time_s(recording), recording.metadata() | _RULE)
     return path
 
 
@@ -73,15 +75,3 @@ def _write_csv(path: Path, recording: Recording, more: Mapping[str, Samples] | N
         file.write(",".join(columns) + "\n")
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
-
-
-def _write_mat(path: Path, recording: Recording) -> None:
-    from scipy.io import savemat
-
-    content = {
-        "time_s": _time_s(recording),
-        "position_m": recording.position_m,
-        "force_N": recording.force_n,
-        "metadata": json.dumps(recording.metadata() | _RULE, sort_keys=True),
-    }
-    savemat(path, content, appendmat=False, oned_as="column", do_compression=True)

@@ -78,6 +78,11 @@ class FileFormat:
         return reader
 
 
+CSV = FileFormat(  # of any text: asked last
+    "CSV", lambda start: True, "springpot.trainer.recordings.formats.csv.csv_text:read_csv", 1000
+)
+
+
 @cache
 def file_formats() -> dict[str, FileFormat]:
     """Return all formats in the order in which they are asked: the group springpot.formats."""

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from springpot.codegen.entry_points import absent
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.codegen.short_repr import short_repr
@@ -18,7 +19,7 @@ from springpot.trainer.recordings.formats.file_format import (
     FileRequest,
     file_formats,
 )
-from springpot.trainer.recordings.formats.own_formats import HDF5_MAGIC
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.sampling import to_recording
 from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
@@ -104,14 +105,13 @@ def _imported(
             start = file.read(START_BYTES)
         if is_journal(start):
             return _import_journal(path, options)
-        if start.startswith(HDF5_MAGIC) and has_checksum(path):
+        if has_checksum(path):
             return _import_again(path, mapping, zero, resample_hz, options)
         request = FileRequest(
             mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None,
             options.specimen,
         )  # fmt: skip
-        chosen = next(one for one in file_formats().values() if one.fits(path, start))
-        raws, guess = chosen.read(path, request)
+        raws, guess = _read(path, start, request)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
     if options.specimen and not options.specimen.made_of(raws[0].details):
@@ -130,6 +130,15 @@ def _imported(
         first = str(recording.details.get("first_row_cut", ""))
         guess += "".join(f"; {note}" for note in (first, tail_note(recording), *messages) if note)
     return ImportResult(recordings, f"{path}: {guess}")
+
+
+def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChannels], str]:
+    formats = file_formats()
+    chosen = next(one for one in formats.values() if one.fits(path, start))
+    try:
+        return chosen.read(path, request)
+    except DataError as error:
+        raise DataError(f"{error}{absent('formats', formats)}") from None
 
 
 def _import_journal(path: Path, options: ImportOptions) -> ImportResult:

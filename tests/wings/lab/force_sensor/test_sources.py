@@ -11,7 +11,7 @@ from support.peer import peer
 
 from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.lines.can_bridge import python_can_bus
+from springpot.host.wings.devices.can_bridge import python_can_bus
 from springpot.host.wings.lab.force_sensor.sources import open_sensor
 
 DBC = """VERSION ""

@@ -5,7 +5,7 @@ import pytest
 from support.free_device import LIMITS, LockStep, random_truth
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.host.simulation.free_device import FreeDeviceTruth
+from springpot.host.wings.lab.free_device import FreeDeviceTruth
 from springpot.host.wings.lab.identification.estimate import estimate_device
 from springpot.host.wings.lab.identification.excitation import MoveLimits, sweep
 from springpot.host.wings.lab.identification.experiment import find_sign, identify_device

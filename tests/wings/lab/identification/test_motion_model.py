@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from springpot.host.simulation.free_device import FreeDevice, FreeDeviceTruth
+from springpot.host.wings.lab.free_device import FreeDevice, FreeDeviceTruth
 from springpot.host.wings.lab.identification.motion_model import ModelLanes, simulate_lanes
 
 TRUTHS = [

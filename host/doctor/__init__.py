@@ -1,1 +1,0 @@
-"""Checks of this machine, and of a device before its first session."""

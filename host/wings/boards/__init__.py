@@ -1,0 +1,1 @@
+"""Boards that render a scene themselves: recordings replayed through them."""

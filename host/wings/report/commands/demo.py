@@ -1,0 +1,36 @@
+"""`springpot demo`."""
+
+from pathlib import Path
+
+import click
+
+from springpot.console import json_option, print_result
+
+
+@click.command()
+@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True)
+@click.option("--object", "object_name", default="ecoflex-00-30", show_default=True)
+@json_option
+def demo(out: Path, object_name: str, as_json: bool) -> None:
+    """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
+    from springpot.console import emission_rows, validation_rows
+    from springpot.host.wings.report.demo import run_demo
+    from springpot.validation import fail_on_mismatch
+
+    done = run_demo(out, object_name)
+    result = {
+        "object": object_name,
+        "report": str(done.report),
+        "seconds": done.seconds,
+        "emit": done.emission.as_dict(),
+        "validate": done.validation.as_dict(),
+    }
+    rows = {
+        "object": f"{object_name}, simulated",
+        "training": f"{done.fit.rows} rows, fit {done.fit.fit_s:.2f} s",
+        **emission_rows(done.emission),
+        **validation_rows(done.validation),
+        "report": str(done.report),
+    }
+    print_result(result, as_json, rows)
+    fail_on_mismatch(out / "c", done.validation)

@@ -1,0 +1,91 @@
+"""`emit --fit`: what does not fit a budget is made smaller, measured on recordings."""
+
+import dataclasses
+import shutil
+from pathlib import Path
+
+import pytest
+from support.small import model_file, press, recording, scene, small_fit
+
+from springpot.codegen.errors import BudgetError, DataError
+from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
+from springpot.host.emission.budget_fit import emit_fitting
+from springpot.host.emission.emission import emit
+from springpot.host.native import toolchain
+from springpot.host.wings.smaller import pruned_models as prune
+
+EVALUATION = recording("judge", press(1.5, 0.011))
+
+
+def tight(folder: Path) -> tuple[Scene, Path, int]:
+    """A scene whose budget is two thirds of what the model takes."""
+    model = model_file(folder, small_fit(trees=20).model)
+    whole = emit(scene(), model, folder / "whole").footprint
+    assert whole is not None
+    budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
+    return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
+
+
+def build_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Try few reductions: one that fits is among them."""
+    monkeypatch.setattr(prune, "_TREES", (1.0, 0.5, 0.2))
+    monkeypatch.setattr(prune, "_LEAVES", (1, 8))
+
+
+@pytest.mark.parametrize("reductions", ["few", pytest.param("all", marks=pytest.mark.slow)])
+def test_a_reduction_that_fits_is_named_and_then_applied(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reductions: str
+) -> None:
+    if reductions == "few":
+        build_few(monkeypatch)
+    chosen, model, flash_bytes = tight(tmp_path)
+    with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
+        emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
+    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
+    assert fitted.footprint is not None
+    assert fitted.footprint.flash_bytes <= flash_bytes
+
+
+def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
+    chosen, model, _ = tight(tmp_path)
+    slow = dataclasses.replace(EVALUATION, dt_s=2e-3)
+    with pytest.raises(DataError, match="sampled at 500 Hz, the scene at 1000 Hz"):
+        emit_fitting(chosen, model, tmp_path / "c", False, [slow], fit=True)
+
+
+def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build_few(monkeypatch)
+    chosen, model, _ = tight(tmp_path)
+    unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
+    fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [EVALUATION], fit=True)
+    assert fitted.manifest["accept_unsafe"] is True
+
+
+def test_without_a_compiler_no_reduction_is_blamed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = shutil.which
+    monkeypatch.setattr(
+        toolchain.shutil, "which", lambda name: None if "riscv" in name else found(name)
+    )
+    chosen = dataclasses.replace(
+        scene(), runtime=Runtime(target="rv32imafc"), budget=Budget(flash_bytes=1000)
+    )
+    with pytest.raises(BudgetError) as refused:
+        emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [EVALUATION], fit=True)
+    assert "no compiler for rv32imafc" in str(refused.value)
+    assert "no reduction" not in str(refused.value)
+
+
+def test_a_budget_of_instructions_is_not_of_measured_steps(tmp_path: Path) -> None:
+    told = {}
+    for measured in (False, True):
+        runtime = Runtime(target="cortex-m4f", measured_step=measured)
+        chosen = dataclasses.replace(
+            scene(), runtime=runtime, budget=Budget(tick_instructions=5000)
+        )
+        emission = emit(chosen, model_file(tmp_path), tmp_path / "c")
+        told[measured] = [item for item in emission.notices if "sp_step_dt" in item]
+    assert not told[False] and len(told[True]) == 1
