@@ -74,22 +74,6 @@ static void a_device_that_is_not_at_work_gets_no_force(void)
     }
 }
 
-static void what_is_not_at_work_is_not_limited(void)
-{
-    between_ticks();
-    self.row.position_m = 99.0;
-    self.row.measured_n = (double)NAN;
-    self.paused = 1;
-    check_limits(&self);
-    CHECK(self.reason == 0);
-    self.paused = 0;
-    check_limits(&self);
-    CHECK(self.reason == SP_STOP_DEPTH);
-    self.row.returned_n = 99.0;
-    check_limits(&self);
-    CHECK(self.reason == SP_STOP_DEPTH); /* the first reason counts */
-}
-
 /* What the device says of a force: taken, no room, gone, tripped. */
 static void a_force_that_was_not_taken_is_not_sent(void)
 {
@@ -310,7 +294,6 @@ int main(void)
     what_a_device_that_is_gone_measured_is_not_measured();
     a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second();
     a_device_that_is_not_at_work_gets_no_force();
-    what_is_not_at_work_is_not_limited();
     a_force_that_was_not_taken_is_not_sent();
     a_force_has_the_sign_of_the_device_and_silence_releases_it();
     a_device_that_comes_back_is_taken_anew();

@@ -19,23 +19,6 @@ static void a_thread_that_is_a_period_late_sends_no_old_force(void)
     }
 }
 
-static void rows_count_what_was_late_or_without_a_sample(void)
-{
-    between_ticks();
-    sp_period period = {.deadline_ns = START_NS};
-    const struct {
-        uint64_t after_ns;
-        int fresh;
-    } cases[] = {{0, 1}, {PERIOD_NS, 0}, {PERIOD_NS + 1, 0}, {3 * PERIOD_NS, 1}};
-    for (unsigned i = 0; i < 4; i++) {
-        period.begin_ns = START_NS + cases[i].after_ns;
-        put_row(&self, &period, 4.0, SP_CALL_UNSENT, cases[i].fresh);
-    }
-    CHECK(self.late == 2 && self.stale == 2 && self.ticks == 4);
-    CHECK(sp_loop_drain(&self, rows, 9) == 4);
-    CHECK(rows[3].sent_n == 4.0 && call_of_row(3) == SP_CALL_UNSENT);
-}
-
 static void a_period_stays_open_only_where_its_sample_may_come(void)
 {
     between_ticks();
@@ -179,16 +162,6 @@ static void a_session_follows_the_clock_of_the_device(void)
     (void)session(&config, &end);
     CHECK(rows[0].time_s == 0.0 && is_near(rows[0].age_s, 300e-6));
     CHECK(is_near(rows[1].time_s - rows[1].lateness_s, 999.5e-6));
-}
-
-static void a_tick_says_whether_there_was_a_sample(void)
-{
-    between_ticks();
-    self.waiting_count = 1;
-    CHECK(sp_loop_tick(&self, 0) == 1 && sim.steps == 1 && self.owed_count == 0);
-    CHECK(sp_loop_tick(&self, 0) == 0 && sim.idles == 1 && self.owed_count == 0);
-    device.fd = FD;
-    CHECK(sp_loop_tick(&self, 0) == 0 && sim.idles == 1 && self.owed_count == 1);
 }
 
 /* The first sample may be old; the one after it is not. */
@@ -351,39 +324,19 @@ static void a_device_without_a_descriptor_is_not_waited_for(void)
     CHECK(sim.polls == 3 && self.waiting_count == 2 && sim_now_ns == START_NS + 300000);
 }
 
-static void the_open_periods_move_up(void)
-{
-    between_ticks();
-    device.fd = FD;
-    for (int i = 0; i < 3; i++) {
-        self.owed[i] = (sp_period){.begin_ns = START_NS, .deadline_ns = START_NS, .sent_n = i + 1};
-    }
-    self.owed_count = 3;
-    self.waiting_count = 1;
-    settle(&self, 1, 0, START_NS);
-    CHECK(self.owed_count == 2 && self.owed[0].sent_n == 2.0 && self.owed[1].sent_n == 3.0);
-    CHECK(sp_loop_drain(&self, rows, 9) == 1 && rows[0].sent_n == 1.0 && sim.steps == 1);
-    sp_loop_settle(&self);
-    CHECK(self.owed_count == 0 && sim.idles == 2);
-    CHECK(sp_loop_drain(&self, rows, 9) == 2 && rows[1].sent_n == 3.0);
-}
-
 int main(void)
 {
     a_thread_that_is_a_period_late_sends_no_old_force();
-    rows_count_what_was_late_or_without_a_sample();
     a_period_stays_open_only_where_its_sample_may_come();
     too_few_samples_are_counted_in_the_last_hundred();
     samples_that_came_too_late_forgive_the_newest_calls();
     a_device_that_never_sends_has_all_its_rows();
     a_session_follows_the_clock_of_the_device();
-    a_tick_says_whether_there_was_a_sample();
     the_first_deadline_follows_the_second_sample();
     deadlines_follow_the_clock_of_the_device_little_by_little();
     periods_stay_open_for_two_ms_and_one_at_least();
     all_that_waits_is_read_and_kept_in_order();
     samples_are_looked_for_where_and_as_long_as_they_help();
     a_device_without_a_descriptor_is_not_waited_for();
-    the_open_periods_move_up();
     return failed;
 }

@@ -4,11 +4,10 @@ import json
 import re
 import sys
 import typing
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import click
-import pytest
 from support.paths import ROOT
 from support.small import small_model
 
@@ -23,22 +22,12 @@ from springpot.host.wings.study import definition
 from springpot.host.wings.study.definition import Study
 
 sys.path.append(str(ROOT / "docs" / "_ext"))
-import reference_pages
 from reference_pages import commands, scene_keys
 from reference_pages.c_header import c_functions, declarations, notes
-from reference_pages.exit_statuses import statuses
 from reference_pages.python_names import python_name_list
 from reference_pages.wire import wire_messages
 
 PLAIN = scene.Scene(schema=1, name="x", model="x.spm")
-
-
-def test_every_mark_of_a_page_has_a_generator_and_each_generator_a_page() -> None:
-    pages = (ROOT / "docs").rglob("*.md")
-    marks = [mark for page in pages for mark in reference_pages._MARK.findall(page.read_text())]
-    assert sorted(marks) == sorted(reference_pages.GENERATORS)
-    with pytest.raises(KeyError):
-        reference_pages.completed("<!-- generated: nothing -->")
 
 
 def test_every_key_of_a_scene_is_listed() -> None:
@@ -67,16 +56,6 @@ def test_a_row_says_unit_default_and_bounds() -> None:
     assert rows["device.surface_mm"][2] == "any"
     assert rows["runtime.measured_step"][2] == "`true`, `false`"
     assert rows[".schema"][1] == "must be stated"
-
-
-def test_a_key_without_a_text_is_refused() -> None:
-    with pytest.raises(ValueError, match="silent"):
-        list(scene_keys._rows("section", SilentSection))
-
-
-@dataclass(frozen=True)
-class SilentSection:
-    silent: float = 1.0
 
 
 def test_every_command_and_option_is_listed() -> None:
@@ -127,11 +106,6 @@ def test_every_public_name_of_python_is_listed() -> None:
     for name in springpot.__all__:
         assert f":: {name}\n" in page
         assert typing.cast("str | None", getattr(springpot, name).__doc__)
-
-
-def test_exit_statuses_are_those_of_the_command_line() -> None:
-    assert list(statuses()) == [0, 1, 2, 3, 4, 5, 6, 7, 130]
-    assert statuses()[6][0] == "UnsafeError"
 
 
 def test_every_key_of_a_study_is_listed() -> None:

@@ -31,7 +31,6 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.limited import limited_n
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.rf_fd import history_features
-from springpot.trainer.recordings.recording import Recording
 
 X = [item.position_m for item in training()]
 Y = [item.force_n for item in training()]
@@ -147,14 +146,6 @@ def test_ensembles_of_something_else_are_refused() -> None:
     poisson.fit(values, np.maximum(force_n, 0.0))
     with pytest.raises(UsageError, match="no weighted sum of its trees"):
         from_ensemble(poisson, training())
-
-
-def test_preloaded_recordings() -> None:
-    moved = [Recording(r.name, r.position_m, r.force_n - 1.0, r.dt_s, "first") for r in training()]
-    fitted = PositionRegressor("hammerstein", zero="first")
-    fitted.fit([r.position_m for r in moved], [r.force_n for r in moved])
-    assert fitted.model_.contact == "always"
-    assert fitted.score([moved[0].position_m], [moved[0].force_n]) > 0.9
 
 
 def test_sequences_are_checked_as_recordings_are() -> None:

@@ -9,7 +9,7 @@ from sklearn.ensemble import (
     HistGradientBoostingRegressor,
     RandomForestRegressor,
 )
-from sklearn.model_selection import GridSearchCV, GroupKFold
+from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import MinMaxScaler, StandardScaler
 from support.messages import refusing
@@ -77,18 +77,6 @@ def test_what_is_no_fitted_ensemble_is_told_what_to_give():
     ):
         with refusing(UsageError, says):
             from_ensemble(given, training())
-
-
-def test_groups_are_the_recordings_of_the_rows():
-    values, force_n, groups = ensemble_data(training(), seed=1, return_groups=True)
-    np.testing.assert_array_equal(values, VALUES)
-    np.testing.assert_array_equal(force_n, FORCE_N)
-    assert sorted(set(groups.tolist())) == list(range(len(training())))
-    for number, recording in enumerate(training()):
-        alone = ensemble_data([recording], fraction=1.0)[1]
-        assert np.isin(force_n[groups == number], alone).all()
-    for fitted, held in GroupKFold(3).split(values, force_n, groups):
-        assert not {*groups[fitted]} & {*groups[held]}
 
 
 def test_orders_are_features():

@@ -48,17 +48,6 @@ def test_scorers_that_take_samples_for_outputs_give_no_number(data, name):
     assert np.isnan(scores).all()
 
 
-def test_forces_are_a_list_that_numpy_stacks():
-    found = PositionRegressor("springpot").fit(*EVEN).predict(EVEN[0])
-    assert isinstance(found, list)
-    assert np.stack(found).shape == (len(X), LENGTH)
-    assert np.concatenate(found).shape == (len(X) * LENGTH,)
-
-
-def test_the_kind_is_chosen_as_train_does():
-    assert PositionRegressor().get_params()["kind"] == "auto"
-
-
 def test_recordings_are_taken_for_their_sequences():
     whole = PositionRegressor("springpot").fit(training(), training())
     parts = PositionRegressor("springpot").fit(X, Y)

@@ -8,7 +8,6 @@ from scipy.linalg import expm
 
 from springpot.codegen.coupling.gains import (
     couple_config,
-    published_step_is_stable,
     require_plausible_damping,
     transition,
 )
@@ -48,18 +47,6 @@ def test_moves_like_an_independent_two_body_integration() -> None:
         state = solve_ivp(move, (0.0, dt_s), state, rtol=1e-11, atol=1e-14).y[:, -1]
 
 
-def test_static_force_is_the_models_and_pushes_out() -> None:
-    couple = Coupled(couple_config(PAPER, 1e-3, np.float64))
-    forces = [couple.force(0.005, 0.0, 4.0) for _ in range(2000)]
-    assert forces[0] == 0.0
-    assert forces[-1] == pytest.approx(4.0)
-
-
-def test_no_kick_on_a_fast_contact() -> None:
-    couple = Coupled(couple_config(PAPER, 1e-3, np.float64))
-    assert couple.force(0.0003, 0.3, 0.0) == 0.0
-
-
 def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
     with pytest.raises(UnsafeError, match=r"20 N s/m\) was probably meant"):
         require_plausible_damping(Coupling(mode="tool", damping_nspm=20_000.0))
@@ -67,8 +54,3 @@ def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
         require_plausible_damping(Coupling(mode="tool", stiffness_npm=1.5e6))
     with pytest.raises(UnsafeError, match="the paper's gains"):
         require_plausible_damping(Coupling(mode="tool", mass_kg=1e-9))
-
-
-def test_the_printed_step_explodes_where_the_formula_says() -> None:
-    assert published_step_is_stable(PAPER, 1e-3)
-    assert not published_step_is_stable(Coupling(damping_nspm=20_000.0), 1e-3)

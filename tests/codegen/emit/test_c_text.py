@@ -8,7 +8,6 @@ from support.c.single import plan_of
 from springpot.codegen.emit.c_blocks import code_of, top_level_blocks, without_unused
 from springpot.codegen.emit.files import regressor_tables, stage_tables
 from springpot.codegen.emit.glue import constants
-from springpot.codegen.literals import members_text
 from springpot.runtime_c.paths import SOURCE
 
 TEXT = """/* A unit { that
@@ -102,9 +101,3 @@ def test_every_struct_has_its_members_in_order() -> None:
     assert set(found) == STRUCTS
     for struct, lines in found.items():
         assert re.findall(r"/\* (\w+) \*/", lines) == members_of(struct), struct
-
-
-def test_each_value_names_its_member() -> None:
-    assert members_text("range", "sp_range_config", {"min_m": "0.0f", "max_m": "0.01f"}) == (
-        "static const sp_range_config range = {\n    0.0f,  /* min_m */\n    0.01f, /* max_m */\n};"
-    )

@@ -12,10 +12,10 @@ from support.paths import C_TESTS
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest import compact as compact_layout, wide as wide_layout
 from springpot.codegen.forest.compact import compact_forest
-from springpot.codegen.forest.leaves import largest_float32_below, used_features
+from springpot.codegen.forest.leaves import used_features
 from springpot.codegen.forest.quantisation import quantisation_over, rounded
 from springpot.codegen.forest.tables import CompactForest, ForestTable
-from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
+from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
@@ -152,18 +152,6 @@ def test_same_leaves_as_scikit_learn_on_rounded_features(trees: int, rows: int) 
     assert_same_leaves(model, np.clip(np.concatenate([near, away]), 0, 65535), quantisation)
 
 
-def test_rounded_features_are_whole_steps_of_sixteen_bits() -> None:
-    features = random_features(500, 1)
-    quantisation = quantisation_over(features.astype(np.float64))
-    steps = rounded(quantisation, features)
-    assert steps.min() == 0 and steps.max() == 65535
-    np.testing.assert_array_equal(steps, np.floor(steps))
-    back = steps / quantisation.bins_per_unit + quantisation.feature_min
-    assert np.abs(back - features).max() <= (0.5 / quantisation.bins_per_unit).max() * 1.01
-    far = np.array([[1e9] * N_FEATURES, [-1e9] * N_FEATURES])
-    np.testing.assert_array_equal(rounded(quantisation, far)[:, 0], [65535, 0])
-
-
 def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
     model = fitted(trees=11, leaf=5, rows=1500)
     forest = forest_ir(model)
@@ -175,47 +163,6 @@ def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
     span_n = np.ptp(forest.value_n[forest.feature < 0])
     assert np.abs(force_n - model.predict(features)).max() <= compact.leaf_error_n
     assert compact.leaf_error_n == pytest.approx(span_n / 2**17, rel=1e-4)
-
-
-def test_the_references_walk_like_the_c() -> None:
-    model = fitted(trees=9, leaf=2, rows=800)
-    compact = compact_forest(forest_ir(model), np.float32)
-    table = wide_layout.forest_table(forest_ir(model), np.float32)
-    assert compact is not None
-    features = random_features(500, 6)
-    sums = c_sums(compact, features, 0)
-    bins = feature_bins(compact.thresholds, features)
-    np.testing.assert_array_equal(sums, compact_sums(compact, bins))
-    np.testing.assert_array_equal(sums, table_sums(table, features))
-
-
-def test_only_a_power_of_two_folds_back_exactly() -> None:
-    model = fitted(trees=5, leaf=3, rows=2000)
-    forest = forest_ir(model)
-    features = near_thresholds(forest, np.random.default_rng(7))
-    scale = 64.0
-    folded = labelled(forest.on_scaled(scale))
-    compact = compact_forest(folded, np.float64)
-    assert compact is not None
-    expected = folded.value_n[model.apply(features) + forest.roots].sum(axis=1)
-    np.testing.assert_array_equal(c_sums(compact, features / np.float32(scale), 0), expected)
-
-
-def test_float32_thresholds_round_down() -> None:
-    doubles = np.array([0.1, -0.1, 1.0, 1.0 + 1e-12, 1.0 - 1e-12, 3.5e-46, 0.0])
-    below = largest_float32_below(doubles).astype(np.float64)
-    above = np.nextafter(below.astype(np.float32), np.float32(np.inf)).astype(np.float64)
-    assert np.all(below <= doubles)
-    assert np.all(above > doubles)
-
-
-def test_facts_of_the_headers() -> None:
-    compact, wide = ((SOURCE / name).read_text() for name in ("sp_forest.h", "sp_forest_wide.h"))
-    assert f"SP_FOREST_SLOT_BITS = {compact_layout.COMPACT_SLOT_BITS}" in compact
-    assert f"SP_FOREST_LEVELS = {compact_layout.LEVELS}" in compact
-    assert f"SP_FOREST_REST = {compact_layout.REST}" in compact
-    assert f"SP_WIDE_SLOT_BITS = {wide_layout.WIDE_SLOT_BITS}" in wide
-    assert f"SP_WIDE_WIDTH = {wide_layout.WIDE_VECTOR_WIDTH}" in wide
 
 
 def one_leaf() -> Forest:

@@ -8,7 +8,6 @@ import pytest
 from support.small import DEPTH_M, model_file, scene, small_model, training
 
 from springpot.codegen.plan.plan import make_plan
-from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.notes import OUTSIDE
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
@@ -56,13 +55,6 @@ def test_excess_takes_energy(tmp_path: Path, kind: str) -> None:
     outside = motion >= small_model().trained.max_m
     worked_j = np.trapezoid(force_n[outside], motion[outside])
     assert worked_j > -1e-9
-
-
-def test_hold_leaves_the_passive_units_out() -> None:
-    with_fallback = make_plan(small_model(), scene())
-    held = make_plan(small_model(), dataclasses.replace(scene(), guard=Guard(outside="hold")))
-    assert held.excess is None
-    assert state_bytes(held) < state_bytes(with_fallback)
 
 
 def test_a_model_without_a_passive_part_gets_a_tangent_and_says_so(tmp_path: Path) -> None:

@@ -6,19 +6,7 @@ from support.small import DEPTH_M, scene, small_model
 
 from springpot.codegen.errors import UnsafeError, UsageError
 from springpot.codegen.plan.plan import make_plan
-from springpot.codegen.reference.notes import (
-    CLAMPED,
-    ENERGY,
-    HELD,
-    LATCHED,
-    LIMITED,
-    OUTSIDE,
-    RAMPED,
-    RESYNC,
-)
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
-from springpot.host.session.note_words import NOTE_NAMES
-from springpot.runtime_c.paths import INCLUDE
 
 SCENE = Scene(schema=1, name="x", model="x")
 
@@ -80,12 +68,3 @@ def test_large_forests_are_not_for_m2cgen() -> None:
     large = fit_model("rf-fd", "large", training(), FitOptions(trees=30, leaf=2)).model
     with pytest.raises(UsageError, match='use "table"'):
         emit_files(make_plan(large, scene(forest="m2cgen")))
-
-
-def test_note_bits_are_the_headers() -> None:
-    text = (INCLUDE / "sp_notes.h").read_text()
-    bits = {"HELD": HELD, "RESYNC": RESYNC, "OUTSIDE": OUTSIDE, "CLAMPED": CLAMPED,
-            "RAMPED": RAMPED, "LATCHED": LATCHED, "LIMITED": LIMITED, "ENERGY": ENERGY}  # fmt: skip
-    for name, bit in bits.items():
-        assert f"SP_NOTE_{name} = {bit}" in text
-        assert NOTE_NAMES[bit] == name.lower()

@@ -64,8 +64,7 @@ def pressed(found: Emitted, position_m: Samples) -> tuple[np.ndarray, np.ndarray
     return Replay(library).run(position, backward_velocity(position, plan.dt_s))
 
 
-@pytest.mark.parametrize("number", ["float32", "float64"])
-@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize(("number", "mode"), golden_forces.EACH_MODE)
 @pytest.mark.parametrize("name", KINDS)
 def test_the_reference_gives_the_same_bits(name: str, mode: str, number: str) -> None:
     plan, library = emitted(name, mode, number)
@@ -95,13 +94,6 @@ def test_the_reference_gives_the_same_bits_with_the_devices_own_velocity() -> No
     np.testing.assert_array_equal(force_n, expected.force_n)
     np.testing.assert_array_equal(notes, expected.notes)
     assert np.all(notes[300:304] & HELD)
-
-
-def test_a_run_without_a_sample_gives_no_force() -> None:
-    plan, _ = emitted("hammerstein", "proxy")
-    nothing = run_reference(plan, np.full(40, np.nan))
-    assert not nothing.force_n.any()
-    assert nothing.notes[0] == HELD and nothing.notes[-1] == LATCHED
 
 
 @pytest.mark.parametrize("mode", MODES)

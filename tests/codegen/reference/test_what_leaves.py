@@ -87,8 +87,7 @@ def test_nor_without_the_account_of_energy(energy: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", ["float32", "float64"])
-@pytest.mark.parametrize("mode", ["off", "tool", "proxy"])
+@pytest.mark.parametrize(("number", "mode"), golden_forces.EACH_MODE)
 @pytest.mark.parametrize("name", golden_forces.models())
 def test_no_kind_coupling_or_number_breaks_it(name: str, mode: str, number: str) -> None:
     holds(name=name, mode=mode, number=number)

@@ -60,13 +60,6 @@ def test_no_name_hides_a_folder_or_a_module() -> None:
     assert not modules & FLOORS
 
 
-def test_an_unknown_name_is_an_attribute_error() -> None:
-    with pytest.raises(AttributeError, match="no attribute 'trian'"):
-        getattr(springpot, "trian")  # noqa: B009 as a typing error would be
-    with pytest.raises(ImportError):
-        importlib.import_module("springpot.trian")
-
-
 def test_the_package_has_one_name() -> None:
     with pytest.raises(ImportError, match="import springpot"):
         importlib.import_module("springpot.host.api")

@@ -111,15 +111,6 @@ def test_refusals_are_one_line_with_the_right_status(job: Path, tmp_path: Path) 
     assert not out.exists()
 
 
-def test_a_wrong_unit_of_damping_is_refused_as_unsafe(job: Path, tmp_path: Path) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text('schema = 1\nname = "x"\nmodel = "m.spm"\n[coupling]\nmode = "tool"\n'
-                     "damping_nspm = 20000.0\n")  # fmt: skip
-    model = model_file(tmp_path)
-    told = refusal(6, "emit", "--scene", scene, "--model", model, "--out", tmp_path / "c")
-    assert "20 N s/m" in told
-
-
 def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) -> None:
     empty = tmp_path / "bin"
     empty.mkdir()

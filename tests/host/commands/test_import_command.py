@@ -46,23 +46,6 @@ def test_json(tmp_path: Path) -> None:
     assert read_recording(out / "a_b.h5").zero == "first"
 
 
-def test_every_real_file_imports_with_at_most_one_map(
-    shared_data: Path, mach1_file: Path, tmp_path: Path
-) -> None:
-    compression = sorted((shared_data / "ecoflex_compression").glob("*/*.csv"))
-    tension = sorted((shared_data / "elastomer_tension").glob("*.csv"))
-    strain = "time=10Hz,position=Engineering Strain:33mm,force=Engineering Stress (MPa):18N"
-    for count, files, options in (
-        (30, compression, []),
-        (5, tension, ["--map", strain]),
-        (5, [mach1_file], ["--zero", "first"]),
-    ):
-        out = tmp_path / str(len(files))
-        result = run(*files, *options, "--out", out)
-        assert result.exit_code == 0, result.exception
-        assert len(list(out.glob("*.h5"))) == count
-
-
 def test_a_recording_can_be_conditioned_again(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text(TABLE)
     run(tmp_path / "a.csv", "--out", tmp_path / "out")
@@ -88,13 +71,6 @@ def test_an_hour_at_1_khz_imports_and_opens_in_time(tmp_path: Path) -> None:
     begin = perf_counter()
     read_recording(tmp_path / "out" / "hour.h5")
     assert perf_counter() - begin < 1.0
-
-
-def test_without_json_one_line_a_recording(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text(TABLE)
-    result = run(tmp_path / "a.csv", "--out", tmp_path / "out")
-    assert "a.h5  3 samples at 2 Hz, 1 to 3 mm, 2 to 5 N" in result.stdout
-    assert "  stroke 2 mm, peak 5 N, up to 2" in result.stdout
 
 
 def test_nothing_is_written_when_one_file_is_refused(tmp_path: Path) -> None:

@@ -228,15 +228,3 @@ def test_of_studies(job: Path) -> None:
     compare("springpot study plan", *plans)
     compare("springpot study simulate", *rehearsals)
     compare("springpot study report", *reports)
-
-
-def test_a_key_that_is_not_listed_is_noticed(monkeypatch: pytest.MonkeyPatch, job: Path) -> None:
-    row = "| `out`, `files` | the folder; what was written |"
-    beside = PAGE.replace(row, "| `out`, `files`, `more` | |")
-    without = PAGE.replace(row, "| `out` | |")
-    monkeypatch.setattr(f"{__name__}.PAGE", without)
-    with pytest.raises(AssertionError, match=r"does not list \['files'\]"):
-        compare("springpot export", ("training", "--to", "mat", "--out", "mat"))
-    monkeypatch.setattr(f"{__name__}.PAGE", beside)
-    with pytest.raises(AssertionError, match=r"nothing prints \['more'\]"):
-        compare("springpot export", ("training", "--to", "mat", "--out", "mat2"))

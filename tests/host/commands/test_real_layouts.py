@@ -14,11 +14,6 @@ from support.paths import ROOT
 LAYOUTS = tomllib.loads((ROOT / "tests/data/real.toml").read_text("utf-8"))["layout"]
 
 
-def test_there_are_enough() -> None:
-    names = [facts["name"] for facts in LAYOUTS]
-    assert len(set(names)) == len(names) >= 25
-
-
 @pytest.mark.parametrize("facts", LAYOUTS, ids=lambda facts: facts["name"])
 def test_layout(facts: dict[str, Any], tmp_path: Path) -> None:
     file = tmp_path / "press.csv"

@@ -53,13 +53,6 @@ def test_the_papers_protocol(tmp_path):
     assert max(r["max_depth_m"] for r in answer["recordings"]) == pytest.approx(0.0104, rel=0.02)
 
 
-def test_a_table_for_people(tmp_path, short):
-    result = run("--device", "sim://dragon-skin-fx", "--protocol", short, "--out", tmp_path / "o")
-    assert result.exit_code == 0, result.output
-    assert "dragon-skin-fx-short-001-6n-4hz" in result.stdout
-    assert "2 recordings" in result.stdout
-
-
 def test_the_seed_draws_commands_and_noise(tmp_path, short):
     def record_into(folder, *more):
         arguments = ["--device", "sim://dragon-skin-10", "--protocol", short, "--out", folder]

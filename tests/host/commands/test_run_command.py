@@ -6,9 +6,7 @@ import pytest
 from support.in_process import spring
 from support.small import model_file, press, recording, scene
 
-from springpot.host.commands.scenes.run import ticks_in_words
 from springpot.host.emission.emission import emit
-from springpot.host.session.note_words import notes_in_words
 from springpot.trainer.recordings.recording_file import write_recording
 
 
@@ -47,12 +45,3 @@ def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(folder: Pa
     assert "not with a measured object" in words
     assert "RMSE" not in words
     assert (folder / "c" / "validation" / "result.json").read_text() == before
-
-
-def test_notes_and_ticks_are_told_in_words() -> None:
-    counts = {"held": 0, "resync": 2, "outside": 7}
-    words = "resync 2 (history begins anew here), outside 7 (deeper than was recorded)"
-    assert notes_in_words(counts) == words
-    assert notes_in_words({}) == "none"
-    assert ticks_in_words(2918, 2919) == "2918 of 2919"
-    assert ticks_in_words(2921, 2919) == "2921 by the device's clock (2919 by this computer's)"

@@ -159,34 +159,6 @@ def test_a_library_that_differs_is_not_emitted(
     assert [path.name for path in tmp_path.iterdir()] == ["model.spm"]
 
 
-def test_two_prefixes_link_into_one_c_and_one_cpp_program(
-    tmp_path: Path, emission_of: Emitted
-) -> None:
-    """Their headers may meet in one file, what is behind them may not: number types differ."""
-    folders = [emission_of(shape).folder for shape in ("paper", "prefixed")]
-    include = [f"-I{folder}" for folder in folders]
-    text = (
-        '#include "sp.h"\n#include "eco.h"\n'
-        "int main(void) { return sp_selftest() + eco_selftest() + "
-        "(sp_state_size() == eco_state_size()); }\n"
-    )
-    sources = [path for folder in folders for path in folder.glob("*_s*.c")]
-    objects = [program_of([path], tmp_path / f"{path.stem}.o", "-c") for path in sources]
-    for compiler, suffix in (("gcc", "c"), ("g++", "cpp")):
-        if shutil.which(compiler):
-            main = tmp_path / f"main.{suffix}"
-            main.write_text(text)
-            command = [compiler, *include, main, *objects, "-lm", "-o", tmp_path / "main"]
-            subprocess.run(command, check=True)
-            assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
-    both = tmp_path / "both.c"
-    both.write_text('#include "sp_scene.h"\n#include "eco_scene.h"\n')
-    result = subprocess.run(["gcc", *include, "-c", both, "-o", tmp_path / "both.o"],
-                            capture_output=True, text=True, check=False)  # fmt: skip
-    assert result.returncode != 0
-    assert "eco_state_is_as_planned" in result.stderr
-
-
 @pytest.mark.parametrize(("stack_bytes", "told"), [(1000, True), (20_000, False)])
 def test_the_stack_of_the_selftest_is_told(tmp_path: Path, stack_bytes: int, told: bool) -> None:
     """A tick fits in the budget, a second state does not."""

@@ -54,13 +54,6 @@ def test_a_slow_recording_is_rendered_at_1000_hz_where_it_must(stiff: float) -> 
     assert held == (rate_notices(plan, with_rate(None)) == []) == (stiff < 0.1)
 
 
-def test_a_rate_from_1000_hz_on_is_kept() -> None:
-    plan = make_plan(fitted("hammerstein", 1000.0, 2.5), with_rate(None))
-    assert plan.dt_s == 0.001
-    assert felt_notices(plan)
-    assert rate_notices(plan, with_rate(None)) == []
-
-
 def test_a_kind_of_one_rate_and_a_late_device_have_other_remedies() -> None:
     *_, notice = felt_notices(make_plan(fitted("rbf-pv", 200.0), with_rate(None)))
     assert "record at a higher rate" in notice

@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 
@@ -14,7 +13,7 @@ import pytest
 from support.c import golden_forces
 from support.c.single import every_plan, plan_of, write_single
 from support.in_process import spring
-from support.small import model_file, press, recording, scene
+from support.small import model_file, scene
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plan.plan import Plan
@@ -27,7 +26,6 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.page.scene_entry import page_module
 from springpot.runtime_c.paths import SOURCE
-from springpot.trainer.recordings.recording_file import write_recording
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 LANGUAGES = (
@@ -105,18 +103,6 @@ def test_the_same_forces_as_in_many_files(tmp_path: Path) -> None:
     assert one.state_bytes == many.state_bytes == emission.ram_bytes
     assert one.manifest["hash"] == emission.hash
     assert emission.manifest["sources"] == ["eco.c"]
-
-
-def test_sizes_are_those_of_many_files(tmp_path: Path) -> None:
-    """The self-test, which an image may leave out, counts in neither."""
-    chosen = replace(scene(), runtime=replace(scene().runtime, target="cortex-m4f"))
-    model = model_file(tmp_path)
-    many = emit(chosen, model, tmp_path / "many").footprint
-    one = emit(chosen, model, tmp_path / "one", single=True).footprint
-    if many is None or one is None:
-        pytest.skip("no compiler for the target")
-    assert one.flash_bytes == pytest.approx(many.flash_bytes, rel=0.03)
-    assert one.stack_bytes == pytest.approx(many.stack_bytes, abs=64)
 
 
 def test_only_the_api_is_public_and_nothing_changes(tmp_path: Path) -> None:
@@ -204,16 +190,6 @@ def test_the_header_says_all_and_names_nothing_but_the_prefix(tmp_path: Path) ->
     text = source.read_text()
     assert re.findall(r'#include "(.*)"', text) == ["eco.h"]
     assert "flags.mk" not in text and "-lm" not in text
-
-
-@pytest.mark.slow
-def test_a_single_folder_is_an_emitted_folder(tmp_path: Path) -> None:
-    emission = emit(scene(prefix="my_scene"), model_file(tmp_path), tmp_path / "c", single=True)
-    write_recording(tmp_path / "press.h5", recording("press", press(1.0)))
-    built = spring("build", str(emission.folder))
-    assert built.returncode == 0 and built.stdout.strip().endswith(".so")
-    done = spring("validate", str(emission.folder), "--recording", str(tmp_path / "press.h5"))
-    assert done.returncode == 0, done.stderr
 
 
 def test_a_report_says_how_to_build_it(tmp_path: Path) -> None:

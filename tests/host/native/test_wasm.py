@@ -50,7 +50,7 @@ def emitted(folder: Path, name: str, number: str, mode: str, target: Target) -> 
     return folder
 
 
-@pytest.mark.parametrize(("number", "mode"), golden_forces.SETTINGS)
+@pytest.mark.parametrize(("number", "mode"), golden_forces.EACH_MODE)
 @pytest.mark.parametrize("name", golden_forces.models())
 def test_the_same_forces_in_node(tmp_path: Path, name: str, number: str, mode: str) -> None:
     need()

@@ -51,13 +51,6 @@ def test_validation_signals_peak_at_10_n_and_end_at_zero():
         assert amplitudes_n.max() / amplitudes_n.min() <= 5  # drawn from 0.2 .. 1
 
 
-def test_validation_is_what_its_seed_says():
-    first, again, other = protocols.validation(1), protocols.validation(1), protocols.validation(2)
-    for one, same, different in zip(first, again, other, strict=True):
-        assert np.array_equal(one.command_n, same.command_n)
-        assert not np.array_equal(one.command_n, different.command_n)
-
-
 def test_extended_adds_a_multisine_and_a_hold():
     profiles = protocols.extended(1)
     names = [profile.name for profile in profiles]

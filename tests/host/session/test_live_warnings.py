@@ -45,10 +45,6 @@ def watched(rows, drain=20):
     return said, warnings.finish()
 
 
-def test_a_quiet_session_says_nothing():
-    assert watched(rows_of(5000)) == ([], [])
-
-
 def test_what_lasts_is_told_when_it_begins_and_when_it_ends():
     rows = rows_of(6000)
     rows[1000:4000, COLUMN["notes"]] = OUTSIDE
@@ -124,16 +120,6 @@ def test_lines_come_at_most_one_a_second_whatever_happens():
     assert len(events) == 3 * 20
     told = np.isin(rows[:, COLUMN["notes"]], [OUTSIDE, LIMITED, CLAMPED]).sum()
     assert sum(event["count"] for event in events) == told
-
-
-def test_what_was_over_before_it_could_be_told_is_told_once():
-    rows = rows_of(4000)
-    rows[1000:1010, COLUMN["notes"]] = OUTSIDE
-    rows[1100:1110, COLUMN["notes"]] = LIMITED
-    said, _ = watched(rows)
-    lines = " ".join(line for _, line, _ in said)
-    assert lines.count(NOTE_WORDS[LIMITED]) == 1
-    assert "at 1.1 s: force held back: faster than a touch, for 0.01 s" in lines
 
 
 def test_a_long_session_keeps_its_list_short():

@@ -23,15 +23,14 @@ LOSSES = ("--drop", 0.01, "--late", 0.02, "--presses-hz", 2)
 @pytest.mark.realtime
 @pytest.mark.parametrize(
     ("device", "mode"),
-    [(("serial_device",), "proxy"), (("slcan_odrive",), "off"),
-     (("udp_odrive", "--port", 43225), "proxy")],
-)  # fmt: skip
+    [("serial_device", "proxy"), ("slcan_odrive", "off")],
+)
 def test_losses_are_not_felt(tmp_path, device, mode):
     folder, log = tmp_path / "c", tmp_path / "a.h5"
     waits = replace(scene(mode=mode), guard=Guard(watchdog_ms=WATCHDOG_MS))
     emit(waits, model_file(tmp_path), folder, accept_unsafe=True)
     with (
-        peer(*device, *LOSSES) as lossy,
+        peer(device, *LOSSES) as lossy,
         Session(folder, lossy.url, log, seconds=4.0, report=list) as session,
     ):
         session.start()
@@ -46,15 +45,12 @@ def test_losses_are_not_felt(tmp_path, device, mode):
     idle = np.count_nonzero(call & IDLE)
     assert idle >= 10
     # Each sample that came was stepped once, apart from those of periods settled without one
-    # one while the machine held the peer up.
-    held_up = result["lateness_us"]["max"] > 3000
-    if device[0] != "udp_odrive" and not held_up:  # threads of Python carry its frames
+    # while the machine held the peer up.
+    if result["lateness_us"]["max"] <= 3000:
         assert result["unused_samples"] <= 40
         assert idle <= 80
-    if (
-        device[0] == "serial_device" and not held_up
-    ):  # it numbers its frames: only what was lost is missing
-        assert abs(idle - result["sequence_gaps"]) <= 4 + result["unused_samples"]
+        if device == "serial_device":  # it numbers its frames: only what was lost is missing
+            assert abs(idle - result["sequence_gaps"]) <= 4 + result["unused_samples"]
     clean_n = loss_free_n(folder, read)
     known = ((call & (IDLE | NONE)) == 0) & ((notes & RAMPED) == 0) & (read.position_m > 0)
     # Nobody paid for a press that a session begins in, on a busy machine: the account of energy

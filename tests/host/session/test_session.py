@@ -232,12 +232,6 @@ def test_a_log_is_not_overwritten(tmp_path, folder):
     assert log.read_text() == "mine"
 
 
-def test_a_device_that_refuses_leaves_no_log(tmp_path, folder):
-    with pytest.raises(DeviceError, match="no such port"):
-        Session(folder, f"serial://{tmp_path}/none", tmp_path / "a.h5", report=list).__enter__()
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.realtime
 @pytest.mark.parametrize("fed", [False, True])
 def test_a_board_that_renders(tmp_path, folder, fed):

@@ -73,11 +73,6 @@ def test_a_device_of_another_kind_is_not_taken_for_it(lose):
     assert "another kind of device came back" in str(told[-1])
 
 
-def test_the_reason_is_told(lose):
-    told = lose(FakeLoop(stays=True), fake_device, failure="cable cut")
-    assert told[0] == "serial://x: gone (cable cut), force zero; waiting 0.2 s for it"
-
-
 @pytest.fixture
 def looking():
     """A supervisor of a device that is there, and what it failed with."""

@@ -65,12 +65,6 @@ def test_a_lump_pushes_a_tool_on_its_flank_away(axis: int) -> None:
     assert abs(force_n[-1, 1 - axis]) < 0.3 * force_n[-1, axis]
 
 
-def test_the_steps_of_its_integrator_are_fine_enough() -> None:
-    position_m = inverted_cosine(np.arange(1000) / 1000, 0.006, 1.0)
-    coarse_n, fine_n = (pressed_n(LUMP, position_m, substeps) for substeps in (4, 64))
-    assert np.abs(coarse_n - fine_n).max() < 2e-3 * fine_n.max()
-
-
 def test_a_bench_goes_to_another_place_of_a_fresh_object() -> None:
     command_n = inverted_cosine(np.arange(500) / 1000, 5.0, 2.0)
     there = SimulatedBench(parse_url(f"sim://lump?x={LUMP[0]}&y={LUMP[1]}"))

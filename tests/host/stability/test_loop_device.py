@@ -17,7 +17,7 @@ from springpot.host.simulation.bench import SimulatedHand
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Scenario
 from springpot.host.simulation.scenarios import Workspace, pressing, smooth
 from springpot.host.stability.check import stability
-from springpot.host.stability.linear import scene_loop, spectral_radius
+from springpot.host.stability.linear import scene_loop
 
 SPAN_M = 0.02
 RISEN_S, KICK_S, END_S = 0.3, 0.6, 3.0
@@ -96,14 +96,6 @@ def test_the_loop_of_the_c_rings_from_the_predicted_stiffness_on(
     assert rings(plan(limit_npm * WITHIN), hand)
 
 
-def test_a_scene_without_a_device_has_the_assumed_one() -> None:
-    assert loop_device(Device(), 1e-3) == ASSUMED_DEVICE
-    assert ASSUMED_DEVICE.words(1e-3) == (
-        "assumed device: 0.3 kg, 4 N s/m (none is measured: `springpot identify`)"
-    )
-    assert not ASSUMED_DEVICE.measured
-
-
 def test_words_say_whose_figures_they_are() -> None:
     whole = Device(mass_kg=0.21, viscous_nspm=2.5, coulomb_n=0.4, delay_s=0.0012)
     assert loop_device(whole, 1e-3).words(1e-3) == (
@@ -122,14 +114,6 @@ def test_words_say_whose_figures_they_are() -> None:
 )  # fmt: skip
 def test_a_delay_is_rounded_up_to_ticks(delay_s: float, rate_hz: float, ticks: int) -> None:
     assert loop_device(Device(delay_s=delay_s), 1.0 / rate_hz).delay_samples == ticks
-
-
-def test_ticks_and_seconds_of_delay_are_the_same() -> None:
-    loops = [
-        spectral_radius(elastic_plan(3000.0, 1000.0, device))
-        for device in (Device(delay_samples=3), Device(delay_s=0.003), Device())
-    ]
-    assert loops[0] == loops[1] > loops[2]
 
 
 def test_auto_couples_for_the_scenes_device() -> None:

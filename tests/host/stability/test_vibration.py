@@ -69,12 +69,6 @@ def test_slow_vibration_has_its_size(frequency_hz: float) -> None:
     assert found.lf_speed_mps == pytest.approx(5e-3 / np.sqrt(2.0), rel=0.02)
 
 
-def test_short_holds_and_creep_tell_nothing() -> None:
-    assert vibration_of([swinging(1.0)[:3000]], DT_S).lf_speed_mps is None
-    creep = 0.01 * np.exp(-np.arange(11_500) * DT_S / 3.0)
-    assert vibration_of([creep], DT_S).lf_speed_mps < 2e-5  # type: ignore[operator]
-
-
 def held(plan: Plan, hand: Hand, more_delay: int) -> Outcome:
     """The eleven holds."""
     with ExitStack() as stack:

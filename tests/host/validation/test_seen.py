@@ -5,14 +5,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from support.bench_folder import CANDIDATES, asked, small
 from support.in_process import spring
 from support.small import press, recording, small_fit, training
 
 from springpot.host.validation.seen import seen_by, seen_line
-from springpot.host.wings.evidence.benchmark.report import bench_page
-from springpot.host.wings.evidence.benchmark.run import run_bench
-from springpot.host.wings.evidence.commands.bench import bench_rows
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.quality.report import check_recordings
@@ -64,12 +60,6 @@ def test_train_validate_and_report_say_it_first(job: Path) -> None:
     assert said < page.index('class="summary"')
 
 
-def test_new_recordings_are_no_matter(job: Path) -> None:
-    model = small_fit().model
-    assert seen_by(model, [NEW]) == 0
-    assert seen_line(0, 1) == ""
-
-
 @pytest.mark.parametrize("smooth_s", [0.0, 0.025])
 def test_a_name_hides_nothing_and_a_cut_cannot_be_known(smooth_s: float) -> None:
     """Also where the fit saw the recordings smoothed."""
@@ -82,18 +72,6 @@ def test_a_model_that_does_not_say_is_not_called_unseen() -> None:
     model = replace(small_fit().model, provenance={})
     assert seen_by(model, [NEW]) is None
     assert "does not say" in seen_line(None, 1)
-
-
-def test_the_bench_says_it_first(tmp_path: Path) -> None:
-    bench = replace(asked(), validation=(NEW, renamed(training()[0]), training()[5]))
-    with small(lambda *_: [CANDIDATES[4]]):
-        result = run_bench(bench, tmp_path, "bench")
-    assert result["seen"] == 2
-    name, line = next(iter(bench_rows(result, tmp_path).items()))
-    assert (name, line) == ("training data", TOLD)
-    page = bench_page(result, "bench")
-    assert "2 of them training data" in page
-    assert "that no model has seen" not in page
 
 
 def test_two_training_recordings_of_one_name_are_both_seen() -> None:

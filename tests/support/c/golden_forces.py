@@ -22,6 +22,8 @@ from support.paths import TESTS
 FOLDER = TESTS / "golden" / "forces"
 HASHES, FORCES = FOLDER / "forces.json", FOLDER / "forces.npz"
 SETTINGS = tuple(product(("float32", "float64"), ("off", "tool", "proxy")))
+# Each coupling once, in either number: for what the stored forces show of the others.
+EACH_MODE = (("float32", "off"), ("float64", "tool"), ("float32", "proxy"))
 _EXP = "numpy's exponentials"
 _ROUNDING = {"float32": 1e-6, "float64": 1e-11}
 

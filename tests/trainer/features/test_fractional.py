@@ -13,21 +13,6 @@ def test_weights_equal_exact_binomials(order: float) -> None:
     np.testing.assert_allclose(gl_weights(order, 2000), exact, rtol=5e-13, atol=1e-300)
 
 
-def test_long_windows_do_not_overflow() -> None:
-    weights = gl_weights(0.5, 100_000)
-    assert np.all(np.isfinite(weights))
-    assert np.all(weights[1:] < 0.0)
-
-
-def test_order_zero_is_the_signal_and_order_one_the_difference() -> None:
-    signal = np.sin(np.linspace(0.0, 3.0, 400))
-    taps = np.stack([gl_taps(0.0, 50, 1e-3), gl_taps(1.0, 50, 1e-3)], axis=1)
-    features = fir_derivatives(signal, taps)
-    np.testing.assert_allclose(features[:, 0], signal, atol=1e-15)
-    expected = np.diff(signal, prepend=signal[0]) / 1e-3
-    np.testing.assert_allclose(features[:, 1], expected, atol=1e-9)
-
-
 @pytest.mark.parametrize("order", [0.05, 0.25, 0.5])
 @pytest.mark.parametrize("power", [1, 2])
 def test_derivative_of_powers(order: float, power: int) -> None:

@@ -41,15 +41,7 @@ def fitted(variant: str) -> Model:
     return fit_model(kind, "x", training(), FitOptions(trees=trees, leaf=20, **options)).model
 
 
-@pytest.mark.parametrize(
-    ("contact", "number"),
-    [
-        ("surface", "float32"),
-        ("always", "float64"),
-        pytest.param("surface", "float64", marks=pytest.mark.slow),
-        pytest.param("always", "float32", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize(("contact", "number"), [("surface", "float32"), ("always", "float64")])
 @pytest.mark.parametrize("variant", list(VARIANTS))
 def test_c_and_reference_agree(variant: str, contact: str, number: str) -> None:
     model = dataclasses.replace(fitted(variant), contact=contact)
@@ -80,23 +72,16 @@ def test_the_c_predicts_what_the_model_predicts(variant: str) -> None:
     assert rms(force_n[inside] - predicted_n[inside]) < 2e-3 * predicted_n.max()
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_carries_its_passive_part(kind: str) -> None:
-    model = fitted(kind)
-    assert model.hammerstein is not None
-    assert model.hammerstein_adds == (kind in {"hammerstein", "hybrid", "springpot"})
-    weights = (model.hammerstein.elastic_n, model.hammerstein.branch_n, model.hammerstein.stop_n)
-    assert all(np.all(weight >= 0.0) for weight in weights)
-
-
-def test_every_kind_beats_a_plain_spring() -> None:
+def test_every_kind_beats_a_plain_spring_and_carries_a_passive_part() -> None:
     item = recording("new", press(1.7, 0.011))
     slope = np.concatenate([rec.position_m for rec in training()])
     force_n = np.concatenate([rec.force_n for rec in training()])
     spring_n = item.position_m * (slope @ force_n) / (slope @ slope)
-    plain = rms(spring_n - item.force_n)
     for kind in KINDS:
-        assert rms(predict_n(fitted(kind), item) - item.force_n) < plain, kind
+        model = fitted(kind)
+        assert rms(predict_n(model, item) - item.force_n) < rms(spring_n - item.force_n), kind
+        assert model.hammerstein is not None, kind
+        assert model.hammerstein_adds == (kind in {"hammerstein", "hybrid", "springpot"})
 
 
 FREQUENCIES = ["0.1", "0.2", "0.5", "1", "2"]
@@ -135,6 +120,6 @@ def test_the_passive_model_on_a_frequency_it_never_saw(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("held_out", "limit"), PASSIVE_PERCENT)
+@pytest.mark.parametrize(("held_out", "limit"), PASSIVE_PERCENT[::4])
 def test_auto_is_as_good(mach1: dict, held_out: str, limit: float) -> None:
     assert percent_of_peak("auto", mach1, held_out) < limit + 0.05

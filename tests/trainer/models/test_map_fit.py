@@ -11,7 +11,7 @@ from support.small import DT_S, passive_model, press, scene
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import model_hash, read_model, write_model
+from springpot.codegen.model.model_file import write_model
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.scene import ScenePlaces
 from springpot.host.emission.emission import emit
@@ -60,12 +60,6 @@ def test_places_between_the_sites_are_felt_as_they_are() -> None:
         measured = pressed(site, full=True)
         found_n = np.maximum(predict_n(fitted(), measured), 0.0)
         assert np.sqrt(np.mean((found_n - measured.force_n) ** 2)) < 0.03 * measured.force_n.max()
-
-
-@pytest.mark.slow
-def test_a_map_comes_back_from_its_file(tmp_path: Path) -> None:
-    stored = write_model(tmp_path / "map.spm", fitted())
-    assert model_hash(read_model(tmp_path / "map.spm")) == stored
 
 
 def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:

@@ -172,10 +172,6 @@ def test_the_adversary_finds_one_negative_weight(part: str) -> None:
     assert max_returned(model_force(active), seed=1) > 1000 * BOUND
 
 
-def test_the_adversary_finds_a_play_used_as_a_force() -> None:
-    assert max_returned(lambda depth_m, _: play(depth_m, 0.1 * SPAN_M), seed=1) > 1000 * BOUND
-
-
 def special(**changed: Any) -> Hammerstein:
     """Branches alone, and what is given."""
     branch_n = np.full((3, 9), 16.0)

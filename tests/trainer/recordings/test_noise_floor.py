@@ -44,22 +44,6 @@ def test_a_softer_object_under_the_same_force_is_no_explanation_of_itself() -> N
     assert found.rms_n == pytest.approx(expected_n, rel=0.03)
 
 
-def test_another_depth_is_moved_along_the_stiffness_of_the_press() -> None:
-    steep = [
-        Recording(f"s{k}", x, 1e9 * x**4 + normal(0.01, k), DT_S)
-        for k, x in enumerate((press(0.5), 1.01 * press(0.5)))
-    ]
-    assert find_noise_floor(steep).rms_n == pytest.approx(0.01, rel=0.1)
-
-
-def test_copies_are_no_repeats() -> None:
-    one = repeats(1, 0.02)[0]
-    found = find_noise_floor([one, replace(one, name="copy")])
-    assert found.source == "sensor"
-    assert found.rms_n == pytest.approx(0.02, rel=0.1)
-    assert "repeats would show more" in found.words
-
-
 def test_cycles_stand_in_for_repeats() -> None:
     cycles = recording("cycles", press(2.0, cycles=8))
     noisy = replace(cycles, force_n=cycles.force_n + normal(0.05, 0, len(cycles.force_n)))
@@ -77,11 +61,6 @@ def test_the_sensor_is_seen_through_the_press(held: int) -> None:
     force_n = FIRST.force_n + normal(0.03, 0)
     slow_n = np.repeat(force_n[::held], held)[: len(force_n)]
     assert 0.02 < sensor_noise_n(slow_n) < 0.06
-
-
-def test_steps_are_noise_too() -> None:
-    rounded_n = np.round(FIRST.force_n / 0.1) * 0.1
-    assert sensor_noise_n(rounded_n) >= 0.1 / np.sqrt(12)
 
 
 def test_no_noise_is_said_not_divided_by() -> None:

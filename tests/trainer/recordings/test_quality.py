@@ -16,7 +16,6 @@ from springpot.host.cli import exit_status
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.host.wings.report.commands.plot import plot
-from springpot.trainer.models.contact import rest_force_n
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import Finding
@@ -129,20 +128,6 @@ def test_ramps_of_constant_speed_are_no_coarse_sensor(speeds: tuple[int, ...]) -
     assert "quantisation" not in findings(item)
 
 
-def test_a_coarse_sensor_is_found_on_ramps_of_any_speed() -> None:
-    position_m = np.round(ramps(7e-6, (1, 2)) / 20e-6) * 20e-6
-    item = Recording("a", position_m, 3e3 * position_m + noise(0.01)[: len(position_m)], 0.02)
-    assert "position has steps of 2e-05 m" in findings(item)["quantisation"].what
-
-
-def test_one_speed() -> None:
-    ramp_m = np.linspace(0, 10e-3, 4000)
-    ramp = Recording("a", ramp_m, 500 * ramp_m + noise(0.01), 1e-3, zero="first")
-    assert "one speed of pressing only, 2.5 mm/s" in findings(ramp)["speeds"].what
-    faster = replace(ramp, name="b", dt_s=1e-4)
-    assert "speeds" not in findings(ramp, faster)
-
-
 def test_repeats_give_the_noise_floor_and_drift() -> None:
     first = sine(noise_n=0.0)
     repeats = [
@@ -166,14 +151,6 @@ def test_cycles_give_the_noise_floor() -> None:
     assert cycles.energy_j == pytest.approx(np.pi * 5e-3 * 5 * np.sin(0.1), rel=0.02)
     assert cycles.skew_rad_per_s == pytest.approx(-2 * np.pi * 2.0, rel=0.02)
     assert cycles.noise_n == pytest.approx(0.03, rel=0.1)
-
-
-def test_a_nonlinear_spring_loses_nothing() -> None:
-    good = sine()
-    spring = replace(good, force_n=1e7 * good.position_m**3)
-    cycles = find_cycles(spring)
-    assert cycles is not None
-    assert cycles.lead_rad == pytest.approx(0.0, abs=1e-6)
 
 
 def test_ramps_and_holds_are_no_cycles() -> None:
@@ -318,13 +295,6 @@ def test_an_object_that_is_pulled_too_keeps_its_zero() -> None:
     assert "--zero first" not in found.line
 
 
-def test_a_unit_that_was_stated_is_not_asked_for_again() -> None:
-    slow = replace(sine(), dt_s=1.3)
-    assert "state it on import" in findings(slow)["unit"].line
-    stated = replace(slow, details={"units": {"time": {"from": "map", "unit": "s"}}})
-    assert "state it" not in findings(stated)["unit"].line
-
-
 @pytest.mark.parametrize(
     ("form", "dt_s", "options", "doubted"),
     [
@@ -342,9 +312,3 @@ def test_a_slow_test_is_logged_slowly(
     text = "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
     result = run_import(tmp_path, text, *options)
     assert ("samples a second" in result.stderr) == doubted
-
-
-def test_the_rest_is_the_force_at_the_lowest_positions() -> None:
-    """Wherever position 0 is: a wrong map leaves all of it below."""
-    item = Recording("a", sine().position_m - 0.02, sine().force_n - 0.08, 1e-3)
-    assert rest_force_n([item]) == pytest.approx(-0.08, abs=0.2)

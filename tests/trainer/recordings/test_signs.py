@@ -60,11 +60,6 @@ def model_is_right(folder: Path) -> bool:
     )
 
 
-def test_there_are_forty_and_no_two_the_same() -> None:
-    assert len({case.name for case in CASES}) == len(CASES) >= 40
-    assert len({(case.text, case.options) for case in CASES}) == len(CASES)
-
-
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_mislabelled_file_ends_well(case: Mislabelled, tmp_path: Path) -> None:
     if case.outcome == "refused":
@@ -84,15 +79,6 @@ def test_every_mislabelled_file_ends_well(case: Mislabelled, tmp_path: Path) -> 
     else:
         assert not {"sign", "energy", "unit", "softening"} & {found["kind"] for found in findings}
         assert model_is_right(tmp_path)
-
-
-def test_an_import_says_which_way_is_in(tmp_path: Path) -> None:
-    case = next(case for case in CASES if case.name == "presses+1+1")
-    (row,) = imported(case, tmp_path)["recordings"]
-    assert row["signs"]["position_sign"] == row["signs"]["force_sign"] == 1
-    words = row["signs"]["words"]
-    assert words.startswith("position grows into the object, force grows as it pushes out")
-    assert re.search(r"11 loops turn clockwise, dissipating \d+(\.\d+)? mJ", words)
 
 
 def test_every_fit_refuses_what_gives_energy() -> None:
@@ -228,17 +214,6 @@ def test_signs_that_are_accepted_are_taken_kept_and_said(name: str, tmp_path: Pa
     assert "press" in accepted_words(manifest)
     headings = [f.name for f in code_findings({"mismatches": 0, "samples": 9}, manifest)]
     assert "Signs" in headings
-
-
-def test_what_needs_no_acceptance_is_not_said() -> None:
-    assert accepted_words({}) == ""
-    headings = [
-        finding.name
-        for finding in code_findings(
-            {"mismatches": 0, "samples": 9}, {"provenance": {}, "left_out": []}
-        )
-    ]
-    assert "Signs" not in headings
 
 
 @pytest.mark.parametrize("found", [{"tare": "auto"}, {"contact_force": "auto"}])

@@ -91,6 +91,8 @@ def test_map() -> None:
 def test_refused_maps(text: str, message: str) -> None:
     with refusing(UsageError, "--map", message):
         parse_map(text)
+    with refusing(UsageError, "time=0Hz", "is no rate", "time=1000Hz"):
+        parse_map("time=0Hz")
 
 
 PRESS_M = 2.5e-3 * (1.0 - np.cos(np.arange(0.0, 8.0, 5e-3) * np.pi))

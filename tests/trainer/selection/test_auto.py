@@ -1,6 +1,5 @@
 """Kind `auto`: chosen by cross-validation on the training recordings, and why."""
 
-import dataclasses
 import logging
 
 import numpy as np
@@ -80,13 +79,6 @@ def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():
     assert len(speed.tested) == 3
     assert np.all(np.diff(folds.number) >= 0)
     assert folds.tested == (0, 1, 2, 3, 4)
-
-
-def test_repeats_of_one_press_are_one_condition():
-    same = [dataclasses.replace(training()[3], name=f"{k}") for k in range(4)]
-    data = training_set(same, 0.0)
-    assert len(fold_families(data, np.arange(data.rows_total), seed=0)) == 1
-    assert fit_model("auto", "x", same, OPTIONS).metadata["chosen"]
 
 
 def test_of_trees_that_are_active_a_share_is_taken(monkeypatch):

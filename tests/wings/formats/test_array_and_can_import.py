@@ -164,16 +164,6 @@ def test_signals_of_two_frames_need_resampling(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.force_n, expected, atol=1.1e-3)
 
 
-def test_a_line_that_is_no_frame_names_its_row(tmp_path: Path) -> None:
-    (tmp_path / "rig.dbc").write_text(DBC)
-    frames(tmp_path / "a.log")
-    lines = (tmp_path / "a.log").read_text().splitlines()
-    lines[6] = lines[6].replace("#", "?")
-    (tmp_path / "a.log").write_text("\n".join(lines))
-    with pytest.raises(DataError, match=r"a\.log, row 7: .* is no line of a candump log"):
-        load(tmp_path / "a.log", dbc=tmp_path / "rig.dbc")
-
-
 @pytest.mark.parametrize("form", ["csv", "mat"])
 def test_exports_come_back_bit_for_bit(tmp_path: Path, form: str) -> None:
     noise = np.random.default_rng(1).normal(size=(2, 999))

@@ -67,14 +67,6 @@ def test_blocks_of_one_frequency_get_two_names(tmp_path: Path) -> None:
     assert [recording.name for recording in result.recordings] == ["run-0.5Hz", "run-0.5Hz-2"]
 
 
-def test_other_axes_beside_the_moving_one(tmp_path: Path) -> None:
-    text = SINUSOID.replace("Time, s\t", "Time, s\tPosition (x), mm\t")
-    for stamp in ("0.00", "0.01", "0.02"):
-        text = text.replace(f"{stamp}\t", f"{stamp}\t7\t")
-    (recording,) = load(tmp_path, INFO + text).recordings
-    assert recording.position_m.tolist() == [1e-3, 1.5e-3, 2e-3]
-
-
 TABLE = SINUSOID[SINUSOID.index("<DATA>") :]
 
 

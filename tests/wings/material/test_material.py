@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.c.caputo import caputo_derivative
 from support.small import model_file, press, small_model
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.host.wings.material.commands.material import material
-from springpot.host.wings.material.law.geometry import Geometry, layer_factor
+from springpot.host.wings.material.law.geometry import Geometry
 from springpot.host.wings.material.law.material import Law, law_of, prony_of
 from springpot.host.wings.material.result import material_result
 from springpot.trainer.features.fractional import gl_weights
@@ -65,13 +64,6 @@ def test_the_order_of_an_exact_springpot_comes_back(order: float) -> None:
     assert law.order == pytest.approx(order, abs=0.01)
     assert law.stiffness_npm == pytest.approx(1.0, abs=0.03)
     assert law.coefficient == pytest.approx(1.0, abs=0.03)
-
-
-def test_a_springpot_without_a_spring() -> None:
-    law = law_of(fitted(0.0, 50.0, 0.3))
-    assert law.order == pytest.approx(0.3, abs=0.01)
-    assert law.stiffness_npm == pytest.approx(0.0, abs=0.5)
-    assert Law(0.0, 50.0, 0.3, {}).time_s is None
 
 
 def test_the_published_ecoflex_comes_back() -> None:
@@ -173,24 +165,6 @@ def test_a_prony_series_that_misses_the_law_is_refused(tmp_path: Path) -> None:
     assert not CliRunner().invoke(material, [str(tmp_path / "m.spm")]).exception
 
 
-def test_caputo_of_a_line_is_known() -> None:
-    time_s = np.arange(1000) * DT_S
-    known = time_s**0.7 / 0.9086387328532904  # gamma(1.7)
-    np.testing.assert_allclose(caputo_derivative(time_s, 0.3, DT_S), known, atol=1e-9)
-    # A step into the past is none: the object rested at its first sample.
-    np.testing.assert_allclose(caputo_derivative(time_s + 5.0, 0.3, DT_S), known, atol=1e-9)
-
-
-def test_moduli_and_relaxation_are_those_of_the_law() -> None:
-    law = Law(100.0, 30.0, 0.25, {})
-    dynamic = law.dynamic_npm(np.array([1.0]))[0]
-    assert dynamic == pytest.approx(100.0 + 30.0 * (2j * np.pi) ** 0.25)
-    # A slow ramp's relaxed force is the step's: D^0.25 of a step is t^-0.25 / gamma(0.75).
-    step = np.concatenate([[0.0], np.ones(20_000)])
-    numeric = 100.0 * step[-1] + 30.0 * caputo_derivative(step, 0.25, DT_S)[-1]
-    assert law.relaxing_npm(np.array([19.9995]))[0] == pytest.approx(numeric, rel=1e-4)
-
-
 def test_the_prony_series_is_the_law_where_it_was_recorded() -> None:
     model = ecoflex()
     frequency_hz = np.geomspace(0.2, 100.0, 20)
@@ -199,15 +173,6 @@ def test_the_prony_series_is_the_law_where_it_was_recorded() -> None:
     assert np.abs(ratio - 1.0).max() < 0.02
     assert np.all(np.diff(prony.tau_s) > 0.0)
     assert prony.instant_npm > prony.long_term_npm > 0.0
-
-
-def test_a_layer_under_a_flat_tip() -> None:
-    assert Geometry("flat", tip_mm=6.0).shear_pa_per_npm == pytest.approx(1 / 0.024)
-    assert layer_factor(1e-3) == pytest.approx(1.0, abs=2e-3)
-    # Hayes et al. (1972), table 1, Poisson's ratio 0.5.
-    known = {0.2: 1.281, 0.4: 1.683, 0.6: 2.211, 0.8: 2.855, 1.0: 3.609}
-    assert {ratio: layer_factor(ratio) for ratio in known} == pytest.approx(known, rel=5e-3)
-    assert layer_factor(10.0) > layer_factor(9.9) > layer_factor(5.0)
 
 
 def test_each_shape_gives_the_modulus_of_its_published_force() -> None:

@@ -14,10 +14,9 @@ from codegen.stages.test_lateral import SLIDING, slid
 from codegen.stages.test_placed import called, placed
 from host.validation.test_by_place import PLACES, placed_model, pressed
 from support.browser import CHROMIUM, layout_faults
-from support.in_process import spring
 from support.paths import TESTS
 from support.pressed_page import Pressed, press_page
-from support.small import model_file, scene, small_model
+from support.small import model_file, scene
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.reference.lateral import run_lateral
@@ -29,7 +28,7 @@ from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.wasm_node import missing_node
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
-from springpot.host.wings.page.press_page import session_page, write_press_page
+from springpot.host.wings.page.press_page import write_press_page
 from springpot.host.wings.page.scene_entry import module_of, scene_entry
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM, flags
 
@@ -180,33 +179,11 @@ def test_the_recording_on_the_page_is_rendered_at_its_place(tmp_path: Path, mode
     assert error_n < 0.02
 
 
-def test_a_page_of_one_place_has_no_code_of_maps(tmp_path: Path) -> None:
-    one = page_of(tmp_path, emitted(tmp_path / "one", HELD, small_model())).read_text()
-    folder = emitted(tmp_path / "map", HELD, placed("plain", 2))
-    never_left = replace(HELD, guard=replace(HELD.guard, contact="always"))
-    always = page_of(tmp_path, emitted(tmp_path / "always", never_left, placed("plain", 2)))
-    for text in (one, session_page(folder), always.read_text()):
-        assert not re.findall(r"\bmap[_-]\w+|ObjectMap|MapView|sp_page_map|survey", text)
-    both = page_of(tmp_path, tmp_path / "one" / "c", folder)
-    assert "ObjectMap" in both.read_text()
-    found = press_page(both)
-    assert found.found["errors"] == []
-    assert found.csv.startswith("time_s,position_m,force_N\n")
-    assert press_page(both, pick=1).found["object-name"] == "map"
-
-
 @pytest.mark.parametrize("width", [400, 760, 1100, 1600])
 def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
     folder = emitted(tmp_path / "map", SLID, placed("plain", 2))
     faults = layout_faults(page_of(tmp_path, folder).read_text(), tmp_path, width)
     assert faults == {"out": [], "cut": []}
-
-
-def test_the_command_makes_a_page_of_either(tmp_path: Path) -> None:
-    for mode, like in SCENES.items():
-        folder = emitted(tmp_path / mode, like, placed("plain", 2))
-        told = json.loads(spring("page", folder, "--out", tmp_path / "p.html", "--json").stdout)
-        assert told["scenes"][0]["selftest"] == 0
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])

@@ -11,7 +11,7 @@ import pytest
 from support.browser import CHROMIUM, layout_faults
 from support.in_process import spring
 from support.pressed_page import press_page
-from support.small import model_file, recording, scene, small_model, training, wandering
+from support.small import model_file, scene, small_model, training
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Device
@@ -98,18 +98,6 @@ def test_what_is_pressed_is_what_validate_computes(
     assert (found.predicted_n[0].astype(dtype) == there.astype(dtype)).all()
 
 
-def test_keys_alone_press_and_let_go(tmp_path: Path) -> None:
-    folder = emitted(tmp_path / "scene", small_model())
-    pressed = press_page(
-        page_of(tmp_path, folder), keys=[["ArrowDown", 500], [" ", 20]], wait_ms=1500
-    )
-    depth_m = pressed.rows[:, 1]
-    assert pressed.found["errors"] == []
-    assert depth_m.max() > 0.003
-    assert depth_m[-1] < 0.0
-    assert re.fullmatch(r"\d\.\d\d mm above, 0\.00 N", pressed.found["valuetext"])
-
-
 def test_another_object_is_taken_up_at_rest(tmp_path: Path) -> None:
     folders = [emitted(tmp_path / name, fitted("hammerstein")) for name in ("soft", "other")]
     pressed = press_page(page_of(tmp_path, *folders), pick=1)
@@ -173,14 +161,6 @@ def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
     folder = validated(emitted(tmp_path / "scene", small_model()), training()[5])
     faults = layout_faults(page_of(tmp_path, folder).read_text(), tmp_path, width)
     assert faults == {"out": [], "cut": []}
-
-
-def test_a_recording_like_none_before_has_the_same_bits(tmp_path: Path) -> None:
-    """In and out of the object, deeper than trained, with what devices do wrong."""
-    position_m = wandering(3)
-    strange = recording("wandering", np.clip(np.nan_to_num(position_m), -0.05, 0.05))
-    folder = validated(emitted(tmp_path / "scene", fitted("hybrid"), mode="proxy"), strange)
-    assert "the same bits" in press_page(page_of(tmp_path, folder)).found["proof"]
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])

@@ -40,9 +40,9 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return where / "press.html"
 
 
-@pytest.fixture
-def browser(tmp_path: Path) -> Iterator[DrivenBrowser]:
-    with driven_browser(tmp_path) as found:
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DrivenBrowser]:
+    with driven_browser(tmp_path_factory.mktemp("browser")) as found:
         yield found
 
 

@@ -51,12 +51,6 @@ def test_each_press_leaves_less_open() -> None:
     assert left_n[-1] < 0.5 * left_n[0]
 
 
-def test_a_band_that_is_missing_is_asked_for() -> None:
-    fast, slow = chosen(cycles(3.0, 4.0, 5.0)), chosen(cycles(0.1, 0.15))
-    assert any(item.hold_s or item.frequency_hz <= 0.5 for item in fast[:1])
-    assert max(item.frequency_hz for item in slow) == pytest.approx(4 * 0.15, rel=0.1)
-
-
 def test_holds_that_are_there_are_not_asked_for_again() -> None:
     depth_m = press(1.0)
     rising, falling = depth_m[:500], depth_m[500:]
@@ -68,14 +62,6 @@ def test_holds_that_are_there_are_not_asked_for_again() -> None:
     ]
     assert any(item.hold_s for item in chosen(cycles(0.5, 2.0)))
     assert not any(item.hold_s for item in chosen([*cycles(0.5, 2.0), *held]))
-
-
-def test_a_glitch_raises_no_force() -> None:
-    good = recording("press", press(1.0))
-    position_m, force_n = good.position_m.copy(), good.force_n.copy()
-    position_m[0], force_n[0] = 0.2, 500.0
-    glitch = replace(good, name="glitch", position_m=position_m, force_n=force_n)
-    assert max(p.amplitude_n for p in chosen([good, glitch])) <= good.force_n.max()
 
 
 def test_the_protocol_is_what_record_takes(tmp_path: Path) -> None:
@@ -117,14 +103,6 @@ def test_no_protocol_from_another_zero(tmp_path: Path) -> None:
     assert "the tool never leaves the object" in refused.stderr
     assert not (tmp_path / "m.spm").exists()
     assert "counted from the lowest recorded force" in " ".join(spring(*train).stdout.split())
-
-
-def test_a_slow_rig_is_not_asked_for_a_hands_speed() -> None:
-    time_s = np.arange(2000) * 0.1
-    depth_m = 0.01 * (1 - np.cos(2 * np.pi * time_s / 200)) / 2
-    slow = Recording("slow", depth_m, 400 * depth_m + 10 * np.gradient(depth_m, 0.1), 0.1)
-    found = chosen([slow])
-    assert all(item.hold_s or item.frequency_hz <= 0.03 for item in found)
 
 
 def recorded(bench: SimulatedBench, profiles: list[Profile], again: str = "") -> list[Recording]:
@@ -174,9 +152,3 @@ def test_a_force_that_lasts_no_longer_than_a_glitch_is_no_press(tmp_path: Path) 
     assert next_words([], "surface", None).startswith("not known")
     with pytest.raises(DataError, match="record longer presses"):
         write_protocol(tmp_path / "next.toml", [])
-
-
-@pytest.mark.parametrize("samples", [2, 3, 10, 50])
-def test_few_samples_are_enough(samples: int) -> None:
-    depth_m = np.linspace(0.0, 0.01, samples)
-    assert len(chosen([Recording("few", depth_m, 300 * depth_m, 0.05)])) == 3

@@ -1,19 +1,16 @@
 """The page on an emitted scene: what it says first, and how it looks on a phone and on paper."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.browser import A4_PIXELS, CHROMIUM, as_printed, layout_faults
-from support.driven_browser import driven_browser
 from support.small import DT_S, model_file, press, recording, scene, small_model
 
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.commands.scenes.validate import validation_rows
 from springpot.host.emission.emission import emit
-from springpot.host.metrics import accuracy
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stability.check import Stability, stability as whole_check
@@ -61,14 +58,6 @@ def pages(emitted: Path) -> dict[str, str]:
 def series(position_m: np.ndarray, error_n: np.ndarray | float = 0.0) -> Series:
     measured_n = 300.0 * position_m
     return Series("made", DT_S, position_m, measured_n, measured_n + error_n)
-
-
-def test_the_mean_error_has_a_sign() -> None:
-    measured = [np.array([1.0, 2.0, 3.0])]
-    assert accuracy(measured, [measured[0] + 0.2]).mean_error_n == pytest.approx(0.2)
-    assert accuracy(measured, [measured[0] - [9.0, 0.1, 0.1]], [1]).mean_error_n == pytest.approx(
-        -0.1
-    )
 
 
 def test_an_error_is_found_where_the_speed_is() -> None:
@@ -166,33 +155,6 @@ def test_an_error_stands_beside_the_noise_floor_and_what_a_hand_can_tell(
     page = " ".join(pages["report"].split())
     assert "noise floor not known: no press is repeated, and the force shows no noise" in page
     assert "times the just noticeable difference" in page
-
-
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
-def test_a_reader_picks_a_recording(pages: dict[str, str], tmp_path: Path) -> None:
-    (tmp_path / "page.html").write_text(pages["report"])
-    shown = "[...document.querySelectorAll('.pick')].map((figure) => figure.hidden)"
-    with driven_browser(tmp_path) as browser:
-        browser.open((tmp_path / "page.html").as_uri())
-        browser.until("document.getElementById('picked')?.options.length === 2")
-        typical = browser.value("document.getElementById('picked').selectedIndex")
-        assert browser.value(shown) == [typical != 0, typical != 1]
-        browser.value(
-            f"picked.value = '{1 - typical}'; picked.dispatchEvent(new Event('change')); 0"
-        )
-        assert browser.value(shown) == [typical == 0, typical == 1]
-
-
-def test_a_report_without_places_has_no_map(pages: dict[str, str]) -> None:
-    assert "By place" not in pages["report"] and "worst-place" not in pages["report"]
-
-
-def test_every_grade_is_told_in_words(pages: dict[str, str]) -> None:
-    for page in pages.values():
-        grades = re.findall(r'<span class="grade ([a-z-]+)">([^<]*)</span>', page)
-        assert len(grades) > 20
-        assert all(kind == words.replace(" ", "-") for kind, words in grades)
-        assert "`" not in re.sub(r"<script.*?</script>|<style.*?</style>", "", page, flags=re.S)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")

@@ -1,8 +1,7 @@
 """`--within`: smaller forests that keep the error."""
 
-import numpy as np
 import pytest
-from support.small import press, recording, training
+from support.small import training
 
 from springpot.codegen.errors import UsageError
 from springpot.host.wings.smaller.forest_search import reduced_options
@@ -30,19 +29,6 @@ def test_no_loss_keeps_the_error_that_was_asked_for() -> None:
     data = training_set(training(), OPTIONS.smooth_s)
     search = reduced_options(data, OPTIONS, 0.0, ())
     assert search.chosen.rmse_n <= search.asked.rmse_n
-
-
-def test_the_model_has_the_size_that_was_chosen() -> None:
-    judges = [recording("judge", press(1.3))]
-    options = FitOptions(trees=20, leaf=5, within=0.1, select="paper")
-    fit = fit_model("rf-fd", "x", training(), options, judges)
-    reduced = fit.metadata["reduced"]
-    assert len(fit.model.regressor.roots) == reduced["trees"]
-    assert fit.model.features.orders == tuple(reduced["orders"])
-    assert fit.model.regressor.quantisation is not None
-    assert fit.search_s > 0.0
-    leaves = np.sum(fit.model.regressor.feature < 0)
-    assert leaves <= fit.rows / reduced["leaf"] * reduced["trees"]
 
 
 def test_the_papers_way_needs_recordings_to_judge_on() -> None:

@@ -79,14 +79,6 @@ def test_a_voided_trial_comes_again_at_the_end(tmp_path: Path) -> None:
     assert [one.number for one in answered(folder)] == [1, 3, 4, 2]
 
 
-def test_an_interrupted_trial_comes_again_at_once(tmp_path: Path) -> None:
-    folder = planned(tmp_path, real_study(3))
-    assert killed_at(8, lambda: run_whole(folder, "01"), before=False)  # the second is answered
-    presenter = ScriptedPresenter()
-    conduct(folder, "01", 1, presenter)
-    assert [(trial.number, trial.attempt) for trial in presenter.shown] == [(2, 2), (3, 1)]
-
-
 def test_sessions_follow_each_other_and_end(tmp_path: Path) -> None:
     folder = planned(tmp_path, real_study(2, sessions=2, practice=1))
     found = []
@@ -98,14 +90,6 @@ def test_sessions_follow_each_other_and_end(tmp_path: Path) -> None:
         conduct(folder, "02", 2, ScriptedPresenter())
     with pytest.raises(UsageError, match="no participant '3': the plan has 01 to 02"):
         next_session(folder, "3")
-
-
-def test_replies_are_read_back(tmp_path: Path) -> None:
-    questions = [{"text": "one?"}, {"text": "two?", "choices": ["yes", "no"]}]
-    folder = planned(tmp_path, real_study(2, sections={"question": questions}))
-    run_whole(folder, "01")
-    replies = read_responses(folder)[1]
-    assert [(one.question, one.answer) for one in replies] == [(0, "none"), (1, "yes")]
 
 
 def test_another_key_is_refused(tmp_path: Path) -> None:

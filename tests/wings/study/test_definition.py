@@ -79,12 +79,6 @@ def test_a_planned_study_is_never_overwritten(tmp_path: Path) -> None:
     assert (study.path / "key.json").read_bytes() == before
 
 
-def test_every_participant_has_other_codes(tmp_path: Path) -> None:
-    codes = planned(tmp_path, real_study(12), 9).key.codes
-    assert all(len({*its.values()}) == 13 for its in codes.values())
-    assert len({tuple(its.values()) for its in codes.values()}) == 9
-
-
 def test_scenes_are_frozen_with_the_study(tmp_path: Path) -> None:
     study = planned(tmp_path, steps_study("constant", 1.25), 2, SOFT)
     assert {scene.rate_hz for scene in study.scenes.values()} == {1000.0}

@@ -3,7 +3,6 @@
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from support.browser import CHROMIUM
@@ -78,9 +77,16 @@ class Seat:
         return self.screen.next_act(0.2) is None
 
 
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DrivenBrowser]:
+    with driven_browser(tmp_path_factory.mktemp("browser")) as found:
+        yield found
+
+
 @pytest.fixture
-def seat(tmp_path: Path) -> Iterator[Seat]:
-    with ParticipantScreen() as screen, driven_browser(tmp_path) as browser:
+def seat(browser: DrivenBrowser) -> Iterator[Seat]:
+    with ParticipantScreen() as screen:
+        browser.errors.clear()
         yield Seat(screen, browser)
         assert browser.errors == []
         fetched = browser.value("performance.getEntriesByType('resource').map((one) => one.name)")
@@ -97,9 +103,8 @@ def broken() -> Iterator[PageEvent]:
     raise OSError
 
 
-@pytest.mark.parametrize("size", [(1600, 900), NARROW])
-def test_a_number(seat: Seat, size: tuple[int, int]) -> None:
-    seat.sit(*size)
+def test_a_number(seat: Seat) -> None:
+    seat.sit()
     seat.see(READY)
     seat.press("x", "Enter")
     assert seat.act() == Act("next", 0)
@@ -156,9 +161,22 @@ def test_words(seat: Seat) -> None:
     assert seat.act() == Act("answer", "Soft, 부드러움 2x")
 
 
-def test_a_second_enter_answers_nothing(seat: Seat) -> None:
+def test_a_second_enter_or_a_key_that_is_held_down_answers_nothing(seat: Seat) -> None:
+    def hold() -> None:
+        for _ in range(3):
+            seat.browser.call(
+                "Input.dispatchKeyEvent", type="keyDown", key="Enter", autoRepeat=True
+            )
+
     seat.sit()
+    seat.see(READY)
+    hold()
+    assert seat.no_act()
+    seat.press("Enter")
+    assert seat.act() == Act("next", 0)
     seat.see(TRIAL)
+    hold()
+    assert not seat.answering
     seat.press("Enter", "7", "Enter", "Enter", "Enter")
     assert seat.act() == Act("answer", "7")
     seat.screen.show(replace(TRIAL, title="Trial 2 of 24"))
@@ -167,20 +185,6 @@ def test_a_second_enter_answers_nothing(seat: Seat) -> None:
     assert not seat.answering
     seat.see(READY)
     assert seat.no_act()
-
-
-def test_a_key_that_is_held_down_answers_nothing(seat: Seat) -> None:
-    seat.sit()
-    seat.see(READY)
-    for _ in range(3):
-        seat.browser.call("Input.dispatchKeyEvent", type="keyDown", key="Enter", autoRepeat=True)
-    assert seat.no_act()
-    seat.press("Enter")
-    assert seat.act() == Act("next", 0)
-    seat.see(TRIAL)
-    for _ in range(3):
-        seat.browser.call("Input.dispatchKeyEvent", type="keyDown", key="Enter", autoRepeat=True)
-    assert not seat.answering
 
 
 def test_what_is_typed_stays_while_the_thing_under_the_tool_changes(seat: Seat) -> None:
@@ -248,7 +252,7 @@ def test_the_tip_moves_smoothly_and_the_guideline_says_too_deep(seat: Seat) -> N
     seat.browser.until(deep)
 
 
-def test_a_connection_that_breaks_is_said_and_taken_up_again(
+def test_a_connection_that_breaks_is_taken_up_again_and_an_end_is_said(
     seat: Seat, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seat.sit()
@@ -260,12 +264,5 @@ def test_a_connection_that_breaks_is_said_and_taken_up_again(
     seat.sees("gone", "")
     seat.press("5", "Enter")
     assert seat.act() == Act("answer", "75")
-
-
-@pytest.mark.parametrize(("line", "said"), [("", GONE), ("Thank you.", "Thank you.")])
-def test_a_session_that_ends_says_so(seat: Seat, line: str, said: str) -> None:
-    seat.sit()
-    seat.see(READY)
-    assert seat.screen.viewers == 1
-    seat.screen.end(line)
-    seat.sees("gone", said)
+    seat.screen.end("Thank you.")
+    seat.sees("gone", "Thank you.")

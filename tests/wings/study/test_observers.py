@@ -18,7 +18,7 @@ from support.study.same_forces import require_same_forces
 
 from springpot.codegen.errors import UsageError
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.wings.study.folder import StudyFolder, read_folder
+from springpot.host.wings.study.folder import StudyFolder
 from springpot.host.wings.study.observers.observer import (
     FeltPress,
     Observer,
@@ -87,15 +87,6 @@ def press_ratio(folder: StudyFolder) -> float:
     return float(np.mean(found))
 
 
-@pytest.mark.parametrize(("method", "chosen"), [("constant", "left"), ("abx", "A")])
-def test_identical_objects_give_one_half(tmp_path: Path, method: str, chosen: str) -> None:
-    study = planned(tmp_path, study_of(method), 1, SOFT).study
-    random = np.random.default_rng(3)
-    presses = [linear_press(500.0)] * (3 if method == "abx" else 2)
-    answers = [answer(EXACT, study, presses, random) for _ in range(TRIALS)]
-    assert abs(answers.count(chosen) / TRIALS - 0.5) < 4 * 0.5 / math.sqrt(TRIALS)
-
-
 def study_of(method: str) -> str:
     stimuli = [scene_stimulus("a"), scene_stimulus("b", stiffer=1.25)]
     return study_text(method, stimuli, [{"left": "a", "right": "b"}])
@@ -154,16 +145,6 @@ def test_every_force_of_a_simulated_study_is_that_of_the_emitted_c(tmp_path: Pat
     assert compared > 5000
     page = Path(write_study_report(folder.path)["out"]).read_text()
     assert "Nobody was asked" in page
-
-
-def test_the_same_seed_gives_the_same_answers(tmp_path: Path) -> None:
-    plan = planned(tmp_path, steps_study("staircase", 1.05, 1.1, 1.2, 1.4), 1, SOFT)
-    found = []
-    for name, seed in (("one", 7), ("same", 7), ("other", 8)):
-        simulate(plan, 2, seed, tmp_path / name, lambda _done, _of: None)
-        trials = read_responses(read_folder(tmp_path / name))[0]
-        found.append([(one.participant, one.number, one.pair, one.answer) for one in trials])
-    assert found[0] == found[1] != found[2]
 
 
 def test_a_real_object_needs_a_simulated_one(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from support.small_study import planned, real_stimulus, real_study, study_text
+from support.small_study import planned, real_study
 from support.study_participant import ScriptedParticipant
 
 from springpot.host.wings.study.folder import StudyFolder
@@ -72,13 +72,6 @@ def test_a_session_of_real_objects(tmp_path: Path, screen: ParticipantScreen) ->
         assert not any(name in text or sticker in text for text in seen)
     assert any("the experimenter changes the object" in text for text in seen)
     assert any("You have finished" in text for text in seen)
-
-
-def test_the_same_object_stays_where_it_is(tmp_path: Path, screen: ParticipantScreen) -> None:
-    text = study_text("similarity", [real_stimulus("a")], [{"left": "a", "right": "a"}])
-    keys = ScriptedKeys()
-    run_session(planned(tmp_path, text), screen, keys)
-    assert sum("under the tool" in line for line in keys.told) == 1
 
 
 def test_v_voids_a_trial_and_it_comes_again(tmp_path: Path, screen: ParticipantScreen) -> None:

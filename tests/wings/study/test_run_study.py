@@ -95,8 +95,11 @@ def require_finished(folder: StudyFolder) -> None:
             assert abs(recording.force_n[k - 1]) <= 1e-3, "changed while a force was felt"
 
 
-def test_a_whole_session(folder: StudyFolder) -> None:
-    status, printed = RunningStudy(folder).end()
+def test_killed_in_the_second_trial_and_gone_on(folder: StudyFolder) -> None:
+    running = RunningStudy(folder).until("Trial 2")
+    running.process.send_signal(signal.SIGKILL)
+    running.end()
+    status, printed = RunningStudy(folder).until("Trial 2 of 2, attempt 2").end()
     assert status == 0, printed
     assert "the session is over" in printed
     for name in ("Quince", "Medlar", SOFT):
@@ -106,15 +109,6 @@ def test_a_whole_session(folder: StudyFolder) -> None:
     assert first["rate_hz"] == 1000.0
     assert first["latency_us"] >= 10
     assert RunningStudy(folder).end()[0] == 2  # nothing is left
-
-
-def test_killed_in_the_second_trial_and_gone_on(folder: StudyFolder) -> None:
-    running = RunningStudy(folder).until("Trial 2")
-    running.process.send_signal(signal.SIGKILL)
-    running.end()
-    again = RunningStudy(folder).until("Trial 2 of 2, attempt 2")
-    assert again.end()[0] == 0
-    require_finished(folder)
 
 
 def test_a_device_that_ends_in_a_trial(folder: StudyFolder, tmp_path: Path) -> None:

@@ -78,22 +78,6 @@ def test_orders_are_random_and_repeat(tmp_path: Path) -> None:
     assert fixed_trials(study, 4, 2) == fixed_trials(study, 4, 2)
 
 
-def test_other_names_change_nothing_else(tmp_path: Path) -> None:
-    text = real_study(7, sessions=2)
-    swapped = text.replace("object 1", "?").replace("object 5", "object 1").replace("?", "object 5")
-    assert text != swapped
-    one, other = study_of(tmp_path, text), study_of(tmp_path, swapped)
-    for session in (1, 2):
-        assert fixed_trials(one, 3, session) == fixed_trials(other, 3, session)
-
-
-def test_a_fixed_pair_keeps_its_sides(tmp_path: Path) -> None:
-    stimuli = [real_stimulus("a"), real_stimulus("b")]
-    pairs = [{"left": "a", "right": "b", "repeats": 9, "sides": "fixed"}]
-    study = study_of(tmp_path, study_text("similarity", stimuli, pairs))
-    assert not any(trial.swapped for trial in fixed_trials(study, 1, 1))
-
-
 def test_series_are_interleaved_and_sides_balanced(tmp_path: Path) -> None:
     stimuli = [real_stimulus("a")] + [
         {**real_stimulus(f"{name}{k}"), "level": 1.0 + k} for name in "xy" for k in (1, 2, 3)

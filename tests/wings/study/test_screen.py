@@ -2,7 +2,6 @@
 
 import http.client
 import json
-import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -61,13 +60,6 @@ def next_event(stream: IO[bytes], name: str) -> Any:
             return json.loads(data.removeprefix("data: "))
 
 
-def wait_for_viewers(screen: ParticipantScreen, count: int) -> None:
-    end_s = time.monotonic() + 10.0
-    while screen.viewers != count:
-        assert time.monotonic() < end_s
-        time.sleep(0.001)
-
-
 def rows_at(*positions_m: float, call: int = 0) -> LoopRows:
     rows = empty_rows(len(positions_m))
     rows[:, COLUMN["position_m"]] = positions_m
@@ -96,13 +88,6 @@ def test_a_page_gets_the_state_now_and_every_further_one(screen: ParticipantScre
         assert next_event(stream, "state")["instruction"] == "Press the space bar."
 
 
-def test_a_reloaded_page_sees_that_the_state_was_answered(screen: ParticipantScreen) -> None:
-    screen.show(TRIAL)
-    assert acted(screen, 1, "answer", "70")
-    with looking(screen) as stream:
-        assert next_event(stream, "state")["answered"]
-
-
 def test_acts_come_in_order_and_once(screen: ParticipantScreen) -> None:
     screen.show(TRIAL)
     assert acted(screen, 1, "slot", 1)
@@ -122,19 +107,6 @@ def test_an_act_for_another_state_is_dropped(screen: ParticipantScreen) -> None:
         assert not acted(screen, number, "answer", "70")
     assert screen.next_act(0.0) is None
     assert acted(screen, 2, "answer", "70")
-
-
-def test_an_act_that_was_not_taken_in_time_is_dropped(screen: ParticipantScreen) -> None:
-    screen.show(READY)
-    assert acted(screen, 1, "next", 0)
-    screen.show(READY)
-    assert screen.next_act(0.0) is None
-    assert acted(screen, 2, "next", 0)
-
-
-def test_nothing_is_asked_before_the_first_state(screen: ParticipantScreen) -> None:
-    assert not acted(screen, 0, "next", 0)
-    assert screen.next_act(0.0) is None
 
 
 @pytest.mark.parametrize(
@@ -195,11 +167,6 @@ def test_a_body_that_is_too_large_is_not_even_read(screen: ParticipantScreen, si
     connection.close()
 
 
-def test_the_longest_answer_fits(screen: ParticipantScreen) -> None:
-    screen.show(ScreenState("Trial", "Answer.", ask=Ask("text", "?")))
-    assert acted(screen, 1, "answer", "가" * LONGEST_TEXT)  # six bytes each as json.dumps writes it
-
-
 def test_the_newest_position_is_shown(screen: ParticipantScreen) -> None:
     with looking(screen) as stream:
         assert next_event(stream, "position") is None
@@ -234,16 +201,6 @@ def test_a_slow_page_gets_the_newest_of_all(screen: ParticipantScreen) -> None:
     assert (state, json.loads(content)["number"]) == ("state", 2)
     assert position == ("position", "0.001")
     assert list(page.news()) == []
-
-
-def test_who_looks_is_told_that_it_is_over() -> None:
-    with ParticipantScreen() as screen:
-        stream = looking(screen)
-        wait_for_viewers(screen, 1)
-        screen.show(READY)
-    text = stream.read().decode()
-    assert "Press the space bar." in text
-    assert text.endswith("event: over\ndata: \n\n")
 
 
 def test_a_guideline_outside_the_picture_is_refused(screen: ParticipantScreen) -> None:

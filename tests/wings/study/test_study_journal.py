@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.wings.study.session.journal import StudyJournal, parse_lines, read_lines
+from springpot.host.wings.study.session.journal import StudyJournal, parse_lines
 
 STEPS = [("shown", 1), ("answered", 2.5), ("done", "ü")]
 
@@ -15,11 +15,6 @@ def written(file: Path) -> bytes:
         for step, value in STEPS:
             journal.write(step, value=value)
     return file.read_bytes()
-
-
-def test_what_is_written_is_read_back(tmp_path: Path) -> None:
-    written(tmp_path / "j")
-    assert [(line["step"], line["value"]) for line in read_lines(tmp_path / "j")] == STEPS
 
 
 def test_cut_at_every_byte_of_its_last_line(tmp_path: Path) -> None:
@@ -47,12 +42,6 @@ def test_every_other_damage_is_refused_or_seen(tmp_path: Path) -> None:
             assert "damaged" in str(error)
         else:
             raise AssertionError(f"byte {at}: read as {lines}")
-
-
-def test_a_line_that_is_missing_is_seen(tmp_path: Path) -> None:
-    lines = written(tmp_path / "j").splitlines(keepends=True)
-    with pytest.raises(DataError, match="line 2 is damaged"):
-        parse_lines(lines[0] + lines[2] + lines[2], "j")
 
 
 def test_one_process_at_a_time(tmp_path: Path) -> None:

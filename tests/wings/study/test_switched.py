@@ -81,11 +81,6 @@ def ticks(scenes: list[SceneLibrary]) -> Iterator[Ticks]:
     yield Ticks(list(scenes))
 
 
-def test_nothing_is_felt_before_a_place_is_wanted(ticks: Ticks) -> None:
-    assert not ticks.run(PRESS_M).any()
-    assert ticks.switch.active == 0
-
-
 def test_each_scene_gives_the_force_that_it_has_alone(
     ticks: Ticks, scenes: list[SceneLibrary]
 ) -> None:
@@ -113,15 +108,6 @@ def test_a_scene_is_changed_above_the_surface_at_zero_force_alone(ticks: Ticks) 
         ticks.switch.want(1)
         ticks.run(AIR_M)
         assert ticks.switch.active == 1
-
-
-def test_a_place_without_a_scene_gives_no_force(scenes: list[SceneLibrary]) -> None:
-    ticks = Ticks([scenes[0], None])
-    ticks.switch.want(2)
-    assert not ticks.run(np.concatenate((AIR_M, PRESS_M, AIR_M))).any()
-    assert ticks.switch.active == 2
-    ticks.idle(200)
-    assert ticks.rows[-1][1] == 0.0
 
 
 def test_silence_reaches_the_watchdog_of_the_scene_that_is_felt(ticks: Ticks) -> None:

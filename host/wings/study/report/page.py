@@ -104,7 +104,6 @@ def _context(
         "curves": psychometric_figure(analysis.curves) if analysis.curves else "",
         "fits": fits,
         "own_fits": [row for row in analysis.psychometric if row["participant"] != EVERYBODY],
-        "fits_words": _fits_words(analysis),
         "sensitivity": [r for r in analysis.sensitivity if r["participant"] == EVERYBODY],
         "own_sensitivity": [r for r in analysis.sensitivity if r["participant"] != EVERYBODY],
         "questions": analysis.questions,
@@ -120,17 +119,13 @@ def _verdict(pair: dict[str, Any], equivalence: list[dict[str, Any]]) -> dict[st
 
 
 def _boxes_words(analysis: Analysis) -> str:
-    """Return what figure 18 shows, said once."""
-    rows = condition_rows(analysis)
-    if not rows:
+    """Return what figure 18 shows beside the means that the summary names."""
+    spans = [row["max"] - row["min"] for row in condition_rows(analysis)]
+    if not spans:
         return ""
-    low = min(rows, key=lambda row: float(row["mean"]))
-    high = max(rows, key=lambda row: float(row["mean"]))
-    spread = float(np.median([row["max"] - row["min"] for row in rows]))
     return (
-        f"Highest is {high['condition']} with a mean of {high['mean']:.1f}, lowest "
-        f"{low['condition']} with {low['mean']:.1f}; from the "
-        f"lowest to the highest person a condition spans {spread:.0f} points (median)."
+        "From the lowest to the highest person a condition spans "
+        f"{float(np.median(spans)):.0f} points (median)."
     )
 
 
@@ -150,17 +145,3 @@ def _loops_words(loops: FeltLoops) -> str:
         f"greatest force and depth), flattest {soft['condition']} "
         f"({1e-3 * soft['stiffness_npm']:.2f} N/mm)."
     )
-
-
-def _fits_words(analysis: Analysis) -> str:
-    parts = []
-    for row in analysis.psychometric:
-        if row["participant"] == EVERYBODY and row["threshold"] is not None:
-            own = [r["threshold"] for r in analysis.psychometric
-                   if r["stimulus"] == row["stimulus"] and r["participant"] != EVERYBODY
-                   and r["threshold"] is not None]  # fmt: skip
-            text = f"{row['stimulus']}: half-way at {row['threshold']:.3g}"
-            if own:
-                text += f", single people between {min(own):.3g} and {max(own):.3g}"
-            parts.append(text)
-    return "; ".join(parts) + "." if parts else ""

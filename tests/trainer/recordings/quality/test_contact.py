@@ -55,13 +55,6 @@ def test_a_zero_that_is_not_the_surface_is_said_once_for_the_set(seed: int) -> N
     assert "--contact-force auto" in found.to_do
 
 
-def test_recordings_under_preload_are_said_once() -> None:
-    presses = [press(-5e-3, i) for i in range(6)]
-    (found,) = contacts(presses)
-    assert found.where == "6 recordings"
-    assert "never leave" in found.what
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["bergstrom-boyce", "mullins", "poro-viscoelastic"])
 def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path: Path) -> None:

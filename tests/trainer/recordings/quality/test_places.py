@@ -1,6 +1,5 @@
 """Places of recordings: from files and the command line, kept, and checked against each other."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -39,12 +38,6 @@ def test_a_place_is_kept_in_a_file_and_in_a_journal(
     with JournalWriter(tmp_path / "cut.h5", "cut", 1e-3, "", {}, place_m=place_m) as journal:
         journal.append(recording.position_m, recording.force_n)
     assert read_journal(journal_of(tmp_path / "cut.h5")).recording.place_m == place_m
-
-
-def test_only_a_place_changes_the_hash_of_what_a_fit_sees() -> None:
-    plain = press("press", None)
-    assert replace(plain, name="other").content_hash == plain.content_hash
-    assert press("press", (0.0, 0.0)).content_hash != plain.content_hash
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,6 @@ from springpot.host.wings.evidence.benchmark.picks import (
     PlatformBudget,
     budgets,
     misfit,
-    pareto,
     pick,
     why,
 )
@@ -110,12 +109,6 @@ def point(key: str, error: float, tick: float, flash: int | None, **others: Any)
     metadata: dict[str, Any] = {"key": key, "cv_rmse_n": error, "tick_ns_hot": tick}
     metadata |= {"flash_bytes": flash, "ram_bytes": 100, "active_cells": 0, "any_rate": True}
     return Point.from_dict(metadata | {"number": "float32"} | others)
-
-
-def test_the_front_is_what_nothing_beats() -> None:
-    points = [point("exact", 1.0, 900.0, 9000), point("fast", 2.0, 50.0, 9000),
-              point("small", 2.5, 80.0, 500), point("worse", 2.6, 90.0, 9000)]  # fmt: skip
-    assert pareto(points) == {"exact", "fast", "small"}
 
 
 def test_a_pick_fits_is_passive_and_bounded() -> None:

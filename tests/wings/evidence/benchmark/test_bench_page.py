@@ -9,8 +9,6 @@ from typing import Any
 import matplotlib.image
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
-from matplotlib.text import Text
 from support.bench_folder import CANDIDATES, bench_folder
 from support.browser import (
     A4_PIXELS,
@@ -22,9 +20,8 @@ from support.browser import (
 )
 
 from springpot.host.pages.page import prose
-from springpot.host.wings.evidence.benchmark import figures as bench_figures
 from springpot.host.wings.evidence.benchmark.labels import label
-from springpot.host.wings.evidence.benchmark.point import Point, points_of
+from springpot.host.wings.evidence.benchmark.point import points_of
 from springpot.host.wings.evidence.benchmark.report import (
     bench_page,
     paper_rows,
@@ -91,41 +88,6 @@ def test_the_page_in_a_browser_and_on_paper(tmp_path: Path, width: int) -> None:
 def test_on_a_phone_nothing_sticks_out_and_no_word_is_cut(tmp_path: Path) -> None:
     text = write_bench_report(bench_folder()).read_text()
     assert layout_faults(text, tmp_path, 400) == {"out": [], "cut": []}
-
-
-def test_what_is_unknown_of_every_model_is_no_column() -> None:
-    result = read_result(bench_folder())
-    why = "no arm-none-eabi-gcc: `make setup-mcu` installs it"
-    points = [point | {"flash_bytes": None, "why": why} for point in result["points"]]
-    page = bench_page(result | {"points": points}, "bench")
-    assert ">flash</th>" not in page
-    assert "unknown</td>" not in page
-    assert "<code>make setup-mcu</code>" in page
-    assert "`" not in re.sub("<script>.*?</script>", "", page, flags=re.DOTALL)
-
-
-def test_the_label_of_a_pick_covers_no_point() -> None:
-    cloud = [
-        (f"{x} {y}", x, y)
-        for x in np.geomspace(25.0, 400.0, 20) for y in np.geomspace(1.1, 4.0, 8)
-    ]  # fmt: skip
-    points = [
-        Point.from_dict({"key": key, "tick_ns_hot": tick, "rmse_n": error})
-        for key, tick, error in (("best", 20.0, 1.0), *cloud, ("low", 30.0, 0.1))
-    ]
-    figure = Figure(layout="constrained")
-    axes = figure.subplots()
-    axes.loglog([p.tick_ns_hot for p in points], [p.rmse_n for p in points], "o")
-    picks = {"pc-1khz": {"point": "best"}, "pc-4khz": {"point": "best"}}
-    bench_figures._name_picks(axes, points, picks)
-    figure.draw_without_rendering()
-    (told,) = axes.texts
-    box = Text.get_window_extent(told)  # without its arrow
-    places = axes.transData.transform([(p.tick_ns_hot, p.rmse_n) for p in points])
-    inside = [box.contains(*place) for place in places[1:]]
-    assert told.get_text() == "pick for pc-1khz, pc-4khz"
-    assert not any(inside)
-    assert axes.get_window_extent().contains(box.x1, box.y1)
 
 
 def test_the_page_stands_alone_and_says_why() -> None:

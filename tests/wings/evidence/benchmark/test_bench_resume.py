@@ -20,15 +20,6 @@ from springpot.host.wings.evidence.benchmark.run import run_bench
 from springpot.host.wings.evidence.benchmark.store import code_hash, read_result
 
 
-def test_the_same_bench_again_computes_nothing() -> None:
-    folder = bench_folder()
-    before = read_result(folder)
-    with small():
-        again = run_bench(asked(), folder, "again")
-    assert (again["computed"], again["computed_isolated"]) == (0, 0)
-    assert again["points"] == before["points"]
-
-
 def test_without_an_emulator_the_count_is_null_says_why_and_is_made_later(tmp_path: Path) -> None:
     folder = tmp_path / "bench"
     shutil.copytree(bench_folder(), folder)

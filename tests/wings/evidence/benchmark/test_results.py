@@ -11,7 +11,6 @@ from support.paths import BENCH
 
 sys.path.append(str(BENCH))  # as where the script is run
 SCRIPT = runpy.run_path(str(BENCH / "results.py"))
-TABLE = runpy.run_path(str(BENCH / "judges_table.py"))
 FRONT = runpy.run_path(str(BENCH / "front_page.py"))
 
 
@@ -55,35 +54,6 @@ def test_the_pages_are_written_from_the_benchmark() -> None:
             assert path.read_text() == text, f"{path}: run python tests/bench/results.py"
 
 
-def test_a_changed_figure_shows() -> None:
-    changed = stored()
-    changed[0]["points"][0]["rmse_n"] *= 2.0
-    front = [p for p in changed[0]["points"] if p["pareto"]]
-    front[0]["tick_ns_hot"] *= 3.0
-    page = SCRIPT["ROOT"] / "docs" / "explanation" / "results.md"
-    assert SCRIPT["pages"](changed, None)[page] != SCRIPT["pages"](stored(), None)[page]
-    readme = SCRIPT["ROOT"] / "README.md"
-    judges = SCRIPT["stored_judges"]()
-    judges["cells"][0]["spring_dashpot_percent"] *= 2.0
-    assert FRONT["bars_figure"](judges) != FRONT["bars_figure"](SCRIPT["stored_judges"]())
-    for result in changed:
-        result["points"] = [p | {"ram_bytes": 7} for p in result["points"]]
-    assert "7 bytes of its RAM" in SCRIPT["pages"](changed, SCRIPT["stored_judges"]())[readme]
-
-
-def test_judges_that_are_no_kin_come_first_and_failures_are_told() -> None:
-    lines = TABLE["judges_section"](JUDGES)
-    page = "\n".join(lines)
-    titles = [line for line in page.splitlines() if line.startswith("### ")]
-    assert titles == [f"### {title}" for title, _ in TABLE["GROUPS"]]
-    tick = "<br>20&nbsp;ns"
-    row = f"| 0.2 | **1**{tick} | 4{tick} | 4{tick} | rf-fd | 4.00 |"
-    assert f"| mullins | one-speed {row}" in page
-    assert "- mullins, preload, rf-fd: ValueError: no rows" in page
-    # Of all four cells auto takes the best but once: the fourth root of 4.
-    assert "| all: 4 | 1.41 | 4.00 | mullins, one-speed |" in page
-
-
 def test_the_readme_s_bars_are_geometric_means_over_the_recordings() -> None:
     (_, one, real), (_, two, foreign) = FRONT["bars"](JUDGES)
     assert (one, two) == (1, 2)
@@ -97,27 +67,3 @@ def test_the_readme_s_bars_are_geometric_means_over_the_recordings() -> None:
         p for p in machines[0]["points"] if p["model"] == "hammerstein" and not p["options"]
     )
     assert f"{point['ram_bytes']} bytes of its RAM" in said
-
-
-def test_benchmarks_of_hammerstein_s_own_class_come_last() -> None:
-    benches = stored()
-    kin = next(result for result in benches if "ecoflex" in result["name"])
-    foreign = kin | {"name": "simulated mullins"}
-    text = SCRIPT["pages"]([kin, foreign, *benches], None)
-    titles = re.findall(
-        "^## (.*)", text[SCRIPT["ROOT"] / "docs" / "explanation" / "results.md"], re.MULTILINE
-    )
-    assert titles == [
-        "Mach-1 tester (Dynamic_data.txt)",
-        "Simulated mullins",
-        *2 * ["Simulated ecoflex-00-30"],
-        "WebAssembly",
-    ]
-
-
-@pytest.mark.parametrize("name", ["ecoflex-00-10?variant=b", "dragon-skin-10"])
-def test_the_silicones_are_hammerstein_s_kin(name: str) -> None:
-    own_class = SCRIPT["own_class"]
-    assert own_class(f"sim://{name}")
-    assert not own_class("sim://mullins")
-    assert not own_class("Dynamic_data.txt")

@@ -72,13 +72,6 @@ def test_an_unmeasured_size_is_null_and_says_why(without: Path) -> None:
     assert "could not be measured" not in result["picks"]["pc-1khz"]["why"]
 
 
-def test_the_page_says_unknown_and_why(without: Path) -> None:
-    text = bench_page(read_result(without), "bench")
-    assert "flash unknown (cortex-m4f; no compiler for cortex-m4f" in text
-    assert "unknown where it could not be measured: no compiler for cortex-m4f" in text
-    assert "apt-get install gcc-arm-none-eabi" in text
-
-
 def test_a_pick_of_unknown_flash_is_emitted(
     without: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -59,15 +59,6 @@ def test_keys_files_and_captions(tmp_path: Path) -> None:
     assert set(result["past_positions"]["ecoflex-00-50"]) == {"rf-history", "rf-fd"}
 
 
-@pytest.mark.slow
-def test_an_earlier_result_is_replaced(tmp_path: Path) -> None:
-    data, work = simulated("ecoflex-00-50", "a", LITTLE), replace(LITTLE, kinds=PAPER_KINDS)
-    run_reproduce(tmp_path / "out", [data], ORIGIN, LITTLE)
-    again = run_reproduce(tmp_path / "out", [data], ORIGIN, work)
-    assert json.loads((tmp_path / "out/reproduce.json").read_text()) == again
-    assert set(again["models"]["ecoflex-00-50"]) == set(PAPER_KINDS)
-
-
 @cache
 def little_result(folder: Path) -> ObjectResult:
     work = Work(kinds=PAPER_KINDS, trees=5, presses=6, signals=1, paced_s=0.1)

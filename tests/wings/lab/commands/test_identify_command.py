@@ -44,14 +44,6 @@ def test_a_person_at_a_terminal_may_say_no(monkeypatch: pytest.MonkeyPatch) -> N
     assert "nothing moved" in done.stderr
 
 
-def test_a_scene_that_is_none_is_refused_before_anything_moves(tmp_path: Path) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text("schema = 1\n")
-    done = spring("identify", "--device", URL, "--yes", "--scene", scene)
-    assert done.returncode == 2
-    assert "name: missing" in done.stderr
-
-
 @pytest.mark.parametrize("command", ["run", "record"])
 def test_it_is_there_to_be_measured_only(command: str, tmp_path: Path) -> None:
     model_file(tmp_path)

@@ -8,7 +8,6 @@ from springpot.host.simulation.bench import ObjectMotion
 from springpot.host.simulation.objects import SimulatedObject
 from springpot.host.wings.lab.force_sensor.alignment import (
     ForcedMotion,
-    aligned_force,
     alignment_command,
     find_delay,
 )
@@ -120,9 +119,3 @@ def test_ticks_that_are_made_up_for_at_once() -> None:
     found = find_delay(ForcedMotion(t_s, position_m, motor_n, motion.sensor_s, motion.sensor_n), "")
     assert abs(found.value_s - 5e-3) < 1e-3
     assert found.low_s <= 5e-3 <= found.high_s
-
-
-def test_force_is_taken_as_much_later() -> None:
-    t_s = np.arange(10) * 1e-3
-    sensor_s = np.arange(40) * 0.5e-3
-    assert aligned_force(t_s, 2e-3, sensor_s, sensor_s) == pytest.approx(t_s + 2e-3)

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from support.c.pressed_tool import PressedTool
 
-from springpot.codegen.arrays import Samples
-from springpot.host.native.loop_library import loop_library
 from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.recording.protocols import inverted_cosine, training
 from springpot.host.wings.lab.force_sensor.alignment import Delay
@@ -113,21 +111,3 @@ def test_a_position_that_cannot_be_ends_in_no_force(position_m: float, observed:
     if observed or not np.isfinite(position_m):
         assert press.latched
         assert out[0] == 0.0
-
-
-def test_compliance_is_of_each_force() -> None:
-    known = Compliance()
-    force_n: Samples = 5.0 * FAST
-    assert not known.at(force_n).any()
-    known.learn(force_n / 400.0 + 0.1 * np.sqrt(force_n), force_n)
-    asked_n = np.array([1.0, 2.0, 4.0])
-    assert known.at(asked_n) == pytest.approx(1 / 400.0 + 0.05 / np.sqrt(asked_n), rel=0.1)
-    known.learn(np.zeros(200), force_n)
-    assert known.at(asked_n) == pytest.approx((1 / 400.0 + 0.05 / np.sqrt(asked_n)) / 3, rel=0.1)
-
-
-def test_the_library_s_past_holds_every_delay() -> None:
-    gains = late_gains(Delay(0.04, 0.0, 0.0, 0.008, 0.3), Compliance())
-    assert (
-        max(gains["sensor_late"], gains["motor_late"] + 1) < loop_library("double").c.SP_PRESS_PAST
-    )

@@ -45,8 +45,10 @@ def test_no_press_of_the_paper_is_refused(name: str, control: dict[str, Any]) ->
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("viscous_nspm", "coulomb_n"), [(2.0, 0.1), (4.0, 0.3)])
-@pytest.mark.parametrize("sensor_s", [0.0, 0.005, 0.02])
+@pytest.mark.parametrize(
+    ("sensor_s", "viscous_nspm", "coulomb_n"),
+    [(0.0, 4.0, 0.3), (0.005, 2.0, 0.1), (0.02, 2.0, 0.1)],
+)
 @pytest.mark.parametrize("name", ALL_OBJECTS)
 def test_no_press_of_a_protocol_is_refused(
     name: str, sensor_s: float, viscous_nspm: float, coulomb_n: float

@@ -59,15 +59,6 @@ def test_keys_are_replaced_where_they_stand(tmp_path: Path) -> None:
     assert written(tmp_path, after) == after
 
 
-def test_line_ends_stay(tmp_path: Path) -> None:
-    after = written(tmp_path, (HEAD + "[device]\nsurface_mm = 1.0\n").replace("\n", "\r\n"))
-    assert after.count("\n") == after.count("\r\n") > 6
-
-
-def test_whole_ticks_of_delay_make_room_for_seconds(tmp_path: Path) -> None:
-    assert "delay_samples" not in written(tmp_path, HEAD + "[device]\ndelay_samples = 2\n")
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -83,11 +74,3 @@ def test_a_device_written_otherwise_is_left_alone(tmp_path: Path, text: str) -> 
         write_keys(scene, KEYS)
     assert scene.read_text() == text
     assert list(tmp_path.iterdir()) == [scene]
-
-
-def test_a_key_that_no_scene_takes_changes_nothing(tmp_path: Path) -> None:
-    scene = tmp_path / "scene.toml"
-    scene.write_text(HEAD)
-    with pytest.raises(UsageError, match="mass_kg"):
-        write_keys(scene, {"mass_kg": 1e9})
-    assert scene.read_text() == HEAD

@@ -96,22 +96,3 @@ def test_pulses_grow_and_end_soon_after_one_was_seen() -> None:
         moving.step(0.0)
     moving.step(3e-4)
     assert moving.state.n == excitation.quiet_ticks + 5 * excitation.pulse_ticks
-
-
-def test_a_noisy_position_is_no_motion() -> None:
-    excitation = pulses(1000, LIMITS)
-    excited, chance = Excited(excitation), np.random.default_rng(1)
-    for _ in range(len(excitation.command)):
-        excited.step(chance.uniform(-2e-4, 2e-4))
-    assert not excited.state.seen
-
-
-def test_the_gain_follows_the_swing() -> None:
-    excitation = sweep(1000, LIMITS, 1)
-    still, wide = Excited(excitation), Excited(excitation)
-    wide.step(0.0)
-    for tick in range(1000):
-        still.step(0.0)
-        wide.step(0.011 * (1 if tick // 20 % 2 else -1))
-    assert still.state.gain_n == LIMITS.max_force_n
-    assert wide.state.gain_n < 0.01

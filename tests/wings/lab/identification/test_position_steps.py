@@ -18,11 +18,6 @@ def test_a_step_is_found(step_m: float, noise_m: float) -> None:
     assert found.high >= step_m * (1 - 1e-4)
 
 
-def test_a_step_survives_single_precision() -> None:
-    seen_m = (10e-6 * np.round(MOTION_M / 10e-6)).astype(np.float32).astype(float)
-    assert position_step(seen_m).value == pytest.approx(10e-6, rel=1e-3)
-
-
 def test_no_step_is_made_up() -> None:
     smooth = position_step(MOTION_M)
     assert smooth.value is None

@@ -7,7 +7,7 @@ import pytest
 
 from springpot.basics import Samples
 from springpot.codegen.errors import UsageError
-from springpot.host.wings.study.methods.quest_plus import QuestPlus, cumulative_normal
+from springpot.host.wings.study.methods.quest_plus import QuestPlus
 
 DB = tuple(float(level) for level in range(-40, 1))
 
@@ -86,11 +86,6 @@ def test_nothing_but_the_history_counts() -> None:
     assert quest.posterior(shown, right).sum() == pytest.approx(1.0)
     # the order of the answers does not matter
     assert quest.next_level(shown[::-1], right[::-1]) == after
-
-
-def test_normal_function_runs_from_guess_to_lapse() -> None:
-    share = cumulative_normal(np.array(1.0), np.array([-9.0, 1.0, 99.0]), np.ones(3), 0.5, 0.04)
-    assert share == pytest.approx([0.96, 0.73, 0.5])
 
 
 def test_impossible_histories_are_refused() -> None:

@@ -27,11 +27,6 @@ def test_ends_after_its_reversals_or_trials() -> None:
     assert Staircase(LEVELS, max_trials=3).next_level([False] * 3) is None
 
 
-def test_stays_on_its_levels() -> None:
-    assert Staircase(LEVELS).next_level([False] * 20) == 9.0
-    assert Staircase(LEVELS, down=1).next_level([True] * 20) == 0.0
-
-
 def test_settings_that_make_no_staircase_are_refused() -> None:
     with pytest.raises(UsageError, match="two levels or more, rising"):
         Staircase((2.0, 1.0))

@@ -17,8 +17,6 @@ from springpot.host.wings.study.report.findings import (
     summary,
     verdict,
 )
-from springpot.host.wings.study.report.scores import score_table
-from springpot.host.wings.study.statistics.anova import repeated_measures
 from springpot.host.wings.study.statistics.psychometric import psychometric_share
 from springpot.host.wings.study.statistics.sensitivity import sensitivity
 
@@ -57,15 +55,6 @@ def test_whether_leaving_people_out_matters_is_said() -> None:
     assert "With everybody, those left out too, " in " ".join(summary(FOUND))
     study = replace(STUDY, exclude=type(STUDY.exclude)())
     assert "those left out" not in " ".join(summary(analyse(study, ANSWERS, [])))
-
-
-def test_variance_is_that_of_peoples_means() -> None:
-    table = score_table(STUDY, FOUND.kept)
-    assert table is not None
-    own = [r.answer for r in ANSWERS if r.participant == "03" and r.pair == 1]
-    assert table.scores[table.people.index("03"), 1, 0] == pytest.approx(np.mean(own))
-    effects = repeated_measures(table.scores, ["method", "material"])
-    assert [row["f"] for row in FOUND.as_dict()["anova"]] == [effect.f for effect in effects]
 
 
 def test_pairs_are_compared_within_each_material_and_judged() -> None:
@@ -113,11 +102,6 @@ def test_half_a_study_is_reported_and_says_what_is_missing() -> None:
     one = analyse(STUDY, ANSWERS[:33], [])
     assert one.as_dict()["trials"] == 33
     assert any("needs at least" in note for note in one.whole.notes) if one.whole else False
-
-
-def test_practice_does_not_count() -> None:
-    practice = [replace(r, session=0) for r in ANSWERS[:5]]
-    assert analyse(STUDY, practice + ANSWERS, []).as_dict()["trials"] == len(ANSWERS)
 
 
 def test_questions_are_counted_choices_that_nobody_took_too() -> None:

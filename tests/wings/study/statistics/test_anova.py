@@ -7,16 +7,6 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.host.wings.study.statistics.anova import repeated_measures
 
 
-def test_order_of_levels_and_people_does_not_matter() -> None:
-    rng = np.random.default_rng(2)
-    scores = rng.normal(size=(9, 3, 4))
-    plain = repeated_measures(scores, ["a", "b"])
-    mixed = scores[rng.permutation(9)][:, rng.permutation(3)][:, :, rng.permutation(4)]
-    for one, other in zip(plain, repeated_measures(mixed, ["a", "b"]), strict=True):
-        assert one.f == pytest.approx(other.f)
-        assert one.eps_gg == pytest.approx(other.eps_gg)
-
-
 def test_what_cannot_be_analysed_is_refused_in_a_line() -> None:
     scores = np.random.default_rng(3).normal(size=(5, 2, 3))
     with pytest.raises(UsageError, match="one or two factors"):

@@ -7,7 +7,6 @@ import pytest
 from scipy import stats
 
 from springpot.codegen.errors import DataError
-from springpot.host.wings.study.statistics.anova import repeated_measures
 from springpot.host.wings.study.statistics.pairs import holm, letters, pair_differences
 
 
@@ -21,17 +20,6 @@ def test_pairs_come_in_the_columns_order_with_holm_s_p() -> None:
     assert [pair.p_holm for pair in pairs] == pytest.approx(holm([pair.p for pair in pairs]))
 
 
-def test_tukey_of_two_conditions_is_their_anova() -> None:
-    scores = np.random.default_rng(2).normal(size=(9, 2))
-    (pair,) = pair_differences(scores, ["x", "y"])
-    assert pair.p_tukey == pytest.approx(repeated_measures(scores, ["a"])[0].p)
-
-
-def test_holm_as_published() -> None:
-    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
-    assert holm([0.9, 0.8]) == [1.0, 1.0]
-
-
 def test_letters_are_shared_exactly_by_what_is_not_told_apart() -> None:
     names = ["p", "q", "r", "s"]
     pairs = list(combinations(names, 2))
@@ -43,13 +31,6 @@ def test_letters_are_shared_exactly_by_what_is_not_told_apart() -> None:
         for one, other in pairs:
             assert bool(set(found[one]) & set(found[other])) == ((one, other) not in different)
         assert found["p"].startswith("a")
-
-
-def test_letters_of_the_paper() -> None:
-    # figure 18, Ecoflex 00-10: both models by fractional derivatives differ from the real object
-    found = letters(["RF", "RBF", "PV", "real"], [("RF", "real"), ("RBF", "real")])
-    assert found == {"RF": "a", "RBF": "a", "PV": "ab", "real": "b"}
-    assert letters(["x", "y"], []) == {"x": "a", "y": "a"}
 
 
 def test_no_scatter_is_refused() -> None:

@@ -37,22 +37,6 @@ def test_psignifit_data_as_its_matlab_version_fits_them() -> None:
     assert fit.trials == 13 * 90
 
 
-def test_unit_of_the_levels_does_not_matter() -> None:
-    right, trials = PSIGNIFIT[:, 1], np.full(13, 90)
-    fit = fit_psychometric(PSIGNIFIT[:, 0], right, trials)
-    large = fit_psychometric(1e3 * PSIGNIFIT[:, 0], right, trials)
-    assert large.threshold == pytest.approx(1e3 * fit.threshold, rel=1e-5)
-    assert large.slope == pytest.approx(1e-3 * fit.slope, rel=1e-5)
-    assert large.width_interval == pytest.approx([1e3 * w for w in fit.width_interval], rel=1e-5)
-
-
-def test_trials_of_one_level_are_pooled_in_any_order() -> None:
-    levels, right = np.repeat([3.0, 1.0, 2.0, 4.0], 2), np.array([9, 8, 4, 6, 7, 8, 10, 9])
-    one = fit_psychometric(levels, right, np.full(8, 10))
-    other = fit_psychometric(np.arange(1.0, 5.0), np.array([10, 15, 17, 19]), np.full(4, 20))
-    assert one == other
-
-
 def test_exact_shares_give_their_parameters_back() -> None:
     levels = np.linspace(0.0, 2.0, 9)
     shares = psychometric_share(levels, 1.1, 0.9, 0.03, 0.5)
