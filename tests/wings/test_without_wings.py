@@ -82,10 +82,6 @@ def test_commands_and_options_of_wings_are_not_there_without_them(tmp_path: Path
     assert not set(OF_WINGS) & set(commands)
     refused = run(tmp_path, "train", "none", "--model", "springpot", "--out", "x.spm", status=2)
     assert "'springpot' is not one of" in refused.stderr
-    assert (
-        "'rbf-fd' is not one of"
-        in run(tmp_path, "train", "none", "--model", "rbf-fd", "--out", "x.spm", status=2).stderr
-    )
     for words in (("record", "--device", "sim://ecoflex-00-30", "--protocol", "paper",
                    "--force", "serial:///dev/none", "--out", "x"),
                   ("emit", "--pick", "pc-1khz", "--out", "c")):  # fmt: skip
