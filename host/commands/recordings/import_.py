@@ -18,6 +18,8 @@ from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 
 if TYPE_CHECKING:
+    from springpot.trainer.recordings.formats.column_map import ColumnMap
+    from springpot.trainer.recordings.formats.importing import ImportOptions
     from springpot.trainer.recordings.formats.specimen import Specimen
     from springpot.trainer.recordings.quality.report import QualityReport
     from springpot.trainer.recordings.recording import Recording, Zero
@@ -134,12 +136,7 @@ def import_(
     """
     from springpot.host.console.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
-    from springpot.trainer.recordings.formats.importing import (
-        ImportOptions,
-        import_file,
-        one_session,
-        parse_place,
-    )
+    from springpot.trainer.recordings.formats.importing import ImportOptions, parse_place
 
     mapping = parse_map(map_text) if map_text else None
     conditioning = Conditioning(
@@ -154,22 +151,34 @@ def import_(
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
     listed = _listed(files)
     with progress_bar("import"):
-        results = [
-            import_file(file, mapping, zero, resample_hz, options)
-            for file in counted(listed, "reading")
-        ]
-    _say_guesses(listed, [result.guess for result in results])
-    recordings = [recording for result in results for recording in result.recordings]
-    if rest_s is not None:
-        recordings = one_session(recordings, rest_s)
+        recordings, guesses = _read(listed, mapping, zero, resample_hz, options, rest_s)
+    _say_guesses(listed, guesses)
     report = report_quality(recordings)
     rows = _rows(_write(out, recordings), report)
     if not as_json:
         _show(rows)
         return
-    guess = "\n".join(result.guess for result in results)
     findings = [finding.metadata() for finding in report.findings]
-    print_json({"out": out, "recordings": rows, "guess": guess, "findings": findings})
+    print_json({"out": out, "recordings": rows, "guess": "\n".join(guesses), "findings": findings})
+
+
+def _read(
+    files: Sequence[Path],
+    mapping: ColumnMap | None,
+    zero: Zero,
+    resample_hz: float | None,
+    options: ImportOptions,
+    rest_s: float | None,
+) -> tuple[list[Recording], list[str]]:
+    """Recordings of all files, and how each file was understood."""
+    from springpot.trainer.recordings.formats.importing import import_file, one_session
+
+    results = [
+        import_file(file, mapping, zero, resample_hz, options) for file in counted(files, "reading")
+    ]
+    recordings = [recording for result in results for recording in result.recordings]
+    guesses = [result.guess for result in results]
+    return recordings if rest_s is None else one_session(recordings, rest_s), guesses
 
 
 def _specimen(area_m2: float | None, height_m: float | None) -> Specimen | None:
