@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot import DataError
+from springpot import DataError, Model
 from springpot.basics import write_file
 from springpot.checks import stability
 from springpot.emission import (
@@ -63,11 +63,7 @@ def write_report(folder: Path) -> Path:
     mean_error_n = result["mean_error_n"]
     hold, recorded = scene_hold(plan, replay), recorded_hold(stored.series)
     checked = stability(plan)
-    shares = model.provenance.get("importance", [])
-    orders = getattr(model.features, "orders", ())
-    typical = figures.typical_series(stored.series)
     places = [PlaceError(**each) for each in result.get("places", [])]
-    loops, loop_rows = figures.hysteresis_loops(typical)
     context = {
         "title": plan.scene.name,
         "manifest": manifest,
@@ -88,15 +84,10 @@ def write_report(folder: Path) -> Path:
         "slopes": slope_words(result),
         "jnd_words": JND_WORDS,
         "speeds": speeds,
-        "predictions": figures.prediction_figures(stored.series),
         "by_place": place_figure(places, _extent_m(manifest)),
-        "loops": loops,
-        "loop_rows": loop_rows,
-        "held": figures.held_forces(hold, recorded),
-        "percentage_error": figures.percentage_error(stored.series),
-        "importance": figures.importance(orders, shares) if orders and shares else "",
-        "ticks": figures.tick_histogram(stored.tick_ns, result["tick_ns"]["hot_median"]),
         "commands": _commands(folder, stored, manifest),
+        "held": figures.held_forces(hold, recorded),
+        **_drawn(stored, model),
         **stability_section(checked),
     }
     path = folder / _REPORT_NAME
@@ -109,6 +100,22 @@ def write_report(folder: Path) -> Path:
     )
     write_file(path, text.encode())
     return path
+
+
+def _drawn(stored: Stored, model: Model) -> dict[str, Any]:
+    """Figures of a validation, and of what its model looks at."""
+    shares = model.provenance.get("importance", [])
+    orders = getattr(model.features, "orders", ())
+    loops, loop_rows = figures.hysteresis_loops(figures.typical_series(stored.series))
+    hot_ns = stored.metadata["result"]["tick_ns"]["hot_median"]
+    return {
+        "predictions": figures.prediction_figures(stored.series),
+        "loops": loops,
+        "loop_rows": loop_rows,
+        "percentage_error": figures.percentage_error(stored.series),
+        "importance": figures.importance(orders, shares) if orders and shares else "",
+        "ticks": figures.tick_histogram(stored.tick_ns, hot_ns),
+    }
 
 
 def _validated(folder: Path) -> tuple[Stored, Emitted]:
