@@ -1,7 +1,7 @@
 """The generated calls of a loop of three axes: sp_step3 and sp_idle3."""
 
 from springpot.codegen.emit.project import filled
-from springpot.codegen.emit.step import silent, silent_ticks
+from springpot.codegen.emit.step import SILENT_BEFORE, SILENT_TICKS
 from springpot.codegen.emit.tick import indented
 from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
@@ -68,13 +68,12 @@ def _account(plan: Plan) -> dict[str, str]:
             f"    sp_energy3_restart(&energy, {account}, at);",
             "    (void)memset(step, 0, sizeof step);",
         ]
-        lines["LIMIT"] = [f"    state->output.given_n = {cut} {cut_of}"]
-        if not plan.energy_acts:
-            lines["LIMIT"] = [f"    (void){cut} {cut_of}"]
-        else:
-            lines["SILENT"] = silent(plan)
+        given = "state->output.given_n = " if plan.energy_acts else "(void)"
+        lines["LIMIT"] = [f"    {given}{cut} {cut_of}"]
+        if plan.energy_acts:
+            lines["SILENT"] = [SILENT_BEFORE]
             lines["WAIT"] = [
-                *silent_ticks(),
+                *SILENT_TICKS,
                 f"given_n = sp_energy3_wait(&energy, {account}, {unit}, silent, ticks, given_n,",
                 "                          &notes);",
             ]

@@ -3,15 +3,25 @@
 from springpot.codegen.emit.tick import indented
 from springpot.codegen.plan.plan import Plan
 
+SILENT_BEFORE = "const sp_real silent = state->silence.silent_s * silence.per_dt;"
+# Ticks of dt_s before the watchdog latched.
+SILENT_TICKS = (
+    "const sp_real passed = dt_s * silence.per_dt;",
+    "const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;",
+    "const sp_real ticks = most - latched;",
+)
+
 
 def hold(plan: Plan) -> str:
     """C function `hold`: sp_idle, and a step whose sample is not taken."""
+    acts = plan.energy is not None and plan.energy_acts
+    wait = "given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);"
     lines = [
         "int notes = SP_NOTE_HELD;",
-        *silent(plan),
+        *([SILENT_BEFORE] if acts else []),
         "const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);",
         "sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);",
-        *_wait(plan),
+        *([*SILENT_TICKS, wait] if acts else []),
         "state->output.given_n = given_n;",
         "if (state->silence.latched) {",
         "    notes = 0;",
@@ -25,31 +35,6 @@ def hold(plan: Plan) -> str:
         "static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)",
     ]
     return "\n".join([*head, "{", *indented(lines), "}"])
-
-
-def silent(plan: Plan) -> list[str]:
-    """C lines: ticks that were silent before; nothing without an account that acts."""
-    if plan.energy is None or not plan.energy_acts:
-        return []
-    return ["const sp_real silent = state->silence.silent_s * silence.per_dt;"]
-
-
-def silent_ticks() -> list[str]:
-    """C lines: ticks of dt_s before the watchdog latched."""
-    return [
-        "const sp_real passed = dt_s * silence.per_dt;",
-        "const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;",
-        "const sp_real ticks = most - latched;",
-    ]
-
-
-def _wait(plan: Plan) -> list[str]:
-    if plan.energy is None or not plan.energy_acts:
-        return []
-    return [
-        *silent_ticks(),
-        "given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);",
-    ]
 
 
 def make_up(plan: Plan) -> str:

@@ -25,7 +25,7 @@ class Account3(Account):
         self.restart([real(0)] * 3)
 
     def restart(self, x: Any) -> None:
-        """What was pressed before is not known."""
+        """Begin at x as if nothing had been pressed."""
         self._along.restart(x[2])
         self._paid, self._looked = list(x), list(x)
         self._steps, self._bends = [self._real(0)] * 3, [self._real(0)] * 3

@@ -84,6 +84,7 @@ if TYPE_CHECKING:
         training_set as training_set,
     )
     from springpot.trainer.recordings.formats.column_map import (
+        MAP_EXAMPLE as MAP_EXAMPLE,
         Column as Column,
         ColumnMap as ColumnMap,
         guess_column as guess_column,
@@ -100,11 +101,14 @@ if TYPE_CHECKING:
         FileRequest as FileRequest,
     )
     from springpot.trainer.recordings.formats.raw_channels import RawChannels as RawChannels
+    from springpot.trainer.recordings.formats.sampling import (
+        GAP_STEPS as GAP_STEPS,
+        MIN_ROWS as MIN_ROWS,
+    )
     from springpot.trainer.recordings.formats.units import (
         Quantity as Quantity,
         Unit as Unit,
         choose_unit as choose_unit,
-        factor_to_si as factor_to_si,
     )
     from springpot.trainer.recordings.quality.coverage import (
         Coverage as Coverage,
@@ -119,7 +123,10 @@ if TYPE_CHECKING:
         require_unpacked as require_unpacked,
         run_reader as run_reader,
     )
-    from springpot.trainer.recordings.spikes import hold_spikes as hold_spikes
+    from springpot.trainer.recordings.spikes import (
+        LONGEST_SPIKE as LONGEST_SPIKE,
+        hold_spikes as hold_spikes,
+    )
     from springpot.trainer.selection.cross_validation import (
         Split as Split,
         cross_validated_rmse_n as cross_validated_rmse_n,

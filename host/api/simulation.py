@@ -11,6 +11,7 @@ from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from springpot.host.recording.protocols import (
+        PEAK_N as PEAK_N,
         RATE_HZ as RATE_HZ,
         Profile as Profile,
         cosine_cycles as cosine_cycles,

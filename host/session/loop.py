@@ -65,7 +65,7 @@ class LinkCounts:
 
 
 class Loop(Protocol):
-    """What keeps the time of a session: C on this machine, or a board that renders by itself."""
+    """Keep the time of a session, in C on this machine or on a board that renders by itself."""
 
     no_sample_advice: str
 

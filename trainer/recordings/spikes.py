@@ -10,7 +10,7 @@ from springpot.codegen.arrays import Indices, Samples
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
-LONGEST = 5  # samples of position
+LONGEST_SPIKE = 5  # samples of position
 _LONGEST_FORCE = 2  # a longer one may be an impact's
 _USUAL = 0.995  # of the steps are usual ones
 _TIMES_USUAL = 8.0
@@ -61,7 +61,7 @@ def spike_rows(position_m: Samples, force_n: Samples) -> Indices:
         follows = abs(step_n[jump]) > _SHARE * np.ptp(force_n)
         return not follows or step_n[jump] * np.diff(position_m[left])[jump] < 0.0
 
-    return _spikes(position_m, LONGEST, at_end)
+    return _spikes(position_m, LONGEST_SPIKE, at_end)
 
 
 def force_spike_rows(position_m: Samples, force_n: Samples) -> Indices:

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from springpot.codegen.entry_points import part
 from springpot.codegen.errors import UsageError
 from springpot.codegen.progress import counted
 from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
 from springpot.host.console.output import json_option, print_json, progress_bar, say
-from springpot.trainer.recordings.formats.column_map import EXAMPLE, parse_map
+from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, parse_map
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 
 if TYPE_CHECKING:
@@ -54,7 +53,7 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 
 @click.command("import")
 @click.argument("files", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
-@click.option("--map", "map_text", metavar=EXAMPLE, help="COL: a header or a number from 1.")
+@click.option("--map", "map_text", metavar=MAP_EXAMPLE, help="COL: a header or a number from 1.")
 @click.option(
     "--zero",
     type=click.Choice(["none", "first", "min"]),
@@ -202,13 +201,14 @@ def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:
 
 def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
     """Figures of each recording, with the file that it is in."""
-    glance: Any = part("glance")
+    from springpot.trainer.recordings.quality.plausible import glance
+
     pairs = zip(files, report.recordings, report.checked, strict=True)
     return [
         {
             "file": str(file),
             **{key: figures[key] for key in _OF_REPORT},
-            **({"glance": glance(recording).words} if glance else {}),
+            "glance": glance(recording).words,
         }
         for file, figures, recording in pairs
     ]
@@ -222,9 +222,8 @@ def _show(rows: Sequence[dict[str, Any]]) -> None:
         words = row["signs"]["words"]
         click.echo(
             f"{row['file']}  {row['samples']} samples at {row['rate_hz']:.6g} Hz, "
-            f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N"
-            + (f"\n  {row['glance']}" if "glance" in row else "")
-            + ("" if words in said else f"\n  {words}")
+            f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N\n"
+            f"  {row['glance']}" + ("" if words in said else f"\n  {words}")
         )
         said.add(words)
 

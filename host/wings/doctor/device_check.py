@@ -134,7 +134,7 @@ def _sign(rows: LoopRows, url: str) -> Diagnosis:
 
 
 def _direction(url: str) -> str:
-    """Of a device with one frame, position and force turn together: only a person sees the axis."""
+    """Ask a person to look at the axis of a device whose position and force turn together."""
     if not driver_of(url).own_frame:
         return ""
     into = parse_device(url).settings.get("axis", "-z")

@@ -11,6 +11,7 @@ import numpy as np
 from springpot import DataError
 from springpot.basics import Samples
 from springpot.modelling import (
+    MAP_EXAMPLE,
     ColumnMap,
     FileRequest,
     Quantity,
@@ -25,7 +26,6 @@ from springpot.modelling import (
 )
 
 _MAX_SHOWN = 12
-_EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +117,7 @@ def _choose(path: Path, arrays: list[_Array], quantity: Quantity, columns: Colum
         if len(found) == 1:
             return found[0]
         what = "may be " + ", ".join(repr(a.name) for a in found) if found else "has no array"
-        raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {_EXAMPLE}")
+        raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
     if isinstance(column.header_or_number, int):
         if column.header_or_number > len(arrays):
             raise DataError(f"{path}: --map {quantity}={column.header_or_number}: it holds {shown}")

@@ -15,6 +15,7 @@ from springpot.basics import Samples
 from springpot.devices import can_database
 from springpot.host.wings.formats.blf_containers import require_blf
 from springpot.modelling import (
+    GAP_STEPS,
     Column,
     FileRequest,
     Quantity,
@@ -29,7 +30,6 @@ _CANDUMP = re.compile(
     r"\((?P<stamp>\d+\.\d+)\)\s+\S+\s+[0-9A-Fa-f]{3,8}#(R\d*|#[0-9A-Fa-f]([0-9A-Fa-f]{2}){0,64}"
     r"|([0-9A-Fa-f]{2}){0,8})( [TR])?"
 )
-_GAP = 1.5  # a step longer than this many usual steps is a gap
 _STAMP_DIGIT_S = 1e-6  # of both formats, as loggers write them
 
 
@@ -203,7 +203,7 @@ def _unit(path: Path, quantity: Quantity, signal: _Signal, column: Column | None
 
 def _check_gaps(path: Path, signal: _Signal, stamps_s: Samples) -> None:
     steps_s = np.diff(stamps_s)
-    bad = np.flatnonzero((steps_s <= 0.0) | (steps_s > _GAP * np.median(steps_s)))
+    bad = np.flatnonzero((steps_s <= 0.0) | (steps_s > GAP_STEPS * np.median(steps_s)))
     if len(bad):
         raise DataError(
             f"{path}, row {signal.places[bad[0] + 1]}: {signal.name} comes {steps_s[bad[0]]:.6g} s "

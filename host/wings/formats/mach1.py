@@ -17,6 +17,7 @@ import numpy as np
 
 from springpot import DataError, UsageError
 from springpot.modelling import (
+    MIN_ROWS,
     ColumnMap,
     FileRequest,
     Quantity,
@@ -27,7 +28,6 @@ from springpot.modelling import (
     stated_rate_hz,
 )
 
-_MIN_ROWS = 3  # of samples
 _SINUSOID = "Sinusoid"
 _FREQUENCY = "Frequency, Hz"
 _DIVIDER = "<divider>"
@@ -64,7 +64,7 @@ def read_mach1(path: Path, request: FileRequest) -> tuple[list[RawChannels], str
     for block in _blocks(path):
         if kind is not None and block.kind.casefold() != kind.casefold():
             left_out.append(f"<{block.kind}> in row {block.line} (--block)")
-        elif sum(1 for line in block.table if line.strip()) <= _MIN_ROWS:
+        elif sum(1 for line in block.table if line.strip()) <= MIN_ROWS:
             left_out.append(f"<{block.kind}> in row {block.line} ({_too_short(block)})")
         else:
             read.append(block)

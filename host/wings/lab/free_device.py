@@ -1,5 +1,4 @@
-"""A simulated device that nobody holds (runtime_c/sim/sim_free.h): what is measured without
-hardware, and what tests know the truth of."""
+"""A simulated device that nobody holds (runtime_c/sim/sim_free.h): to measure without hardware."""
 
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -26,7 +25,7 @@ _FREE_SETTINGS = {
 
 @dataclass(frozen=True)
 class FreeDeviceTruth:
-    """What the device is, by the names of sim_free_settings.
+    """Hold the true parameters of a device, by the names of sim_free_settings.
 
     velocity_noise_mps: negative where velocity is the difference of two positions. sign: 1 where a
     positive command pushes the tool out. bristle_m, static_ratio: LuGre friction, where not 0.

@@ -1,1 +1,1 @@
-"""What to record: presses that would tell most, and protocols of places and of failures."""
+"""Choose what to record: presses that would tell most, protocols of places and of failures."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from springpot import Recording
 from springpot.basics import Samples
-from springpot.modelling import contact_of, depth_m, highpass, hold_spikes
+from springpot.modelling import LONGEST_SPIKE, contact_of, depth_m, highpass, hold_spikes
 
 N_NEXT = 3
 _SHARES = (0.25, 0.5, 0.75, 1.0)  # of the greatest recorded force, which is never exceeded
@@ -35,7 +35,6 @@ _ROWS = 100  # of a press, evenly in time
 _SAMPLES = 1000  # of a press that is not recorded yet
 _MAX_SAMPLES = 20_000  # of a recording
 _BINS = 200
-_GLITCH = 5  # samples at most
 
 _Square = NDArray[np.float64]
 
@@ -134,7 +133,7 @@ def possible_presses(peak_n: float, band_hz: tuple[float, float]) -> list[NextPr
 def _greatest_n(recording: Recording) -> float:
     """The force that more samples reach than a glitch has: a protocol will press as hard."""
     own = np.sort(recording.force_n)[::-1]
-    return float(own[min(_GLITCH, len(own) // 20)])
+    return float(own[min(LONGEST_SPIKE, len(own) // 20)])
 
 
 def _recorded_shares(

@@ -10,10 +10,16 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.basics import Samples
-from springpot.simulation import RATE_HZ, Profile, cosine_cycles, inverted_cosine, load_protocol
+from springpot.simulation import (
+    PEAK_N,
+    RATE_HZ,
+    Profile,
+    cosine_cycles,
+    inverted_cosine,
+    load_protocol,
+)
 
 TRAINING, TEST = "training", "test"
-_PEAK_N = 10.0  # of the paper
 _SPEEDS_HZ = (0.25, 1.0, 4.0)
 _PRELOAD_N, _PRELOAD_S, _SETTLE_S = 2.0, 1.0, 2.0
 _LONG_S, _LONG_PERIODS_S = 300.0, (0.4, 5.0)
@@ -61,13 +67,13 @@ def one_long(seed: int) -> list[Profile]:
     parts: list[Samples] = []
     while sum(map(len, parts)) < _LONG_S * RATE_HZ:
         amplitude_n, period_s = (
-            draw.uniform(1.0, _PEAK_N),
+            draw.uniform(1.0, PEAK_N),
             np.exp(draw.uniform(*np.log(_LONG_PERIODS_S))),
         )
         parts.append(cosine_cycles(amplitude_n, 1 / period_s, 1, round(period_s * RATE_HZ)))
     command_n = np.concatenate(parts)[: round(_LONG_S * RATE_HZ)]
-    metadata = {"kind": "random cosines", "amplitude_n": _PEAK_N, "protocol_seed": seed}
-    return [Profile("random", command_n, metadata, part=TRAINING), *_sums(seed, 3, _PEAK_N)]
+    metadata = {"kind": "random cosines", "amplitude_n": PEAK_N, "protocol_seed": seed}
+    return [Profile("random", command_n, metadata, part=TRAINING), *_sums(seed, 3, PEAK_N)]
 
 
 def one_speed(_seed: int) -> list[Profile]:
@@ -86,7 +92,7 @@ def preload(seed: int) -> list[Profile]:
         for amplitude_n in (2.0, 5.0, 8.0)
         for frequency_hz in (0.5, 1.0, 2.0)
     ]
-    return [_preloaded(press) for press in (*presses, *_sums(seed, 2, _PEAK_N - _PRELOAD_N))]
+    return [_preloaded(press) for press in (*presses, *_sums(seed, 2, PEAK_N - _PRELOAD_N))]
 
 
 STRUCTURES: dict[str, Callable[[int], list[Profile]]] = {
@@ -125,7 +131,7 @@ def _ramp(part: str, amplitude_n: float, rise_s: float, hold_s: float) -> Profil
 def _sums(seed: int, count: int, peak_n: float) -> Iterator[Profile]:
     """The first signals of the paper's validation protocol, as a test."""
     for profile in load_protocol("validation", seed)[:count]:
-        command_n = profile.command_n * (peak_n / _PEAK_N)
+        command_n = profile.command_n * (peak_n / PEAK_N)
         yield replace(profile, name="sum", command_n=command_n, part=TEST)
 
 

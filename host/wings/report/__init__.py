@@ -1,1 +1,1 @@
-"""What results show: pages on a scene and its stability, pictures, notebooks, the demo."""
+"""Show results: pages on a scene and its stability, pictures, notebooks, the demo."""

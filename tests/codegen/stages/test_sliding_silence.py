@@ -1,4 +1,4 @@
-"""What a hand gets back from slides that lose samples, at any phase, with the account of energy.
+"""Energy that a hand gets back from slides that lose samples, at any phase, with the account.
 
 Motions are given, as by a hand that no force turns; a force acts until the next tick.
 """

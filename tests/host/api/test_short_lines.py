@@ -1,4 +1,4 @@
-"""What public dataclasses say of themselves: one short line."""
+"""Public dataclasses print as one short line."""
 
 import dataclasses
 from importlib import import_module

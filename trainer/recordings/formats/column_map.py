@@ -20,7 +20,7 @@ from springpot.trainer.recordings.formats.units import (
     is_weight,
 )
 
-EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
+MAP_EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
 # A header may hold commas ("Time, s"): only a comma before the next channel's name separates.
 _NEXT_CHANNEL = re.compile(rf",(?=\s*(?:{'|'.join(QUANTITIES)})\s*=)")
 _RATE = re.compile(r"(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(k?)Hz")
@@ -109,7 +109,7 @@ def parse_map(text: str) -> dict[Quantity, Column]:
         name, equals, rest = (piece.strip() for piece in part.partition("="))
         quantity = next((known for known in QUANTITIES if known == name), None)
         if quantity is None or not equals:
-            raise UsageError(f"--map: cannot read {part.strip()!r}: write {EXAMPLE}")
+            raise UsageError(f"--map: cannot read {part.strip()!r}: write {MAP_EXAMPLE}")
         if quantity in columns:
             raise UsageError(f"--map: {quantity} is given twice: give it once")
         rate_hz = stated_hz(rest) if quantity == "time" else None
@@ -139,7 +139,7 @@ def _parse_column(text: str, quantity: Quantity) -> Column:
     if not colon:
         header, unit = unit, ""
     if not header:
-        raise UsageError(f"--map: {quantity} has no column: write {EXAMPLE}")
+        raise UsageError(f"--map: {quantity} has no column: write {MAP_EXAMPLE}")
     if not header.isdecimal():
         return Column(header, unit or None)
     if int(header) == 0:

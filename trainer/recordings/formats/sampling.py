@@ -12,7 +12,7 @@ from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, o
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 
 MIN_ROWS = 3
-GAP = 1.5  # a step longer than this many usual steps is a gap
+GAP_STEPS = 1.5  # a step longer than this many usual steps is a gap
 STEP_TOLERANCE = 0.01
 MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 # Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
@@ -149,7 +149,7 @@ def _check_gaps(raw: RawChannels) -> None:
     # along: where there are many, the mean is the better measure of what is usual.
     if len(steps_s) >= _MANY_STEPS:
         usual_s = max(usual_s, float(np.mean(steps_s)))
-    bad = np.flatnonzero(steps_s > GAP * usual_s + _rounding_s(raw))
+    bad = np.flatnonzero(steps_s > GAP_STEPS * usual_s + _rounding_s(raw))
     if len(bad):
         raise DataError(
             f"{_at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "

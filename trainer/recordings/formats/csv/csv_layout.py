@@ -6,7 +6,7 @@ from pathlib import Path
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import (
-    EXAMPLE,
+    MAP_EXAMPLE,
     Column,
     ColumnMap,
     column_units,
@@ -127,7 +127,7 @@ def _layout_by_numbers(path: Path, head: Sequence[str], request: FileRequest, be
     numbers = ", ".join(str(i + 1) for i in chosen.values())
     raise DataError(
         f"{path}: no row has numbers in columns {numbers} (first {len(head)} rows read): "
-        f"correct --map {EXAMPLE}"
+        f"correct --map {MAP_EXAMPLE}"
     )
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import (
-    EXAMPLE,
+    MAP_EXAMPLE,
     Column,
     ColumnMap,
     stated_rate_hz,
@@ -80,7 +80,7 @@ def missing_columns(
             "object was pressed"
         )
     return MissingColumnsError(
-        f"{path}: found no column of {' or of '.join(missing)}{header}: pass --map {EXAMPLE}, "
+        f"{path}: found no column of {' or of '.join(missing)}{header}: pass --map {MAP_EXAMPLE}, "
         "where COL is a header or a column's number"
     )
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot import Recording
-from springpot.modelling import Quantity, factor_to_si
+from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
+from springpot.trainer.recordings.recording import Recording
 
 # Stiffness under a tip of a finger's size, 2 a E / (1 - nu^2) for a = 5 mm, from soft gels (1 kPa)
 # to rubber of Shore A 80 (10 MPa); Johnson, Contact Mechanics, 1985, section 3.4.
