@@ -89,6 +89,7 @@ class Firmware:
         if self.now("trip") and not self.tripped_once:
             self.tripped_once = True
             self.off("fault", VELOCITY, force_n)
+        self.tell(force_n)  # before the watchdog: a peer that was held up still saw the start
         self.watch(force_n)
         self.tell(force_n)
 

@@ -81,6 +81,7 @@ def test_what_it_is_armed_with() -> None:
     """The force limit, the handle's mass and the watchdog reach the device."""
     with peer("dhd_device") as device:
         opened = open_device(device.url + "&effector_mass_kg=0.12&weight_n=0.5", WANTED)
+        device.wait_for("start", more=1)  # the first proves the watchdog
         opened.stop()
         stop = device.wait_for("stop", more=1)
         opened.close()
