@@ -111,7 +111,7 @@ soak: $(STAMP) test-c
 	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/host/stability/test_hostile.py tests/host/stability/test_stability.py tests/codegen/stages/test_engines.py
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/host/devices/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/host/session/test_faults.py
-	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/host/boards/test_mcu_board.py
+	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/wings/boards/test_mcu_board.py
 	$(BIN)/pip install --quiet --disable-pip-version-check atheris
 	$(BIN)/python tests/proof/fuzz/fuzz.py
 	$(BIN)/python tests/proof/reliability.py

@@ -49,6 +49,14 @@ if TYPE_CHECKING:
     from springpot.host.session.session import Session as Session
     from springpot.host.stability.check import Stability as Stability
     from springpot.host.validation.validation import Validation as Validation
+    from springpot.host.wings.estimators.ensemble import (
+        ensemble_data as ensemble_data,
+        from_ensemble as from_ensemble,
+    )
+    from springpot.host.wings.estimators.estimator import (
+        PositionRegressor as PositionRegressor,
+        neg_rmse_n as neg_rmse_n,
+    )
     from springpot.loaded import LoadedScene as LoadedScene, load as load
     from springpot.steps import (
         emit as emit,
@@ -57,14 +65,6 @@ if TYPE_CHECKING:
         stability as stability,
         train as train,
         validate as validate,
-    )
-    from springpot.trainer.ensemble import (
-        ensemble_data as ensemble_data,
-        from_ensemble as from_ensemble,
-    )
-    from springpot.trainer.estimator import (
-        PositionRegressor as PositionRegressor,
-        neg_rmse_n as neg_rmse_n,
     )
     from springpot.trainer.kinds import kind_names as kind_names
     from springpot.trainer.models.fit import Fit as Fit, FitOptions as FitOptions

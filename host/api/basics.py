@@ -11,7 +11,12 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.codegen.arrays import Indices as Indices, Reals as Reals, Samples as Samples
+    from springpot.codegen.arrays import (
+        Indices as Indices,
+        Reals as Reals,
+        Samples as Samples,
+        given_numbers as given_numbers,
+    )
     from springpot.codegen.atomic_write import (
         folder_written_aside as folder_written_aside,
         sync_folder as sync_folder,
@@ -19,5 +24,6 @@ if TYPE_CHECKING:
         written_aside as written_aside,
     )
     from springpot.codegen.scene import Number as Number, Target as Target
+    from springpot.codegen.short_repr import short_repr as short_repr
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -26,10 +26,6 @@ if TYPE_CHECKING:
         open_device as open_device,
         parse_device as parse_device,
     )
-    from springpot.host.devices.lines.can import (
-        can_database as can_database,
-        python_can_bus as python_can_bus,
-    )
     from springpot.host.devices.lines.serial_port import (
         latency_timer as latency_timer,
         open_port as open_port,
@@ -56,5 +52,9 @@ if TYPE_CHECKING:
     )
     from springpot.host.recording.press_rows import PressRows as PressRows
     from springpot.host.recording.session import open_press_device as open_press_device
+    from springpot.host.wings.devices.can import (
+        can_database as can_database,
+        python_can_bus as python_can_bus,
+    )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -36,6 +36,11 @@ if TYPE_CHECKING:
         feature_stage as feature_stage,
         regressor_stage as regressor_stage,
     )
+    from springpot.host.emission.checksums import (
+        is_edited as is_edited,
+        require_replaceable as require_replaceable,
+        write_checksums as write_checksums,
+    )
     from springpot.host.emission.emission import (
         MODEL_COPY as MODEL_COPY,
         SCENE_COPY as SCENE_COPY,
@@ -45,6 +50,7 @@ if TYPE_CHECKING:
         require_emission as require_emission,
         write_emission as write_emission,
     )
+    from springpot.host.emission.folder import emitted_folder as emitted_folder
     from springpot.host.emission.result import over_budget as over_budget
     from springpot.host.emission.scene_file import (
         model_path as model_path,

@@ -10,14 +10,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.host.pages.page import page_text as page_text, plain as plain
-    from springpot.host.pages.server import (
-        Answer as Answer,
-        PageEvent as PageEvent,
-        PageServer as PageServer,
-        PageWatcher as PageWatcher,
-    )
-    from springpot.host.plot_style import (
+    from springpot.host.wings.pages.page import page_text as page_text, plain as plain
+    from springpot.host.wings.pages.plot_style import (
         ERROR as ERROR,
         MEASURED as MEASURED,
         MUTED as MUTED,
@@ -26,6 +20,12 @@ if TYPE_CHECKING:
         SVG_METADATA as SVG_METADATA,
         stride as stride,
         svg_text as svg_text,
+    )
+    from springpot.host.wings.pages.server import (
+        Answer as Answer,
+        PageEvent as PageEvent,
+        PageServer as PageServer,
+        PageWatcher as PageWatcher,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -6,6 +6,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+_WINGS = "springpot.host.wings"  # folders that an installation may leave out
+
 
 def lazy_names(
     module: str, file: str
@@ -13,7 +15,8 @@ def lazy_names(
     """Return `__getattr__`, `__dir__` and `__all__` of a public module.
 
     The names are those that its block `if TYPE_CHECKING:` imports: written once, for checkers,
-    editors and the interpreter alike. Raises AttributeError for any other name.
+    editors and the interpreter alike. Raises AttributeError for any other name, ImportError for one
+    of a wing that is not installed.
 
         __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)
     """
@@ -22,7 +25,15 @@ def lazy_names(
     def loaded(name: str) -> Any:
         if name not in homes:
             raise AttributeError(f"module {module!r} has no attribute {name!r}: see dir({module})")
-        return getattr(import_module(homes[name]), name)
+        try:
+            return getattr(import_module(homes[name]), name)
+        except ModuleNotFoundError as error:
+            if (error.name or "").startswith(_WINGS):
+                raise ImportError(
+                    f"{module}.{name}: this part of springpot is not installed here: install all "
+                    "of springpot"
+                ) from None
+            raise
 
     names = sorted(homes)
     return loaded, lambda: names, names

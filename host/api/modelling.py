@@ -47,6 +47,7 @@ if TYPE_CHECKING:
         KINDS as KINDS,
         Kind as Kind,
         fit_kind as fit_kind,
+        fit_model as fit_model,
     )
     from springpot.trainer.models.compatibility import (
         require_compatible as require_compatible,
@@ -60,10 +61,14 @@ if TYPE_CHECKING:
     )
     from springpot.trainer.models.forests import (
         depth_scale as depth_scale,
+        ensemble_ir as ensemble_ir,
         fit_forest as fit_forest,
         random_forest as random_forest,
     )
-    from springpot.trainer.models.limited import limited_n as limited_n
+    from springpot.trainer.models.limited import (
+        extrapolation as extrapolation,
+        limited_n as limited_n,
+    )
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.predict import (
         predict_each_n as predict_each_n,
@@ -122,6 +127,11 @@ if TYPE_CHECKING:
         read_apart as read_apart,
         require_unpacked as require_unpacked,
         run_reader as run_reader,
+    )
+    from springpot.trainer.recordings.recording import Zero as Zero, zero_word as zero_word
+    from springpot.trainer.recordings.recording_file import (
+        Recordings as Recordings,
+        given_recordings as given_recordings,
     )
     from springpot.trainer.recordings.spikes import (
         LONGEST_SPIKE as LONGEST_SPIKE,

@@ -13,12 +13,6 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.host.boards.boards import (
-        Board as Board,
-        default_board as default_board,
-        missing as missing,
-    )
-    from springpot.host.boards.emulator import run_batch as run_batch, steps as steps
     from springpot.host.native.c_library import CLibrary as CLibrary, load_c as load_c
     from springpot.host.native.compiler import (
         CompilerError as CompilerError,
@@ -41,9 +35,11 @@ if TYPE_CHECKING:
     from springpot.host.native.scene_library import (
         SceneLibrary as SceneLibrary,
         port_headers as port_headers,
+        scene_files as scene_files,
     )
     from springpot.host.native.toolchain import (
         SOFT_DOUBLES as SOFT_DOUBLES,
+        Toolchain as Toolchain,
         missing_tools as missing_tools,
         toolchain as toolchain,
     )
@@ -53,10 +49,18 @@ if TYPE_CHECKING:
         missing_node as missing_node,
         run_in_node as run_in_node,
     )
+    from springpot.host.wings.boards.boards import (
+        Board as Board,
+        default_board as default_board,
+        missing as missing,
+    )
+    from springpot.host.wings.boards.emulator import run_batch as run_batch, steps as steps
     from springpot.runtime_c.paths import (
         PORT_BROWSER as PORT_BROWSER,
+        PORT_MCU as PORT_MCU,
         PORT_WIRE as PORT_WIRE,
         SIM as SIM,
+        flags as flags,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

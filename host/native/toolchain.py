@@ -3,6 +3,7 @@
 import shutil
 from dataclasses import dataclass
 
+from springpot.codegen.short_repr import short_repr
 from springpot.host.native.compiler import find_compiler, packaged_compiler
 from springpot.runtime_c.paths import PORT_WASM
 
@@ -18,6 +19,7 @@ class Toolchain:
     size: str | None
     flags: tuple[str, ...]
     linker: tuple[str, ...] = ()
+    __repr__ = short_repr
 
 
 _ARM = ("-mthumb", "-mfloat-abi=hard")

@@ -16,11 +16,11 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.reference.notes import RESYNC
 from springpot.codegen.scene import Coupling, Runtime, Scene
-from springpot.host.boards.boards import BOARDS
-from springpot.host.boards.emulator import run_batch, steps
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.wings.boards.boards import BOARDS
+from springpot.host.wings.boards.emulator import run_batch, steps
 from springpot.trainer.recordings.recording_file import read_recordings
 
 

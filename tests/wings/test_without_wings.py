@@ -36,7 +36,7 @@ frequency_hz = 2.0
 cycles = 3
 """
 OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "material", "doctor",
-            "demo", "plot", "report")  # fmt: skip
+            "demo", "plot", "report", "firmware", "completion")  # fmt: skip
 FOREIGN = {  # how files of formats begin that only a wing reads
     "x.mat": b"MATLAB 5.0 MAT-file, made by hand\0\1\2",
     "x.h5": b"\x89HDF\r\n\x1a\n" + bytes(600),
@@ -86,6 +86,18 @@ def test_commands_and_options_of_wings_are_not_there_without_them(tmp_path: Path
                    "--force", "serial:///dev/none", "--out", "x"),
                   ("emit", "--pick", "pc-1khz", "--out", "c")):  # fmt: skip
         assert "not installed here" in run(tmp_path, *words, status=2).stderr
+
+
+def test_public_names_of_wings_are_one_line_without_them(tmp_path: Path) -> None:
+    for name in ("springpot.PositionRegressor", "springpot.native.run_batch",
+                 "springpot.figures.PageServer", "springpot.devices.can_database"):  # fmt: skip
+        module, _, public = name.rpartition(".")
+        script = HIDING.replace("from springpot.host.cli import main\nmain()",
+                                f"from {module} import {public}")  # fmt: skip
+        result = subprocess.run([sys.executable, "-c", script], check=False, cwd=tmp_path,
+                                capture_output=True, text=True)  # fmt: skip
+        told = result.stderr.strip().splitlines()[-1]
+        assert told.startswith(f"ImportError: {name}: this part of springpot is not installed here")
 
 
 @pytest.fixture(scope="module")

@@ -16,8 +16,8 @@ from sklearn.preprocessing import MinMaxScaler, StandardScaler
 
 from springpot.codegen.errors import UsageError
 from springpot.host.simulation.objects import OBJECTS
+from springpot.host.wings.estimators.ensemble import ensemble_data, require_same_data
 from springpot.host.wings.evidence.paper.reproduce import Work, simulated
-from springpot.trainer.ensemble import ensemble_data, require_same_data
 
 FOREST, EXTRA, BOOSTED = RandomForestRegressor, ExtraTreesRegressor, HistGradientBoostingRegressor
 USUAL = {

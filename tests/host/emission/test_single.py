@@ -18,12 +18,12 @@ from support.small import model_file, scene
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers
-from springpot.host.boards.boards import default_board
-from springpot.host.boards.firmware import build_firmware
 from springpot.host.emission.emission import by_hand, emit
 from springpot.host.native.compiler import find_compiler
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools
+from springpot.host.wings.boards.boards import default_board
+from springpot.host.wings.boards.firmware import build_firmware
 from springpot.host.wings.page.scene_entry import page_module
 from springpot.runtime_c.paths import SOURCE
 

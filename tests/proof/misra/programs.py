@@ -16,7 +16,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene, Smoothing
-from springpot.host.boards.boards import BOARDS
+from springpot.host.wings.boards.boards import BOARDS
 
 RUNTIME = ROOT / "runtime_c"
 PORT = RUNTIME / "port"

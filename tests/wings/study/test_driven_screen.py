@@ -9,7 +9,7 @@ from support.browser import CHROMIUM
 from support.driven_browser import DrivenBrowser, driven_browser
 
 from springpot.host.native.loop_library import COLUMN, LoopRows, empty_rows
-from springpot.host.pages.server import PageEvent
+from springpot.host.wings.pages.server import PageEvent
 from springpot.host.wings.study.session.screen import ParticipantScreen
 from springpot.host.wings.study.session.screen_state import Act, Ask, ScreenState
 

@@ -22,6 +22,7 @@ _MARK = ".springpot-bench"
 _FLOORS = ("runtime_c", "codegen", "trainer", "host")
 _BESIDE = ("host/api", "host/commands", "host/wings")  # offer names, call, or are other wings
 _MEASURING = tuple(f"host/wings/evidence/benchmark/{name}.py" for name in ("measure", "isolated"))
+_BOARDS = "host/wings/boards"  # instructions of a tick
 
 
 class Store:
@@ -120,7 +121,7 @@ def code_hash(root: Path | None = None) -> str:
     root: of the package; default: the installed one.
     """
     root = root or Path(str(resources.files("springpot.host"))).parent
-    files = {root / name for name in _MEASURING}
+    files = {*(root / name for name in _MEASURING), *(root / _BOARDS).glob("*.py")}
     for floor in _FLOORS:
         files |= {file for file in (root / floor).rglob("*") if file.is_file()
                   and "__pycache__" not in file.parts

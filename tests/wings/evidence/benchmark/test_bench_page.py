@@ -19,7 +19,6 @@ from support.browser import (
     layout_faults,
 )
 
-from springpot.host.pages.page import prose
 from springpot.host.wings.evidence.benchmark.labels import label
 from springpot.host.wings.evidence.benchmark.point import points_of
 from springpot.host.wings.evidence.benchmark.report import (
@@ -29,6 +28,7 @@ from springpot.host.wings.evidence.benchmark.report import (
 )
 from springpot.host.wings.evidence.benchmark.store import read_result
 from springpot.host.wings.evidence.commands.bench import bench_rows
+from springpot.host.wings.pages.page import prose
 
 # Where each figure is, and what a mark says when the mouse is over it.
 PROBE = """<script>

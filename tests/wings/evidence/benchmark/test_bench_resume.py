@@ -50,8 +50,8 @@ def test_other_code_measures_again(tmp_path: Path) -> None:
     assert code_hash.__wrapped__(tmp_path) == before
     for name in ("runtime_c/src/sp_guard.h", "runtime_c/flags.mk", "codegen/plan/plan.py",
                  "trainer/models/rf_fd.py", "host/wings/evidence/benchmark/measure.py",
-                 "host/native/replay.py", "host/stability/check.py", "host/boards/emulator.py",
-                 "host/simulation/hand_loop.py"):  # fmt: skip
+                 "host/native/replay.py", "host/stability/check.py",
+                 "host/wings/boards/emulator.py", "host/simulation/hand_loop.py"):  # fmt: skip
         file = tmp_path / name
         text = file.read_text()
         file.write_text(text + "\n")

@@ -20,10 +20,10 @@ from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.notes import HELD, RESYNC
 from springpot.codegen.scene import Guard, Scene
-from springpot.host.boards.boards import BOARDS
-from springpot.host.boards.emulator import run_batch, steps
-from springpot.host.boards.firmware import build_firmware
 from springpot.host.emission.emission import emit
+from springpot.host.wings.boards.boards import BOARDS
+from springpot.host.wings.boards.emulator import run_batch, steps
+from springpot.host.wings.boards.firmware import build_firmware
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import write_recording

@@ -10,15 +10,18 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted
 
-from springpot.codegen.arrays import Samples, given_numbers
-from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.model import Model
-from springpot.trainer.kinds import fit_model, kind_names
-from springpot.trainer.models.fit import PAPER_CENTERS, PAPER_LEAF, PAPER_TREES, Fit, FitOptions
-from springpot.trainer.models.limited import extrapolation, limited_n
-from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording, Zero, zero_word
+from springpot import (
+    DataError,
+    Fit,
+    FitOptions,
+    Model,
+    Recording,
+    UsageError,
+    check_recordings,
+    kind_names,
+)
+from springpot.basics import Samples, given_numbers
+from springpot.modelling import Zero, extrapolation, fit_model, limited_n, zero_word
 
 Sequences = Sequence[ArrayLike | Recording]
 
@@ -53,10 +56,10 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         random_state: int = 0,
         fraction: float | None = None,
         window_s: float | None = None,
-        smooth_s: float = PAPER_SMOOTH_S,
-        trees: int = PAPER_TREES,
-        leaf: int = PAPER_LEAF,
-        n_centers: int = PAPER_CENTERS,
+        smooth_s: float = FitOptions.smooth_s,
+        trees: int = FitOptions.trees,
+        leaf: int = FitOptions.leaf,
+        n_centers: int = FitOptions.n_centers,
         centers: Literal["farthest", "greedy"] = "farthest",
         monotone: bool = False,
     ) -> None:

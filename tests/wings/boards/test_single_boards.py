@@ -10,8 +10,8 @@ from support.c.mcu import need
 from support.c.single import every_plan, write_single
 
 from springpot.codegen.plan.units import state_bytes
-from springpot.host.boards import emulator
-from springpot.host.boards.boards import BOARDS, Board, compiler_of
+from springpot.host.wings.boards import emulator
+from springpot.host.wings.boards.boards import BOARDS, Board, compiler_of
 from springpot.runtime_c.paths import PORT_MCU, flags
 
 pytestmark = [pytest.mark.board, pytest.mark.slow]

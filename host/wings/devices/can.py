@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.codegen.errors import DataError, DeviceError
-from springpot.host.devices.url import Address
+from springpot import DataError, DeviceError
+from springpot.devices import Address
 
 if TYPE_CHECKING:
     import can

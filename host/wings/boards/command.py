@@ -4,27 +4,25 @@ from pathlib import Path
 
 import click
 
-from springpot.host.boards.boards import BOARDS, board_of
-from springpot.host.console.options import PATH, accept_edited_option
-from springpot.host.console.output import json_option, print_result, progress_bar, say
+from springpot.console import accept_edited_option, json_option, print_result, progress_bar, say
+from springpot.host.wings.boards.boards import BOARDS, board_of
 
 
 @click.command()
 @click.option(
     "--scene",
-    type=PATH,
+    type=click.Path(path_type=Path),
     required=True,
     help="Scene file, or a folder that `springpot emit` wrote.",
 )
 @click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
-@click.option("--out", type=PATH, required=True, help="Folder to write.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
 @accept_edited_option
 @json_option
 def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""
-    from springpot.host.boards.firmware import TRANSDUCER, build_firmware
-    from springpot.host.emission.checksums import is_edited
-    from springpot.host.emission.folder import emitted_folder
+    from springpot.emission import emitted_folder, is_edited
+    from springpot.host.wings.boards.firmware import TRANSDUCER, build_firmware
 
     board = board_of(name)
     if is_edited(out, TRANSDUCER):

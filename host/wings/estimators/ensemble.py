@@ -7,18 +7,22 @@ import numpy as np
 from sklearn.base import clone
 from sklearn.metrics import r2_score
 
-from springpot.codegen.arrays import Indices, Samples, given_numbers
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.features import Features
-from springpot.codegen.model.model import Model
-from springpot.trainer.models.fit import FitOptions, assemble
-from springpot.trainer.models.forests import depth_scale, ensemble_ir
-from springpot.trainer.models.passive.passive_fit import fit_passive
-from springpot.trainer.models.predict import regressor_force
-from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
-from springpot.trainer.models.training_set import TrainingSet, training_set
-from springpot.trainer.paper import PAPER_SMOOTH_S
-from springpot.trainer.recordings.recording_file import Recordings, given_recordings
+from springpot import FitOptions, Model, UsageError
+from springpot.basics import Indices, Samples, given_numbers
+from springpot.modelling import (
+    PAPER_ORDERS,
+    Features,
+    Recordings,
+    TrainingSet,
+    assemble,
+    depth_scale,
+    ensemble_ir,
+    fit_passive,
+    fractional_features,
+    given_recordings,
+    regressor_force,
+    training_set,
+)
 
 KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
@@ -55,7 +59,7 @@ def ensemble_data(
     recordings: Recordings,
     features: GivenFeatures = None,
     fraction: float | None = None,
-    smooth_s: float = PAPER_SMOOTH_S,
+    smooth_s: float = FitOptions.smooth_s,
     seed: int = 0,
     return_groups: bool = False,
 ) -> tuple[Samples, Samples] | tuple[Samples, Samples, Indices]:
@@ -82,7 +86,7 @@ def from_ensemble(
     recordings: Recordings,
     features: GivenFeatures = None,
     name: str = KIND,
-    smooth_s: float = PAPER_SMOOTH_S,
+    smooth_s: float = FitOptions.smooth_s,
 ) -> Model:
     """Model of a RandomForest-, ExtraTrees- or HistGradientBoostingRegressor.
 

@@ -12,7 +12,7 @@ from support.messages import refusing
 from support.small import training
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.estimator import PositionRegressor, neg_rmse_n
+from springpot.host.wings.estimators.estimator import PositionRegressor, neg_rmse_n
 
 LENGTH = min(len(item.force_n) for item in training())
 X = [item.position_m for item in training()]

@@ -10,13 +10,20 @@ from support.small import model_file, training
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.model.model import Model
-from springpot.host.boards import emulator
-from springpot.host.boards.boards import BOARDS, Board
-from springpot.host.boards.emulator import CALL_IDLE, CALL_RESET, Batch, Calls, run_batch, steps
 from springpot.host.emission.checksums import write_checksums
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.wings.boards import emulator
+from springpot.host.wings.boards.boards import BOARDS, Board
+from springpot.host.wings.boards.emulator import (
+    CALL_IDLE,
+    CALL_RESET,
+    Batch,
+    Calls,
+    run_batch,
+    steps,
+)
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 

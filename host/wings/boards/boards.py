@@ -3,10 +3,9 @@
 import shutil
 from dataclasses import dataclass
 
-from springpot.codegen.errors import UsageError
-from springpot.codegen.scene import Target
-from springpot.codegen.short_repr import short_repr
-from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
+from springpot import UsageError
+from springpot.basics import Target, short_repr
+from springpot.native import Toolchain, missing_tools, toolchain
 
 
 @dataclass(frozen=True)

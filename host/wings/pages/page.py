@@ -9,7 +9,7 @@ import jinja2
 import numpy as np
 from markupsafe import Markup, escape
 
-_SHARED = "springpot.host"  # base.html, and parts of several pages
+_SHARED = "springpot.host.wings.pages"  # base.html, and parts of several pages
 
 
 def page_text(
@@ -21,7 +21,7 @@ def page_text(
     """Return the text of one page.
 
     template: a file in the folder `templates` of `package`, which may extend and include those of
-    springpot.host. filters: further ones that the template uses.
+    springpot.host.wings.pages. filters: further ones that the template uses.
     """
     return _environment(package, filters).get_template(template).render(context)
 

@@ -6,19 +6,20 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.codegen.atomic_write import folder_written_aside
-from springpot.codegen.emit.project import prefixed
-from springpot.codegen.errors import BudgetError
-from springpot.codegen.literals import literal
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.stages.stage import padded
-from springpot.host.boards.boards import Board, compiler_of
-from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
-from springpot.host.emission.emission import read_emission
-from springpot.host.native.compiler import CompilerError
-from springpot.host.native.scene_library import port_headers, scene_files
-from springpot.runtime_c.paths import PORT_MCU, PORT_WIRE, flags
+from springpot import BudgetError
+from springpot.basics import folder_written_aside
+from springpot.emission import (
+    Plan,
+    is_edited,
+    literal,
+    prefixed,
+    read_emission,
+    require_replaceable,
+    state_bytes,
+    write_checksums,
+)
+from springpot.host.wings.boards.boards import Board, compiler_of
+from springpot.native import PORT_MCU, PORT_WIRE, CompilerError, flags, port_headers, scene_files
 
 TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
 _COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
@@ -111,7 +112,7 @@ def _linked(
         *tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
-        f"-Wl,--defsym=sp_stack_bytes={padded(_STACK_BYTES + selftest_bytes, 8)}",
+        f"-Wl,--defsym=sp_stack_bytes={-(-(_STACK_BYTES + selftest_bytes) // 8) * 8}",
         *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _NAME),
     ]  # fmt: skip
     result = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
-from springpot.codegen.errors import MismatchError, SpringpotError
-from springpot.host.boards.boards import Board, emulator_of
-from springpot.host.boards.firmware import build_batch
+from springpot import MismatchError, SpringpotError
+from springpot.basics import Reals
+from springpot.host.wings.boards.boards import Board, emulator_of
+from springpot.host.wings.boards.firmware import build_batch
 
 CALL_IDLE, CALL_RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
 _SHIFT = 8  # an instruction takes 2^8 ns of the emulated time: several counts of every counter

@@ -24,8 +24,8 @@ import springpot
 from springpot.codegen.errors import DataError, SpringpotError, UsageError
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.native.trial_build import built
-from springpot.trainer.ensemble import ensemble_data, from_ensemble
-from springpot.trainer.estimator import PositionRegressor
+from springpot.host.wings.estimators.ensemble import ensemble_data, from_ensemble
+from springpot.host.wings.estimators.estimator import PositionRegressor
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.limited import limited_n

@@ -1,1 +1,0 @@
-"""Microcontrollers: boards, firmware, emulator, replay through a board."""
