@@ -62,9 +62,11 @@ def _probe(plan: Plan) -> Probe | None:
     return None if plan.features is None else plan.features.probe()
 
 
-def filled(template: str, plan: Plan, **places: str) -> str:
-    """Text of a template with @PLACES@ replaced, and in C the scene's prefix."""
-    text = (files("springpot.codegen.emit") / "templates" / template).read_text()
+def filled(
+    template: str, plan: Plan, package: str = "springpot.codegen.emit", **places: str
+) -> str:
+    """Fill in the @PLACES@ of a template of `package`, and in C the scene's prefix."""
+    text = (files(package) / "templates" / template).read_text()
     prefix = plan.scene.runtime.prefix
     metadata = {
         "PREFIX": prefix,

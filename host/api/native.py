@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         compiler_reason as compiler_reason,
         compiler_version as compiler_version,
         find_compiler as find_compiler,
+        first_error as first_error,
     )
     from springpot.host.native.footprint import (
         Footprint as Footprint,
@@ -44,22 +45,24 @@ if TYPE_CHECKING:
         toolchain as toolchain,
     )
     from springpot.host.native.trial_build import built as built, written as written
-    from springpot.host.native.wasm_module import scene_module as scene_module
-    from springpot.host.native.wasm_node import (
-        missing_node as missing_node,
-        run_in_node as run_in_node,
-    )
     from springpot.host.wings.boards.boards import (
         Board as Board,
         default_board as default_board,
         missing as missing,
     )
     from springpot.host.wings.boards.emulator import run_batch as run_batch, steps as steps
+    from springpot.host.wings.wasm.wasm_module import scene_module as scene_module
+    from springpot.host.wings.wasm.wasm_node import (
+        missing_node as missing_node,
+        run_in_node as run_in_node,
+    )
     from springpot.runtime_c.paths import (
+        INCLUDE as INCLUDE,
         PORT_BROWSER as PORT_BROWSER,
         PORT_MCU as PORT_MCU,
         PORT_WIRE as PORT_WIRE,
         SIM as SIM,
+        SOURCE as SOURCE,
         flags as flags,
     )
 else:

@@ -6,11 +6,9 @@ import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.single import SINGLE_EXAMPLE, emit_single
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
@@ -29,11 +27,9 @@ from springpot.host.emission.felt import felt_notices, rate_notices
 from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.footprint import measure_footprint
+from springpot.host.native.footprint import WASM, measure_footprint
 from springpot.host.native.scene_library import SceneLibrary, scene_files
 from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
-from springpot.host.native.wasm_module import scene_module
-from springpot.host.native.wasm_node import missing_node, run_in_node
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
 
@@ -114,7 +110,8 @@ def write_emission(
 ) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
-    texts = (emit_single if single else emit_files)(plan, force_facts(plan))
+    emitted = required_part("single-file", "--single") if single else emit_files
+    texts: dict[str, str] = emitted(plan, force_facts(plan))
     for name, text in texts.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
@@ -147,7 +144,7 @@ def _built(
             assert tools is not None, "nothing of it is missing"
             footprint = measure_footprint(aside, scene_files(aside).sources[0], tools)
             if plan.scene.runtime.target == "wasm32":
-                notices += _selftest_in_node(plan, aside)
+                notices += required_part("wasm-selftest", WASM)(plan, aside)
         checked = check(plan, library)
         notices += _activity(checked)
     except NoCompilerError as error:
@@ -176,19 +173,6 @@ def _built(
         if has is None
     ]
     return replace(emission, notices=(*notices, *unchecked, *_selftest_stack(emission)))
-
-
-def _selftest_in_node(plan: Plan, folder: Path) -> list[str]:
-    """Run the self-test as wasm; without node, the notice that it was not run."""
-    if why := missing_node():
-        return [f"the self-test has not run as wasm32: {why}"]
-    none = np.zeros(1, dtype=plan.dtype)
-    if differs := run_in_node(scene_module(folder), plan.scene.runtime.prefix, none, none).selftest:
-        raise MismatchError(
-            f"{plan.scene.name}: the wasm module differs from its numpy reference at golden tick "
-            f"{differs - 1}: nothing was emitted; report clang and node"
-        )
-    return []
 
 
 def _selftest_stack(emission: Emission) -> list[str]:
@@ -253,6 +237,6 @@ def by_hand(folder: Path) -> str:
     files = scene_files(folder)
     if not files.single:
         return f"make -C {folder.name} test    # {files.prefix}_selftest.c, without Python"
-    names = (files.sources[0], SINGLE_EXAMPLE.format(files.prefix))
+    names = (files.sources[0], f"examples/{files.prefix}_lines/main.c")
     sources = " ".join(f"{folder.name}/{name}" for name in names)
     return f"cc -O2 -I{folder.name} {sources} -lm"

@@ -9,6 +9,9 @@ import pytest
 from support.small import model_file, press, recording
 
 from springpot import write_recording
+from springpot.native import missing_tools
+
+WASM_LACKS = missing_tools("wasm32")
 
 # A finder before all others that knows no module below springpot.host.wings.
 HIDING = """
@@ -107,6 +110,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_recording(folder / "press.h5", recording("press", press(2.0)))
     model_file(folder).rename(folder / "pad.spm")
     (folder / "scene.toml").write_text(SCENE)
+    (folder / "wasm.toml").write_text(f'{SCENE}[runtime]\ntarget = "wasm32"\n')
     return folder
 
 
@@ -117,6 +121,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("train", "press.h5", "--model", "rf-fd", "--within", "1%", "--out", "x.spm"),
         ("train", "press.h5", "--model", "hammerstein", "--next", "x.toml", "--out", "x.spm"),
         ("stability", "--scene", "scene.toml", "--report", "x.html"),
+        ("emit", "--scene", "scene.toml", "--single", "--out", "c"),
+        pytest.param(
+            ("emit", "--scene", "wasm.toml", "--out", "c"),
+            marks=pytest.mark.skipif(bool(WASM_LACKS), reason=WASM_LACKS),
+        ),
         ("run", "--scene", "scene.toml", "--device", "sim://free", "--log", "x.h5"),
     ],
 )

@@ -10,11 +10,11 @@ from unittest import mock
 import numpy as np
 
 from springpot.codegen import stages
-from springpot.codegen.emit.single import emit_single
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, ScenePlaces, Smoothing
+from springpot.host.wings.packaging.single import emit_single
 from support.c import golden_forces
 from support.small import damage, flow, small_model
 

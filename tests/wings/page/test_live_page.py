@@ -14,8 +14,8 @@ import pytest
 
 from springpot.host.devices.lines.wire import Receiver, Sender
 from springpot.host.native.loop_library import COLUMN, COLUMNS, IDLE, NONE, LoopRows
-from springpot.host.pages import server
 from springpot.host.wings.page.live import LivePage, frames
+from springpot.host.wings.pages import server
 
 
 def some_rows(n: int, seed: int = 1) -> LoopRows:

@@ -25,11 +25,11 @@ from springpot.codegen.scene import Scene
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools
-from springpot.host.native.wasm_node import missing_node
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import write_press_page
 from springpot.host.wings.page.scene_entry import module_of, scene_entry
+from springpot.host.wings.wasm.wasm_node import missing_node
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM, flags
 
 LACKING = missing_tools("wasm32") or missing_node() or ("" if CHROMIUM else "no chromium on PATH")

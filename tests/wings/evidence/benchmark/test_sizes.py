@@ -14,7 +14,6 @@ from support.c.cross_tools import path_with, path_without
 from springpot.codegen.errors import BudgetError, UsageError
 from springpot.host.cli import springpot
 from springpot.host.native.toolchain import missing_tools
-from springpot.host.native.wasm_module import wasm_module
 from springpot.host.wings.evidence import parallel
 from springpot.host.wings.evidence.benchmark.choice import choose_within
 from springpot.host.wings.evidence.benchmark.isolated import missing_for
@@ -31,6 +30,7 @@ from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
 from springpot.host.wings.evidence.benchmark.store import read_result
 from springpot.host.wings.evidence.sweep import Candidate
+from springpot.host.wings.wasm.wasm_module import wasm_module
 from springpot.trainer.models.fit import FitOptions
 
 REMEDY = "no compiler for cortex-m4f: `apt-get install gcc-arm-none-eabi`"

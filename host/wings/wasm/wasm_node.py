@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
-from springpot.codegen.errors import SpringpotError, UsageError
+from springpot import SpringpotError, UsageError
+from springpot.basics import Reals
 
 _LONGEST_S = 600.0
 
@@ -40,7 +40,7 @@ def run_in_node(module: bytes, prefix: str, position: Reals, velocity: Reals) ->
     node = shutil.which("node")
     if node is None:
         raise UsageError(missing_node())
-    script = files("springpot.host") / "templates" / "wasm_ticks.mjs"
+    script = files("springpot.host.wings.wasm") / "templates" / "wasm_ticks.mjs"
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch, as_file(script) as program:
         place = Path(scratch)
         (place / "module.wasm").write_bytes(module)

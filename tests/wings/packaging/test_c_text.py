@@ -5,9 +5,9 @@ import re
 from support.c.golden_forces import model
 from support.c.single import plan_of
 
-from springpot.codegen.emit.c_blocks import code_of, top_level_blocks, without_unused
 from springpot.codegen.emit.files import regressor_tables, stage_tables
 from springpot.codegen.emit.glue import constants
+from springpot.host.wings.packaging.c_blocks import code_of, top_level_blocks, without_unused
 from springpot.runtime_c.paths import SOURCE
 
 TEXT = """/* A unit { that

@@ -18,17 +18,17 @@ from springpot.codegen.errors import BudgetError, MismatchError
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Budget, Scene, Target
-from springpot.host.emission import emission as emission_module
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.toolchain import missing_tools
-from springpot.host.native.wasm_module import scene_module
-from springpot.host.native.wasm_node import WasmTicks, missing_node, run_in_node
 from springpot.host.wings.evidence.benchmark.choice import choose_pick, scene_of
 from springpot.host.wings.evidence.benchmark.isolated import measure_on_target
 from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
 from springpot.host.wings.page.press_page import check_module, write_press_page
+from springpot.host.wings.wasm import emitted as emitted_module
+from springpot.host.wings.wasm.wasm_module import scene_module
+from springpot.host.wings.wasm.wasm_node import WasmTicks, missing_node, run_in_node
 from springpot.runtime_c.paths import SIM
 
 WASM_LD = shutil.which("wasm-ld")
@@ -99,7 +99,7 @@ def test_emission_states_the_module_and_runs_its_selftest(
     def differs(*given: Any) -> WasmTicks:
         return replace(run_in_node(*given), selftest=8)
 
-    monkeypatch.setattr(emission_module, "run_in_node", differs)
+    monkeypatch.setattr(emitted_module, "run_in_node", differs)
     with pytest.raises(MismatchError, match="golden tick 7: nothing was emitted"):
         emit(scene, model_file, tmp_path / "c")
     monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))

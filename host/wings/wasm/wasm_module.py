@@ -6,11 +6,15 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from springpot.codegen.errors import UsageError
-from springpot.host.native.compiler import CompilerError, first_error
-from springpot.host.native.scene_library import scene_files
-from springpot.host.native.toolchain import missing_tools, toolchain
-from springpot.runtime_c.paths import flags
+from springpot import UsageError
+from springpot.native import (
+    CompilerError,
+    first_error,
+    flags,
+    missing_tools,
+    scene_files,
+    toolchain,
+)
 
 # Below the data, so that a stack that overflows traps; room for a state, which the self-test keeps
 # there. It is memory that the module asks for, no byte of it.

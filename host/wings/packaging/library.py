@@ -7,12 +7,10 @@ from importlib.metadata import version
 
 import numpy as np
 
-from springpot.codegen.emit.project import filled
-from springpot.codegen.literals import literal
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
+from springpot.emission import Plan, filled, literal, state_bytes
 
 _MAX_COUNT = 1023  # of analogRead, where nobody sets its resolution
+PACKAGE = "springpot.host.wings.packaging"  # its templates
 _WHAT = "the feel of a recorded soft object, one force a tick"
 
 
@@ -67,6 +65,7 @@ def arduino_sketch(plan: Plan) -> str:
     return filled(
         "loop.ino",
         plan,
+        PACKAGE,
         NAME=plan.scene.name,
         STATE=str(state_bytes(plan)),
         PER_COUNT=literal(number(f"{(trained.max_m - min(trained.min_m, 0)) / _MAX_COUNT:.3g}")),

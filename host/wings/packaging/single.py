@@ -9,24 +9,34 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from springpot.codegen.emit.c_blocks import code_of, top_level_blocks, without_unused
-from springpot.codegen.emit.files import (
+from springpot.emission import (
+    Plan,
+    constants,
+    filled,
+    functions,
     golden_arrays,
     hashed,
     manifest_text,
+    planned_headers,
+    public_header,
     regressor_tables,
+    scene_numbers,
+    selftest,
     short_manifest_text,
     stage_tables,
     stamp,
+    state_bytes,
+    state_members,
 )
-from springpot.codegen.emit.glue import constants, functions, public_header, scene_numbers
-from springpot.codegen.emit.library import arduino_properties, arduino_sketch, platformio_manifest
-from springpot.codegen.emit.project import filled, selftest
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
-from springpot.runtime_c.paths import INCLUDE, SOURCE
+from springpot.host.wings.packaging.c_blocks import code_of, top_level_blocks, without_unused
+from springpot.host.wings.packaging.library import (
+    PACKAGE,
+    arduino_properties,
+    arduino_sketch,
+    platformio_manifest,
+)
+from springpot.native import INCLUDE, SOURCE
 
-SINGLE_EXAMPLE = "examples/{0}_lines/main.c"  # of a prefix: positions from standard input
 _WIDTH = 100
 _MANIFEST = "@IMAGE@"
 # What gcc says of a forest's traversal at some levels of optimisation, and without reason.
@@ -54,7 +64,7 @@ def emit_single(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str,
         f"{prefix}.h": single_header(plan),
         f"{prefix}.c": single_source(plan),
         f"examples/{prefix}_loop/{prefix}_loop.ino": arduino_sketch(plan),
-        SINGLE_EXAMPLE.format(prefix): filled("main.c", plan, HEADER=f"{prefix}.h"),
+        f"examples/{prefix}_lines/main.c": filled("main.c", plan, HEADER=f"{prefix}.h"),
     }
     files = {name: stamp(name) + text for name, text in files.items()}
     files["library.properties"] = arduino_properties(plan)
@@ -70,7 +80,10 @@ def single_header(plan: Plan) -> str:
     for place, replacement in (
         (r" +\(from \w+_scene\.h; on a PC, \w+\(\) bytes\)", ""),
         (r"\(bits, in sp_notes\.h\)", "(bits, below)"),
-        (r"(?= \* What a call returns)", filled("single_note.txt", plan, LIBRARY=_library(plan))),
+        (
+            r"(?= \* What a call returns)",
+            filled("single_note.txt", plan, PACKAGE, LIBRARY=_library(plan)),
+        ),
         (r'\n#include "sp_notes\.h"\n', f"\n{_notes()}"),
         (r"(?<=/\* springpot declarations end \*/\n)(?=\n#ifdef)", _state(plan)),
     ):
@@ -94,7 +107,7 @@ def single_source(plan: Plan) -> str:
     parts += ["\n".join(golden_arrays(plan)), *top_level_blocks(selftest(plan)), "#endif"]
     body = "\n\n".join(without_unused(parts))
     quiet, loud = (_QUIET, _LOUD) if "sp_forest.h" in planned_headers(plan) else ("", "")
-    text = filled("single_head.txt", plan, QUIET=quiet, LOUD=loud, BODY="\n" + body)
+    text = filled("single_head.txt", plan, PACKAGE, QUIET=quiet, LOUD=loud, BODY="\n" + body)
     text = _renamed(text, prefix, plan.real)
     manifest = short_manifest_text(plan).replace("\\", "\\\\").replace('"', '\\"')
     return text.replace("@NAME@", plan.scene.name).replace(_MANIFEST, manifest)
@@ -160,6 +173,7 @@ def _state(plan: Plan) -> str:
     return filled(
         "single_state.txt",
         plan,
+        PACKAGE,
         TYPES="\n\n".join(_state_types(plan)),
         MEMBERS=members,
         BYTES=str(state_bytes(plan)),

@@ -20,8 +20,8 @@ from springpot.codegen.scene import Scene
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.native.trial_build import written
-from springpot.host.native.wasm_module import scene_module
-from springpot.host.native.wasm_node import missing_node
+from springpot.host.wings.wasm.wasm_module import scene_module
+from springpot.host.wings.wasm.wasm_node import missing_node
 
 LACKING = missing_tools("wasm32") or missing_node()
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(bool(LACKING), reason=LACKING or "-")]

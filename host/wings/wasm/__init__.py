@@ -1,0 +1,1 @@
+"""C as WebAssembly: built, measured, run in node."""
