@@ -92,12 +92,14 @@ if TYPE_CHECKING:
         TrainingSet as TrainingSet,
         training_set as training_set,
     )
+    from springpot.trainer.recordings.contact_point import find_contact as find_contact
     from springpot.trainer.recordings.formats.column_map import (
         MAP_EXAMPLE as MAP_EXAMPLE,
         Column as Column,
         ColumnMap as ColumnMap,
         guess_column as guess_column,
         split_unit as split_unit,
+        stated_hz as stated_hz,
         stated_rate_hz as stated_rate_hz,
     )
     from springpot.trainer.recordings.formats.csv.csv_missing import (
@@ -115,6 +117,7 @@ if TYPE_CHECKING:
         MIN_ROWS as MIN_ROWS,
     )
     from springpot.trainer.recordings.formats.units import (
+        FRAME_NAME as FRAME_NAME,
         Quantity as Quantity,
         Unit as Unit,
         choose_unit as choose_unit,
@@ -127,12 +130,17 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.noise_floor import (
         find_noise_floor as find_noise_floor,
     )
+    from springpot.trainer.recordings.quality.signs import require_signs as require_signs
     from springpot.trainer.recordings.reader_limits import (
         read_apart as read_apart,
         require_unpacked as require_unpacked,
         run_reader as run_reader,
     )
-    from springpot.trainer.recordings.recording import Zero as Zero, zero_word as zero_word
+    from springpot.trainer.recordings.recording import (
+        FRAME_SOURCE as FRAME_SOURCE,
+        Zero as Zero,
+        zero_word as zero_word,
+    )
     from springpot.trainer.recordings.recording_file import (
         Recordings as Recordings,
         given_recordings as given_recordings,

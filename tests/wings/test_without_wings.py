@@ -110,6 +110,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_recording(folder / "press.h5", recording("press", press(2.0)))
     model_file(folder).rename(folder / "pad.spm")
     (folder / "scene.toml").write_text(SCENE)
+    rows = "".join(f"{i / 1000},{i % 7},{i % 7}\n" for i in range(100))
+    (folder / "press.csv").write_text(f"time_s,position_mm,force_n\n{rows}")
     (folder / "wasm.toml").write_text(f'{SCENE}[runtime]\ntarget = "wasm32"\n')
     return folder
 
@@ -122,6 +124,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("train", "press.h5", "--model", "hammerstein", "--next", "x.toml", "--out", "x.spm"),
         ("stability", "--scene", "scene.toml", "--report", "x.html"),
         ("emit", "--scene", "scene.toml", "--single", "--out", "c"),
+        ("import", "press.csv", "--tare", "auto", "--out", "r"),
         pytest.param(
             ("emit", "--scene", "wasm.toml", "--out", "c"),
             marks=pytest.mark.skipif(bool(WASM_LACKS), reason=WASM_LACKS),

@@ -1,21 +1,10 @@
-"""Removal of what a rig adds to samples: delays, mass beyond the load cell, give, offset, surface.
-
-Nothing here happens unasked, each step is reported in one line and kept in the recording's details.
-"""
+"""What a user asks for on import: delays, and steps that take out what a rig adds to samples."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
-import numpy as np
-
-from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.signs import require_signs
+from springpot.codegen.entry_points import required_part
 from springpot.trainer.recordings.recording import Recording
-
-_SMOOTH_S = 0.02  # over which acceleration is taken from positions
-_MIN_WINDOW = 7
 
 
 @dataclass(frozen=True)
@@ -43,6 +32,17 @@ class Conditioning:
     contact_force: float | Literal["auto"] | None = None
     accept_signs: bool = False
 
+    def steps(self) -> list[str]:
+        """Options of `springpot import` that change samples, as far as they are given."""
+        given = {
+            "--align": self.align,
+            "--mass-kg": self.mass_kg,
+            "--tare": self.tare is not None,
+            "--contact-force": self.contact_force is not None,
+            "--compliance": self.frame_npm,
+        }
+        return [option for option, is_given in given.items() if is_given]
+
 
 def condition(recording: Recording, options: Conditioning) -> tuple[Recording, list[str]]:
     """Return the recording with everything done, and a line about each step.
@@ -55,115 +55,9 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
         position_delay_s=recording.position_delay_s + options.position_delay_s,
         force_delay_s=recording.force_delay_s + options.force_delay_s,
     )
-    if options.align:
-        recording = _aligned(recording, messages)
-    if options.mass_kg:
-        recording = _without_inertia(recording, options.mass_kg, messages)
-    if options.tare is not None or options.contact_force is not None:
-        recording = _from_contact(recording, options, messages)
-    if options.frame_npm:  # of the force without its tare: the surface, where it is 0, stays
-        recording = _without_give(recording, options.frame_npm, messages)
+    if steps := options.steps():
+        without_rig = required_part("conditioning", ", ".join(steps))
+        recording, messages = without_rig(recording, options)
     if options.accept_signs:
         recording = replace(recording, details={**recording.details, "accepted_signs": True})
     return recording, messages
-
-
-def _aligned(recording: Recording, messages: list[str]) -> Recording:
-    """Shift the force by the difference of the delays; samples without a partner are cut."""
-    from scipy.interpolate import CubicSpline
-
-    skew_s = recording.force_delay_s - recording.position_delay_s
-    if skew_s == 0.0:
-        raise UsageError("--align: no delay is stated: pass --force-delay-s or --position-delay-s")
-    time_s = np.arange(len(recording.force_n)) * recording.dt_s
-    inside = (time_s + skew_s >= 0.0) & (time_s + skew_s <= time_s[-1])
-    if inside.sum() < 2:
-        raise DataError(f"{recording.name}: is shorter than the delay of {skew_s:g} s: correct it")
-    force_n: Samples = CubicSpline(time_s, recording.force_n)(time_s[inside] + skew_s)
-    messages.append(
-        f"{recording.name}: force shifted by {skew_s * 1e3:g} ms against position, "
-        f"{(~inside).sum()} samples at the end cut"
-    )
-    return replace(
-        recording,
-        position_m=recording.position_m[inside],
-        force_n=force_n,
-        position_delay_s=0.0,
-        force_delay_s=0.0,
-        details={**recording.details, "aligned_s": skew_s},
-    )
-
-
-def _without_inertia(recording: Recording, mass_kg: float, messages: list[str]) -> Recording:
-    """Subtract m a: the cell also pushes the mass beyond it when it accelerates inwards."""
-    from scipy.signal import savgol_filter
-
-    window = max(_MIN_WINDOW, round(_SMOOTH_S / recording.dt_s) | 1)
-    if window > len(recording.position_m):
-        raise DataError(f"{recording.name}: too short for an acceleration: leave out --mass-kg")
-    acceleration_mps2: Samples = savgol_filter(
-        recording.position_m, window, 3, deriv=2, delta=recording.dt_s
-    )
-    inertia_n = mass_kg * acceleration_mps2
-    messages.append(
-        f"{recording.name}: inertia of {mass_kg:g} kg removed, up to "
-        f"{np.abs(inertia_n).max():.3g} N (acceleration over {window * recording.dt_s:.3g} s)"
-    )
-    return replace(
-        recording,
-        force_n=recording.force_n - inertia_n,
-        details={**recording.details, "mass_beyond_load_cell_kg": mass_kg},
-    )
-
-
-def _without_give(recording: Recording, frame_npm: float, messages: list[str]) -> Recording:
-    """Subtract F/k: a frame that yields adds its way to that of the object."""
-    give_m = recording.force_n / frame_npm
-    depth_m, most_m = float(np.ptp(recording.position_m)), float(np.ptp(give_m))
-    if most_m >= depth_m:
-        raise DataError(
-            f"{recording.name}: a frame of {frame_npm:g} N/m gives {most_m * 1e3:.3g} mm, but the "
-            f"whole travel is {depth_m * 1e3:.3g} mm: state the frame's stiffness in N/m"
-        )
-    messages.append(
-        f"{recording.name}: {most_m * 1e3:.3g} mm of the travel of {depth_m * 1e3:.3g} mm were the "
-        f"frame's give at {frame_npm:g} N/m: removed"
-    )
-    return replace(
-        recording,
-        position_m=recording.position_m - give_m,
-        details={**recording.details, "frame_npm": frame_npm},
-    )
-
-
-def _from_contact(recording: Recording, options: Conditioning, messages: list[str]) -> Recording:
-    if recording.zero != "none":
-        raise UsageError("--contact-force and --tare find the zero: leave out --zero")
-    stated_n = None if options.tare in (None, "auto") else float(options.tare or 0.0)
-    threshold_n = options.contact_force if isinstance(options.contact_force, float) else None
-    if options.contact_force is None and stated_n is not None:
-        messages.append(f"{recording.name}: tare of {stated_n:g} N taken off")
-        details: dict[str, Any] = {**recording.details, "tare_n": stated_n}
-        return replace(recording, force_n=recording.force_n - stated_n, details=details)
-    try:
-        found = find_contact(recording, stated_n, threshold_n)
-    except DataError:
-        if not options.accept_signs:
-            require_signs([recording])  # a turned sign is the cause, and has another remedy
-        raise
-    details = {**recording.details, "tare_n": found.tare_n}
-    position_m = recording.position_m
-    messages.append(f"{recording.name}: tare of {found.tare_n:.4g} N taken off")
-    if options.contact_force is not None:
-        position_m = position_m - found.position_m
-        details |= {
-            "contact_position_m": found.position_m,
-            "contact_uncertainty_m": found.uncertainty_m,
-            "contact_force_n": found.threshold_n,
-        }
-        messages[-1] += (
-            f", surface at {found.position_m * 1e3:.4g} +- {found.uncertainty_m * 1e3:.2g} mm, "
-            f"where force passes {found.threshold_n:.3g} N"
-        )
-    force_n = recording.force_n - found.tare_n
-    return replace(recording, position_m=position_m, force_n=force_n, details=details)

@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from springpot.codegen.arrays import Samples, kept_numbers
+from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.recording_name import require_recording_name
@@ -135,9 +136,9 @@ class Recording(Faces):
         ...                      force="F:N")
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
-        from springpot.trainer.recordings.formats.csv.frame import frame_channels
         from springpot.trainer.recordings.formats.sampling import to_recording
 
+        frame_channels = required_part("frames", "Recording.from_frame")
         raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
         return to_recording(raw, name, zero, resample_hz)
 

@@ -5,12 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples, given_numbers
-from springpot.codegen.errors import UsageError
-from springpot.trainer.recordings.formats.column_map import split_unit, stated_hz
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.units import FRAME_NAME, Quantity, choose_unit
-from springpot.trainer.recordings.recording import FRAME_SOURCE
+from springpot import UsageError
+from springpot.basics import Samples, given_numbers
+from springpot.modelling import (
+    FRAME_NAME,
+    FRAME_SOURCE,
+    Quantity,
+    RawChannels,
+    choose_unit,
+    split_unit,
+    stated_hz,
+)
 
 _MAX_SHOWN = 200  # letters of all names
 

@@ -1,0 +1,1 @@
+"""Tables of pandas, polars and others as recordings: `Recording.from_frame`."""

@@ -1,0 +1,1 @@
+"""What a rig adds to samples, taken out on import: --align, --mass-kg, --tare and their like."""
