@@ -109,7 +109,7 @@ soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/trainer/recordings/test_hostile_files.py tests/host/commands/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
 	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/host/stability/test_hostile.py tests/host/stability/test_stability.py tests/codegen/stages/test_engines.py
-	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/host/devices/test_wire.py
+	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/wings/devices/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/host/session/test_faults.py
 	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/wings/boards/test_mcu_board.py
 	$(BIN)/pip install --quiet --disable-pip-version-check atheris

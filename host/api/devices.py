@@ -26,18 +26,7 @@ if TYPE_CHECKING:
         open_device as open_device,
         parse_device as parse_device,
     )
-    from springpot.host.devices.lines.serial_port import (
-        latency_timer as latency_timer,
-        open_port as open_port,
-        require_fast_adapter as require_fast_adapter,
-    )
-    from springpot.host.devices.lines.wire import (
-        Frame as Frame,
-        Sender as Sender,
-        constant as constant,
-    )
     from springpot.host.devices.sample_rate import require_sample_rate as require_sample_rate
-    from springpot.host.devices.serial_device import BAUD as BAUD, SerialDevice as SerialDevice
     from springpot.host.devices.url import (
         Address as Address,
         parse_address as parse_address,
@@ -55,6 +44,20 @@ if TYPE_CHECKING:
     from springpot.host.wings.devices.can import (
         can_database as can_database,
         python_can_bus as python_can_bus,
+    )
+    from springpot.host.wings.devices.serial_device import (
+        BAUD as BAUD,
+        SerialDevice as SerialDevice,
+    )
+    from springpot.host.wings.devices.serial_port import (
+        latency_timer as latency_timer,
+        open_port as open_port,
+        require_fast_adapter as require_fast_adapter,
+    )
+    from springpot.host.wings.devices.wire import (
+        Frame as Frame,
+        Sender as Sender,
+        constant as constant,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -10,7 +10,7 @@ from springpot.codegen.scene import Device
 from springpot.codegen.short_repr import short_repr
 
 if TYPE_CHECKING:
-    from springpot.host.devices.serial_device import SerialDevice
+    from springpot.host.devices.url import Address
     from springpot.host.native.c_library import CLibrary
 
 RECONNECT_S = 10.0  # a device that was unplugged is waited for so long
@@ -116,7 +116,7 @@ class OpenedDevice(Protocol):
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
         ...
 
-    def rendering_board(self) -> "SerialDevice | None":
+    def rendering_board(self) -> "RenderingBoard | None":
         """The board, where it renders the scene itself and no loop runs here; else None."""
         return None
 
@@ -128,6 +128,12 @@ class OpenedDevice(Protocol):
     @abstractmethod
     def close(self) -> None:
         """Let the device go: the last call."""
+
+
+class RenderingBoard(OpenedDevice, Protocol):
+    """A device that renders the scene itself, and where it is."""
+
+    address: "Address"
 
 
 class VirtualDevice(OpenedDevice):

@@ -71,7 +71,6 @@ SIM = Driver(
 REPLAY = Driver(
     "replay://FILE, a recording", f"{_HERE}.virtual:ReplayDevice", virtual=True, place=1
 )
-SERIAL = Driver("serial:///dev/ttyACM0?baud=921600", f"{_HERE}.serial_device:SerialDevice", place=2)
 
 
 def parse_device(url: str) -> Address:

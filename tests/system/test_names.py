@@ -10,7 +10,7 @@ from support.paths import ROOT
 
 # Rooms of what comes in kinds: others ask its methods, and not which it is.
 KINDS = ["codegen/model/features.py", "codegen/model/regressors.py", "codegen/stages",
-         "host/devices", "host/session", "host/recording"]  # fmt: skip
+         "host/devices", "host/wings/devices", "host/session", "host/recording"]  # fmt: skip
 
 
 def public_names(file: Path) -> Iterator[str]:

@@ -153,9 +153,9 @@ def test_a_file_of_a_format_that_is_not_there_is_one_line(tmp_path: Path, name: 
     )
 
 
-@pytest.mark.parametrize("url", ["odrive://slcan//dev/none?node=0", "dhd://"])
+@pytest.mark.parametrize("url", ["odrive://slcan//dev/none?node=0", "dhd://", "serial:///dev/none"])
 def test_a_device_that_is_not_there_is_one_line(made: Path, url: str) -> None:
     words = ("run", "--scene", "scene.toml", "--device", url, "--log", "x.h5")
     told = run(made, *words, status=5).stderr.strip().splitlines()[-1]
     assert "no driver for" in told
-    assert "; not installed here: dhd, odrive; to have them" in told
+    assert "; not installed here: dhd, odrive, serial; to have them" in told

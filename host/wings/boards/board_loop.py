@@ -9,7 +9,7 @@ import contextlib
 import threading
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -60,7 +60,7 @@ class BoardLoop:
 
     def attach(self, device: OpenedDevice) -> None:
         """Go on with a board that came back: it has started anew, and so must the log."""
-        self._next = device.rendering_board()
+        self._next = cast("SerialDevice | None", device.rendering_board())
         if self._next is None:
             raise DeviceError(f"{self._device.address.url}: came back without its scene: flash it")
 

@@ -1,1 +1,1 @@
-"""Devices of makers: ODrive motor drives on a CAN bus, Force Dimension's haptic devices."""
+"""Devices of hardware: boards on a serial line, ODrive drives, Force Dimension's devices."""

@@ -3,6 +3,7 @@
 from springpot.devices import Driver
 
 _HERE = "springpot.host.wings.devices"
+SERIAL = Driver("serial:///dev/ttyACM0?baud=921600", f"{_HERE}.serial_device:SerialDevice", place=2)
 ODRIVE = Driver(
     "odrive://slcan//dev/ttyACM0?node=0, odrive://socketcan/can0?node=0, or "
     "odrive://INTERFACE/CHANNEL?node=0 for another interface of python-can",

@@ -11,14 +11,14 @@ from support.small import model_file, scene
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements, at_most
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.lines.wire import Receiver, Sender
-from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.emission.emission import emit
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_press_device
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.session import Session
+from springpot.host.wings.devices.serial_device import SerialDevice
+from springpot.host.wings.devices.wire import Receiver, Sender
 
 NEEDS = DeviceRequirements(1000, 0.02, 12.0)
 

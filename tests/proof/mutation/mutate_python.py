@@ -35,8 +35,8 @@ _ODRIVE = (
     "tests/wings/devices/test_odrive.py::test_wrong_urls_are_one_line",
 )
 _SERIAL = (
-    "tests/host/devices/test_serial_start.py",
-    "tests/host/devices/test_serial_port.py",
+    "tests/wings/devices/test_serial_start.py",
+    "tests/wings/devices/test_serial_port.py",
 )
 _URL = ("tests/host/devices/test_device_url.py",)
 # Test files, or tests, that may catch the mutants of a file, the likeliest first: quick ones.
@@ -56,8 +56,8 @@ TESTS = {
     "codegen/model/model_file.py": _MODEL,
     "host/wings/devices/odrive.py": _ODRIVE,
     "host/wings/devices/odrive_device.py": _ODRIVE,
-    "host/devices/lines/serial_port.py": _SERIAL,
-    "host/devices/serial_device.py": _SERIAL,
+    "host/wings/devices/serial_port.py": _SERIAL,
+    "host/wings/devices/serial_device.py": _SERIAL,
 }
 _OPTIONS = [
     "-q", "-x", "--assert=plain", "-o", "addopts=", "-p", "no:xdist", "-p", "no:cacheprovider",

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.lines.wire import Frame
 from springpot.host.wings.boards.replay import BoardReplay
+from springpot.host.wings.devices.wire import Frame
 
 
 class Board:

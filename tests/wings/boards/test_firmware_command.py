@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from support.paths import C_TESTS, TESTS
 
-from springpot.host.devices.lines.wire import Sender, constant, layout
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
+from springpot.host.wings.devices.wire import Sender, constant, layout
 from springpot.runtime_c.paths import INCLUDE, PORT_MCU, PORT_WIRE
 
 STUB = TESTS / "support" / "stubs" / "firmware"

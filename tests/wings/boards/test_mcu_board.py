@@ -24,10 +24,10 @@ from support.peer import CLI, wait_until
 from support.small import model_file
 
 from springpot.codegen.reference.notes import LATCHED
-from springpot.host.devices.lines.wire import Sender, constant
 from springpot.host.emission.checksums import write_checksums
 from springpot.host.emission.emission import emit
 from springpot.host.wings.boards.boards import BOARDS
+from springpot.host.wings.devices.wire import Sender, constant
 from springpot.trainer.recordings.recording_file import write_recording
 
 pytestmark = [pytest.mark.board, pytest.mark.slow, pytest.mark.realtime]

@@ -13,9 +13,9 @@ from support.browser import CHROMIUM
 from support.driven_browser import DrivenBrowser, driven_browser
 from support.small import model_file, scene, small_model
 
-from springpot.host.devices.lines.wire import Receiver, Sender, constant, layout
 from springpot.host.emission.emission import emit
 from springpot.host.native.toolchain import missing_tools
+from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout
 from springpot.host.wings.page.press_page import write_press_page
 
 pytestmark = [

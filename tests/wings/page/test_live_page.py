@@ -12,8 +12,8 @@ from typing import IO
 import numpy as np
 import pytest
 
-from springpot.host.devices.lines.wire import Receiver, Sender
 from springpot.host.native.loop_library import COLUMN, COLUMNS, IDLE, NONE, LoopRows
+from springpot.host.wings.devices.wire import Receiver, Sender
 from springpot.host.wings.page.live import LivePage, frames
 from springpot.host.wings.pages import server
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import serial
 
-from springpot.codegen.errors import DeviceError
+from springpot import DeviceError
 
 USB_SERIAL = Path("/sys/bus/usb-serial/devices")
 BITS_A_BYTE = 10  # with start and stop bit

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from springpot.host.devices.lines.wire import Receiver, Sender, constant
 from springpot.host.native.loop_library import loop_library
+from springpot.host.wings.devices.wire import Receiver, Sender, constant
 
 RUNNING, TRIPPED = constant("RUNNING"), constant("RUNNING") | constant("TRIPPED")
 MS = 1_000_000  # ns

@@ -8,23 +8,23 @@ from typing import Any, Self
 
 import serial
 
-from springpot.codegen.errors import DeviceError
-from springpot.host.devices.device import (
+from springpot import DeviceError
+from springpot.devices import (
     FORCE_ZERO,
     ZERO_S,
+    Address,
     DeviceRequirements,
     OpenedDevice,
+    require_sample_rate,
     too_weak,
 )
-from springpot.host.devices.lines.serial_port import (
+from springpot.host.wings.devices.serial_port import (
     open_port,
     require_fast_adapter,
     require_fast_line,
 )
-from springpot.host.devices.lines.wire import Frame, Receiver, Sender, constant, layout, messages
-from springpot.host.devices.sample_rate import require_sample_rate
-from springpot.host.devices.url import Address
-from springpot.host.native.c_library import CLibrary
+from springpot.host.wings.devices.wire import Frame, Receiver, Sender, constant, layout, messages
+from springpot.native import CLibrary
 
 BAUD = 921600
 _ASK_S, _AGAIN_S, _LOOK_S = 2.0, 0.05, 0.0005

@@ -9,9 +9,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from springpot.host.devices.lines.wire import Receiver, Sender, constant, layout, messages
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import find_compiler, run_compiler, shared_library
+from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout, messages
 from springpot.runtime_c.paths import PORT_WIRE, flags
 
 FRAMES = int(os.environ.get("SPRINGPOT_FRAMES", "10000"))

@@ -12,8 +12,8 @@ import pytest
 import serial
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.lines import serial_port
-from springpot.host.devices.lines.serial_port import (
+from springpot.host.wings.devices import serial_port
+from springpot.host.wings.devices.serial_port import (
     latency_timer,
     open_port,
     require_fast_adapter,

@@ -13,12 +13,13 @@ from google_crc32c import value as crc32c
 from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import sample_rate, serial_device
+from springpot.host.devices import sample_rate
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.lines.serial_port import require_fast_line
-from springpot.host.devices.lines.wire import Receiver, Sender, constant, layout, messages
-from springpot.host.devices.serial_device import SerialDevice
+from springpot.host.wings.devices import serial_device
+from springpot.host.wings.devices.serial_device import SerialDevice
+from springpot.host.wings.devices.serial_port import require_fast_line
+from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout, messages
 
 HASH = bytes(range(32))
 TRIPPED = constant("TRIPPED")

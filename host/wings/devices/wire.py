@@ -10,8 +10,8 @@ from typing import Any
 from cobs import cobs
 from google_crc32c import value as crc32c
 
-from springpot.codegen.short_repr import short_repr
-from springpot.runtime_c.paths import PORT_WIRE
+from springpot.basics import short_repr
+from springpot.native import PORT_WIRE
 
 _CODES = {"u8": "B", "u32": "I", "f32": "f", "hash": "32s"}
 _HEAD = struct.Struct("<BBI")

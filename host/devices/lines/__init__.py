@@ -1,1 +1,0 @@
-"""Lines to a device: serial ports, CAN buses, the wire of springpot serial."""
