@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from support.c.caputo import caputo_derivative
 from support.paths import C_TESTS
-from support.small import DT_S, model_file, passive_model, press, scene, training
+from support.small import DT_S, model_file, press, scene, small_model, training
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.reference.notes import LATCHED
@@ -173,14 +173,13 @@ def test_a_long_time_step_is_silence_before_the_sample(tmp_path: Path, dt_s: flo
 
 
 def test_a_scene_of_one_rate_has_no_measured_step(tmp_path: Path) -> None:
-    model = fit_model("rf-fd", "x", training(), FitOptions(trees=3, leaf=30)).model
     asked = replace(scene(), runtime=Runtime(measured_step=True))
-    emission = emit(asked, model_file(tmp_path, model), tmp_path / "c")
+    emission = emit(asked, model_file(tmp_path, small_model()), tmp_path / "c")
     assert "step_dt" not in (tmp_path / "c" / "sp.h").read_text()
     assert not (tmp_path / "c" / "sp_measured.h").exists()
     assert any("no sp_step_dt" in line for line in emission.notices)
     coupled = replace(asked, coupling=Coupling(mode="proxy"))
-    notices = emit(coupled, model_file(tmp_path, passive_model()), tmp_path / "d").notices
+    notices = emit(coupled, model_file(tmp_path), tmp_path / "d").notices
     assert any("no sp_step_dt is emitted, for the coupling" in line for line in notices)
 
 

@@ -11,6 +11,7 @@ from support.small import (
     damage,
     flow,
     passive_force_n,
+    passive_model,
     press,
     scene,
     small_model,
@@ -45,7 +46,7 @@ LAWS: dict[str, dict[str, Any]] = {
 
 @cache
 def model_of(kind: str, law: str, slow: bool = False) -> Model:
-    fitted = small_model() if kind == "rf-fd" else plain_model()
+    fitted = small_model() if kind == "rf-fd" else passive_model()
     passive = fitted.hammerstein
     assert passive is not None
     tau_s = np.array([0.01, 0.2, 2.0, HOUR_S if slow else 0.05])
@@ -57,11 +58,6 @@ def model_of(kind: str, law: str, slow: bool = False) -> Model:
     )  # fmt: skip
     changed = replace(changed, **LAWS[law])
     return replace(fitted, hammerstein=changed)
-
-
-@cache
-def plain_model() -> Model:
-    return fit_model("hammerstein", "x", training(), FitOptions()).model
 
 
 def passive_of(model: Model) -> Hammerstein:
@@ -128,7 +124,7 @@ HEADERS = {
 def test_a_law_brings_its_headers_and_no_other(law: str) -> None:
     plain, special = (
         set(emit_files(make_plan(model, scene(), accept_unsafe=True)))
-        for model in (plain_model(), model_of("hammerstein", law))
+        for model in (passive_model(), model_of("hammerstein", law))
     )
     own = {"sp_surface.h", "sp_stops.h"}
     assert special - plain - own == HEADERS[law]

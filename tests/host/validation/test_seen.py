@@ -77,7 +77,7 @@ def test_a_model_that_does_not_say_is_not_called_unseen() -> None:
 def test_two_training_recordings_of_one_name_are_both_seen() -> None:
     """Folders of two days may hold the same names."""
     twins = [replace(item, name="press") for item in training()[:2]]
-    model = fit_model("hammerstein", "x", [*twins, *training()[2:]], FitOptions()).model
+    model = fit_model("hammerstein", "x", [*twins, *training()[2:4]], FitOptions()).model
     assert seen_by(model, twins) == 2
     assert len(check_recordings(twins).recordings) == 2
     speeds = {figures["max_speed_mps"] for figures in check_recordings(twins).recordings}

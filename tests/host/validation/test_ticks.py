@@ -5,15 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import scene, training
+from support.small import model_file, scene, training
 
-from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.validation.ticks import at_samples, at_ticks, samples_of
 from springpot.host.validation.validation import validate
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording
 
 
@@ -40,8 +37,8 @@ def test_the_error_is_that_at_the_recorded_samples(tmp_path: Path) -> None:
         replace(r, position_m=r.position_m[::10], force_n=r.force_n[::10], dt_s=10 * r.dt_s)
         for r in recordings
     ]
-    write_model(tmp_path / "m.spm", fit_model("hammerstein", "x", training(), FitOptions()).model)
-    emit(replace(scene(), runtime=Runtime()), tmp_path / "m.spm", tmp_path / "c")
+    model_file(tmp_path)
+    emit(replace(scene(), runtime=Runtime()), tmp_path / "model.spm", tmp_path / "c")
     whole, slow = (validate(tmp_path / "c", each, paced_s=0.0) for each in (recordings, tenth))
     assert slow.mismatches == 0
     for item, force_n, slow_n in zip(tenth, whole.predicted_n, slow.predicted_n, strict=True):
