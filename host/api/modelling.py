@@ -130,7 +130,10 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.noise_floor import (
         find_noise_floor as find_noise_floor,
     )
-    from springpot.trainer.recordings.quality.signs import require_signs as require_signs
+    from springpot.trainer.recordings.quality.signs import (
+        require_signs as require_signs,
+        sign_doubts as sign_doubts,
+    )
     from springpot.trainer.recordings.reader_limits import (
         read_apart as read_apart,
         require_unpacked as require_unpacked,
@@ -138,6 +141,7 @@ if TYPE_CHECKING:
     )
     from springpot.trainer.recordings.recording import (
         FRAME_SOURCE as FRAME_SOURCE,
+        SIGN_RULE as SIGN_RULE,
         Zero as Zero,
         zero_word as zero_word,
     )

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.small import model_file, press, recording
 
@@ -39,7 +40,8 @@ frequency_hz = 2.0
 cycles = 3
 """
 OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "material", "doctor",
-            "demo", "plot", "report", "firmware", "completion")  # fmt: skip
+            "demo", "plot", "report", "firmware", "completion",
+            "export", "predict")  # fmt: skip
 FOREIGN = {  # how files of formats begin that only a wing reads
     "x.mat": b"MATLAB 5.0 MAT-file, made by hand\0\1\2",
     "x.h5": b"\x89HDF\r\n\x1a\n" + bytes(600),
@@ -63,9 +65,12 @@ def test_the_core_does_its_whole_job_without_wings(tmp_path: Path) -> None:
     (tmp_path / "presses.toml").write_text(PROTOCOL)
     device = "sim://ecoflex-00-30"
     run(tmp_path, "record", "--device", device, "--protocol", "presses.toml", "--out", "rec")
-    run(tmp_path, "export", "rec", "--to", "csv", "--out", "csv")
-    csv = next((tmp_path / "csv").glob("*.csv"))
-    run(tmp_path, "import", str(csv), "--out", "again")
+    pad = recording("pad", press(1.0))
+    time_s = pad.dt_s * np.arange(len(pad.force_n))
+    rows = np.column_stack([time_s, pad.position_m, pad.force_n])
+    np.savetxt(tmp_path / "again.csv", rows, "%.9g", ",", comments="",
+               header="time_s,position_m,force_N")  # fmt: skip
+    run(tmp_path, "import", "again.csv", "--out", "again")
     run(tmp_path, "check", "rec")
     run(tmp_path, "train", "rec", "--model", "hammerstein", "--out", "pad.spm")
     run(tmp_path, "emit", "--scene", "scene.toml", "--out", "c")
@@ -119,7 +124,6 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     "words",
     [
-        ("export", "press.h5", "--to", "mat", "--out", "mat"),
         ("train", "press.h5", "--model", "rf-fd", "--within", "1%", "--out", "x.spm"),
         ("train", "press.h5", "--model", "hammerstein", "--next", "x.toml", "--out", "x.spm"),
         ("stability", "--scene", "scene.toml", "--report", "x.html"),

@@ -8,7 +8,7 @@ import pytest
 from support.small import press, recording
 
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.formats.exporting import export_recording
+from springpot.host.wings.export.exporting import export_recording
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording_file import read_recording, write_recording

@@ -6,15 +6,19 @@ from pathlib import Path
 
 import click
 
-from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_result, say
+from springpot import UsageError
+from springpot.console import json_option, print_result, say
 
 
 @click.command("predict")
-@click.argument("model", type=PATH)
+@click.argument("model", type=click.Path(path_type=Path))
 @click.argument("recordings", nargs=-1, required=True, type=click.Path(), metavar="REC...")
-@click.option("--out", required=True, type=PATH, help="Folder to write a CSV file of each into.")
+@click.option(
+    "--out",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="Folder to write a CSV file of each into.",
+)
 @json_option
 def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) -> None:
     """Write the force of MODEL along recordings (files or folders), beside the measured one.
@@ -23,15 +27,12 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
     """
     import numpy as np
 
-    from springpot.codegen.model.model_file import read_model
-    from springpot.trainer.models.compatibility import require_compatible
-    from springpot.trainer.models.limited import extrapolation, limited_n
-    from springpot.trainer.recordings.formats.exporting import write_prediction
-    from springpot.trainer.recordings.quality.signs import sign_doubts
-    from springpot.trainer.recordings.recording_file import read_recordings
+    from springpot import read_model, read_recordings
+    from springpot.host.wings.export.exporting import write_prediction
+    from springpot.modelling import extrapolation, limited_n, require_compatible, sign_doubts
 
     fitted = read_model(model)
-    found = read_recordings(map(Path, recordings))
+    found = read_recordings(*recordings)
     for doubt in sign_doubts(found):
         say(f"warning: {doubt}")
     names = [recording.name for recording in found]

@@ -7,26 +7,24 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.errors import UsageError
-from springpot.codegen.progress import counted
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, paths_argument, print_result, progress_bar
+from springpot import UsageError
+from springpot.console import counted, json_option, paths_argument, print_result, progress_bar
 
 if TYPE_CHECKING:
-    from springpot.trainer.recordings.formats.exporting import ExportFormat
+    from springpot.host.wings.export.exporting import ExportFormat
 
 
 @click.command("export")
 @paths_argument("recordings")
 @click.option("--to", "form", type=click.Choice(["csv", "mat"]), required=True, help="Format.")
-@click.option("--out", required=True, type=PATH, help="Folder to write into.")
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="Folder to write into.")
 @json_option
 def export_(recordings: tuple[str, ...], form: ExportFormat, out: Path, as_json: bool) -> None:
     """Write RECORDINGS (files or folders) as files that other programs read."""
-    from springpot.trainer.recordings.formats.exporting import export_recording
-    from springpot.trainer.recordings.recording_file import read_recordings
+    from springpot import read_recordings
+    from springpot.host.wings.export.exporting import export_recording
 
-    found = read_recordings(map(Path, recordings))
+    found = read_recordings(*recordings)
     names = [recording.name for recording in found]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:

@@ -8,11 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.atomic_write import write_file, written_aside
-from springpot.codegen.entry_points import required_part
-from springpot.codegen.errors import UsageError
-from springpot.trainer.recordings.recording import SIGN_RULE, Recording
+from springpot import Recording, UsageError
+from springpot.basics import Samples, write_file, written_aside
+from springpot.host.wings.export.mat_export import write_mat
+from springpot.modelling import SIGN_RULE
 
 ExportFormat = Literal["csv", "mat"]
 _RULE = {"sign_rule": SIGN_RULE}
@@ -32,7 +31,6 @@ def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> 
             metadata = json.dumps(recording.metadata() | _RULE, indent=2, sort_keys=True) + "\n"
             write_file(path.with_suffix(".json"), metadata.encode())
         else:
-            write_mat = required_part("mat-export", "--to mat")
             write_mat(aside, recording, _time_s(recording), recording.metadata() | _RULE)
     return path
 
