@@ -1,7 +1,7 @@
 """`springpot train`: fit one model."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,7 +19,7 @@ from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
-    from springpot.trainer.models.fit import Engine, Fit, FitOptions
+    from springpot.trainer.models.fit import Fit, FitOptions
     from springpot.trainer.recordings.recording import Recording
 
 
@@ -109,19 +109,10 @@ def train(
     kind: str,
     validation: tuple[str, ...],
     out: Path,
-    seed: int,
-    fraction: float | None,
-    window_s: float | None,
-    smooth_s: float,
     smooth_validation: bool,
-    select: Literal["cv", "paper"],
-    centers: Literal["farthest", "greedy"],
-    engine: "Engine | None",
-    round_features: bool,
-    within: float | None,
-    monotone: bool,
     next_file: Path | None,
     as_json: bool,
+    **of_fit: Any,  # options of the same names as fields of FitOptions
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
     from springpot.codegen.model.model_file import MODEL_SUFFIX
@@ -136,11 +127,7 @@ def train(
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
     from springpot.trainer.recordings.recording_file import read_recordings
 
-    options = FitOptions(
-        seed=seed, fraction=fraction, window_s=window_s, smooth_s=smooth_s, select=select,
-        centers=centers, engine=engine, round_features=round_features,
-        within=within, monotone=monotone,
-    )  # fmt: skip
+    options = FitOptions(**of_fit)
     training = read_recordings(map(Path, recordings))
     testing = read_recordings(map(Path, validation))
     planning: Any = part("next-presses")
@@ -153,7 +140,7 @@ def train(
         if line not in said:
             say(f"warning: {line}")
     result = training_result(fit) | _written(fit, out)
-    compared_s = smooth_s if smooth_validation else 0.0
+    compared_s = options.smooth_s if smooth_validation else 0.0
     found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
     result |= figures
     if figures.get("seen"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -113,20 +113,13 @@ def import_(
     decimal: DecimalMark | None,
     dbc: Path | None,
     block: str | None,
-    position_delay_s: float,
-    force_delay_s: float,
-    align: bool,
-    mass_kg: float,
-    frame_npm: float,
     area_m2: float | None,
     height_m: float | None,
-    tare: float | Literal["auto"] | None,
-    contact_force: float | Literal["auto"] | None,
     rest_s: float | None,
     place: str | None,
-    accept_signs: bool,
     out: Path,
     as_json: bool,
+    **of_rig: Any,  # options of the same names as fields of Conditioning
 ) -> None:
     """Turn CSV, Excel, MAT, HDF5, TDMS, Mach-1 text files, CAN logs and journals into recordings.
 
@@ -138,12 +131,8 @@ def import_(
     from springpot.trainer.recordings.formats.importing import ImportOptions, parse_place
 
     mapping = parse_map(map_text) if map_text else None
-    conditioning = Conditioning(
-        position_delay_s, force_delay_s, align, mass_kg, frame_npm, tare, contact_force,
-        accept_signs,
-    )  # fmt: skip
     options = ImportOptions(
-        dbc, block, decimal, conditioning, _specimen(area_m2, height_m),
+        dbc, block, decimal, Conditioning(**of_rig), _specimen(area_m2, height_m),
         place_m=parse_place(place) if place else None,
     )  # fmt: skip
     if out.exists() and not out.is_dir():
