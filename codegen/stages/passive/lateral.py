@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals, Samples
+from springpot.codegen.coupling.auto import spring_limit_npm
+from springpot.codegen.coupling.loop_device import loop_device
 from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text, literal, struct_text
 from springpot.codegen.model.formulas import curve_place, curve_values, pieces_of_one
@@ -19,6 +21,7 @@ from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_wid
 # Of a contact of incompressible bodies, sideways over along the depth: 2 (1 - v) / (2 - v), v = 1/2
 # (Mindlin 1949, Compliance of elastic bodies in contact).
 _SIDEWAYS = 2.0 / 3.0
+_OF_LIMIT = 0.5  # of the stiffest spring that a device bears with every hand
 _DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at the trained depth
 
 
@@ -151,7 +154,8 @@ def lateral_stage(
     if friction is not None:
         deepest = np.array([_deepest_n(its) for its in materials])
         stick_npm = _SIDEWAYS * float(np.max(places.amounts @ deepest)) / hammerstein.span_m
-        anchor = AnchorConfig(dtype(friction), dtype(max(stick_npm, 1.0)))
+        held_npm = _OF_LIMIT * spring_limit_npm(dt_s, loop_device(scene.device, dt_s))
+        anchor = AnchorConfig(dtype(friction), dtype(max(min(stick_npm, held_npm), 1.0)))
     return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag, anchor)
 
 
