@@ -42,36 +42,8 @@ def _functions(plan: Plan, lateral: LateralStage) -> str:
             f"        {line}\n" for step in steps for line in _renewed(step, config.n_branches)
         ),
         STEPS="".join(f"{line}\n" for line in indented(indented(stepped))),
-        **_place(lateral),
         **_account(plan),
     ).rstrip("\n")
-
-
-def _place(lateral: LateralStage) -> dict[str, str]:
-    """Calls of what moves the place, sp_follow.h or sp_anchor.h, by their place in the template."""
-    if lateral.anchor is None:
-        state, last = "&state->follow", "&state->lateral"
-        return {
-            "REST": f"sp_follow_rest({state})",
-            "LEFT": f"sp_follow_left(&place_map, {state}, {last}, at)",
-            "MOVE": f"sp_follow_move({state}, {last}, at, touches, moved_m)",
-            "CELL": f"sp_follow_cell(&place_map, {state}, {last})",
-            "BENT": "",
-            "BEND": "",
-            "FEEL": "",
-        }
-    state = "&state->anchor"
-    return {
-        "REST": f"sp_anchor_rest(&place_map, {state}, at)",
-        "LEFT": f"sp_anchor_left(&place_map, {state}, at)",
-        "MOVE": f"sp_anchor_move(&place_map, &anchor, {state}, &state->lateral, at, touches,\n"
-        "                   moved_m)",
-        "CELL": f"sp_anchor_cell(&place_map, {state})",
-        "BENT": "    sp_real bend_npm = (sp_real)0;\n",
-        "BEND": "        bend_npm +=\n"
-        "            sp_anchor_bend(&place_map, &cell, amounts, r, stored * m_per_piece);\n",
-        "FEEL": f"    sp_anchor_feel(&anchor, {state}, bend_npm, drag.stiffness_npm, felt_n);\n",
-    }
 
 
 def _account(plan: Plan) -> dict[str, str]:

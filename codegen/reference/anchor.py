@@ -1,14 +1,34 @@
 """Reference of sp_anchor.h: friction, an anchor that a spring ties to the tool."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from springpot.codegen.reference.follow import NEAR, Cell
+from springpot.codegen.arrays import Reals
 from springpot.codegen.stages.passive.lateral import AnchorConfig
 from springpot.codegen.stages.passive.placed import MapConfig
 from springpot.codegen.stages.stage import SMALLEST, bounded, flushed
+
+
+NEAR = 0.125  # SP_ANCHOR_NEAR
+
+
+@dataclass(frozen=True)
+class Cell:
+    """sp_lateral_cell: node before the place, way from there, nodes per m; each of x and y."""
+
+    node: Sequence[int]
+    way: Sequence[Any]
+    per_m: Sequence[Any]
+
+    def twists(self, amounts: Reals) -> Reals:
+        """sp_anchor_bend for 1 J, (materials,), 1/m^2."""
+        i, j = self.node
+        twist = (amounts[i + 1, j + 1] - amounts[i + 1, j]) - (amounts[i, j + 1] - amounts[i, j])
+        found: Reals = twist * self.per_m[0] * self.per_m[1]
+        return found
 
 
 class Anchor:
@@ -34,9 +54,8 @@ class Anchor:
             self._cell[k] = 0 if not x >= 0 else int(x) + 1 if x < self._real(n - 1) else n
         self._stretch, self._touched = [self._real(0)] * 2, False
 
-    def left(self, was: Sequence[Any], at: Sequence[Any]) -> bool:
+    def left(self, at: Sequence[Any]) -> bool:
         """sp_anchor_left."""
-        del was
         steps = self._steps(at)
         return not all(abs(x - its) <= NEAR for x, its in zip(steps, self._at, strict=True))
 
@@ -50,9 +69,8 @@ class Anchor:
         self._stretch = [bounded(e + way) for e, way in zip(self._stretch, ways, strict=True)]
         return self._slip()
 
-    def cell(self, last: Sequence[Any]) -> Cell:
+    def cell(self) -> Cell:
         """sp_anchor_cell."""
-        del last
         nodes, ways, pers = [], [], []
         for k, n in enumerate(self._nodes):
             nodes.append(min(max(self._cell[k] - 1, 0), n - 2))

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.formulas import curve_place
-from springpot.codegen.reference.anchor import Anchor
-from springpot.codegen.reference.follow import Cell, Follow
+from springpot.codegen.reference.anchor import Anchor, Cell
 from springpot.codegen.stages.passive.lateral import LateralStage
 from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.passive.stored import RENEWED, stored
@@ -23,11 +22,7 @@ class LateralMotion:
         self.at = [zero, zero, zero]
         self._drawn = [zero, zero]
         config = stage.placed.config
-        self._place: Follow | Anchor = (
-            Follow(config, dtype)
-            if stage.anchor is None
-            else Anchor(config, stage.anchor, stage.drag.stiffness_npm, dtype)
-        )
+        self._place = Anchor(config, stage.anchor, stage.drag.stiffness_npm, dtype)
         self._materials: list[PassiveMotion] = []
         self._u: Any = zero
         self._force_n: Any = zero
@@ -42,13 +37,13 @@ class LateralMotion:
     def tick(self, at: list[Any]) -> tuple[list[Any], bool, bool]:
         """Force, N, whether the tool touches, and whether the place is on the grid."""
         inside = bool(at[2] > 0)
-        if not inside and self._place.left(self.at, at):
+        if not inside and self._place.left(at):
             self.rest(at)
         tool = self._share(at[2])
         u = self._surface(tool)
         touches = inside and not u > tool
         self._move(at, touches)
-        cell = self._place.cell(self.at)
+        cell = self._place.cell()
         amounts = self._amounts(cell)
         felt, renewal_j = [self._real(0)] * 3, self._real(0)
         bend_npm = self._real(0)
@@ -111,7 +106,7 @@ class LateralMotion:
         placed, pieces = self._stage.placed, self._stage.of_one.config.n_pieces
         begin = placed.begins["stiffest"]
         of_materials = placed.materials[:, begin : begin + pieces]
-        amounts = self._amounts(self._place.cell(self.at))
+        amounts = self._amounts(self._place.cell())
         stiffest = amounts[0][0] * of_materials[0]
         for here, its in zip(amounts[1:], of_materials[1:], strict=True):
             stiffest = stiffest + here[0] * its

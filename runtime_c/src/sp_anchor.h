@@ -34,6 +34,9 @@ typedef struct {
     uint32_t touched;     /* 1: the tool touched in the last tick */
 } sp_anchor_state;
 
+/* A dent is met again so near to where the tool left it, in steps of the grid. */
+#define SP_ANCHOR_NEAR ((sp_real)0.125)
+
 /* Where a place is: its cell, from its steps. */
 static inline uint32_t sp_anchor_cell_of(sp_real at, uint32_t n)
 {
@@ -62,7 +65,7 @@ static inline int sp_anchor_left(const sp_map_config *map, const sp_anchor_state
 {
     const sp_real x = (at[0] - map->first_x_m) * map->per_step_x - state->at[0];
     const sp_real y = (at[1] - map->first_y_m) * map->per_step_y - state->at[1];
-    return !(sp_abs(x) <= SP_LATERAL_NEAR && sp_abs(y) <= SP_LATERAL_NEAR);
+    return !(sp_abs(x) <= SP_ANCHOR_NEAR && sp_abs(y) <= SP_ANCHOR_NEAR);
 }
 
 /* Move the anchor along one axis of n nodes, to the edge of its cell at most; returns its way. */

@@ -8,7 +8,7 @@
  *
  * so that over a tick at one place the work is at least the change of S, as each material's is, and
  * over a move of the place a it is that change (docs/explanation/passivity.md). Where the place is:
- * sp_follow.h, or with friction sp_anchor.h. Fresh ground under the tool: sp_drag.h. */
+ * sp_anchor.h. Fresh ground under the tool: sp_drag.h. */
 #ifndef SP_LATERAL_H
 #define SP_LATERAL_H
 
@@ -36,17 +36,6 @@ typedef struct {
     sp_real by_x; /* its slope, 1/m */
     sp_real by_y;
 } sp_lateral_amount;
-
-/* A dent is met again so near to where the tool left it, in steps of the grid. */
-#define SP_LATERAL_NEAR ((sp_real)0.125)
-
-/* Whether a way, m, is longer than that. */
-static inline int sp_lateral_far(const sp_map_config *config, sp_real x_m, sp_real y_m)
-{
-    const sp_real x = x_m * config->per_step_x;
-    const sp_real y = y_m * config->per_step_y;
-    return !(sp_abs(x) <= SP_LATERAL_NEAR && sp_abs(y) <= SP_LATERAL_NEAR);
-}
 
 /* The tool is at `at`, and draws nothing. */
 static inline void sp_lateral_rest(sp_lateral_state *state, const sp_real *at)

@@ -19,7 +19,7 @@ SP_RARE void restart3(sp_state *state, const sp_real *at)
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = (sp_real)0;
     sp_lateral_rest(&state->lateral, at);
-    @REST@;
+    sp_anchor_rest(&place_map, &state->anchor, at);
 }
 
 /* Where the model is while the tool is at `tool`. */
@@ -30,7 +30,7 @@ static sp_real surface3(const sp_state *state, sp_real tool)
     }
     sp_lateral_amount here[@MATERIALS@];
     sp_real stiffest[@PIECES@];
-    const sp_lateral_cell cell = @CELL@;
+    const sp_lateral_cell cell = sp_anchor_cell(&place_map, &state->anchor);
     (void)sp_lateral_amounts(&place_map, &cell, amounts, here);
     sp_lateral_mixed(&place_map, here, materials + @STIFFEST@, @PIECES@, stiffest);
     sp_map_raise(stiffest, @PIECES@, @LEAST@);
@@ -43,16 +43,16 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const int inside = at[2] > (sp_real)0;
     const sp_real penetration = inside ? at[2] : (sp_real)0;
     (void)sp_range_clip(&range, penetration, notes);
-    if (!inside && @LEFT@) {
+    if (!inside && sp_anchor_left(&place_map, &state->anchor, at)) {
         restart3(state, at);
     }
     const sp_real tool = sp_hammerstein_share(&passive, penetration);
     const sp_real u = surface3(state, tool);
     const int touches = inside && !(u > tool);
     sp_real moved_m[2];
-    @MOVE@;
+    sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, at, touches, moved_m);
     sp_lateral_move(&state->lateral, at, moved_m, touches);
-    const sp_lateral_cell cell = @CELL@;
+    const sp_lateral_cell cell = sp_anchor_cell(&place_map, &state->anchor);
     sp_lateral_amount here[@MATERIALS@];
     if (!sp_lateral_amounts(&place_map, &cell, amounts, here)) {
         *notes |= inside ? SP_NOTE_OUTSIDE : 0;
@@ -60,7 +60,8 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const sp_curve_place lateral_place = sp_curve_at(u, passive.n_pieces);
     sp_real felt_n[3] = {(sp_real)0, (sp_real)0, (sp_real)0};
     sp_real renewal_j = (sp_real)0;
-@BENT@    for (uint32_t r = 0; r < place_map.n_materials; r++) {
+    sp_real bend_npm = (sp_real)0;
+    for (uint32_t r = 0; r < place_map.n_materials; r++) {
         const sp_hammerstein_tables its = material(r);
         sp_real lateral_branch[@CAPACITY@];
         sp_curve(its.branches, @CAPACITY@, lateral_place, lateral_branch);
@@ -71,7 +72,8 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         const sp_real stored = sp_stored(&passive, &its, areas + r * @AREAS@, lateral_place,
                                          lateral_branch, held, @PLAY@, &renewal);
         sp_lateral_add(here[r], force_n, stored * m_per_piece, felt_n);
-@BEND@        renewal_j += here[r].amount * (renewal * m_per_piece);
+        bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored * m_per_piece);
+        renewal_j += here[r].amount * (renewal * m_per_piece);
     }
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = felt_n[2];
@@ -85,7 +87,8 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const sp_real renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
     for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
 @RENEW@    }
-@FEEL@    for (uint32_t k = 0; k < 3; k++) {
+    sp_anchor_feel(&anchor, &state->anchor, bend_npm, drag.stiffness_npm, felt_n);
+    for (uint32_t k = 0; k < 3; k++) {
         felt_n[k] = sp_contact_onset(per_onset, at[2], felt_n[k]);
     }
     return sp_lateral_length(&state->lateral, felt_n);

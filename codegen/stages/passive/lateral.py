@@ -54,13 +54,9 @@ class LateralStage:
     areas: Reals
     m_per_piece: Real
     drag: DragConfig
-    anchor: AnchorConfig | None
+    anchor: AnchorConfig
 
-    @property
-    def headers(self) -> tuple[str, ...]:
-        """Headers that it needs beside those of a map."""
-        place = "sp_follow.h" if self.anchor is None else "sp_anchor.h"
-        return "sp_stored.h", "sp_lateral.h", place, "sp_drag.h"
+    headers = ("sp_stored.h", "sp_lateral.h", "sp_anchor.h", "sp_drag.h")
 
     @property
     def of_one(self) -> HammersteinStage:
@@ -85,9 +81,7 @@ class LateralStage:
             *play,
             Member("sp_surface_state lateral_surface", (REAL, REAL)),
             Member("sp_lateral_state lateral", (REAL,) * 8 + (U32,)),
-            Member("sp_follow_state follow", (REAL,) * 2)
-            if self.anchor is None
-            else Member("sp_anchor_state anchor", (REAL,) * 8 + (U32,) * 3),
+            Member("sp_anchor_state anchor", (REAL,) * 8 + (U32,) * 3),
             Member("sp_guard_state guard_x", (REAL, REAL, U32, U32)),
             Member("sp_guard_state guard_y", (REAL, REAL, U32, U32)),
         )
@@ -99,7 +93,7 @@ class LateralStage:
             array_text("areas", "sp_real", self.areas),
             f"static const sp_real m_per_piece = {literal(self.m_per_piece)};",
             struct_text("drag", "sp_drag_config", self.drag),
-            *([] if self.anchor is None else [struct_text("anchor", "sp_anchor_config", self.anchor)]),
+            struct_text("anchor", "sp_anchor_config", self.anchor),
         ]
 
 
@@ -111,7 +105,7 @@ def lateral_stage(
     Raises UsageError if this model, or this scene, has no lateral force.
     """
     if scene.places.mode == "held":
-        if scene.places.friction is not None:
+        if scene.places.friction:
             raise UsageError('[places] friction: only of the mode "lateral"; or leave it out')
         return None
     hammerstein = model.hammerstein
@@ -132,7 +126,6 @@ def lateral_stage(
     radius_mm = scene.places.tip_radius_mm
     if radius_mm is None:
         raise _refused("give tip_radius_mm, of the tip that pressed the object")
-    friction = scene.places.friction
     places, vector_width = hammerstein.places, vector_width_of(scene.runtime)
     materials = tuple(
         hammerstein_stage(
@@ -150,12 +143,11 @@ def lateral_stage(
     )
     most_n = float(np.max(places.amounts @ full)) * m_per_piece / width_m
     drag = DragConfig(dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m)))
-    anchor = None
-    if friction is not None:
-        deepest = np.array([_deepest_n(its) for its in materials])
-        stick_npm = _SIDEWAYS * float(np.max(places.amounts @ deepest)) / hammerstein.span_m
-        held_npm = _OF_LIMIT * spring_limit_npm(dt_s, loop_device(scene.device, dt_s))
-        anchor = AnchorConfig(dtype(friction), dtype(max(min(stick_npm, held_npm), 1.0)))
+    deepest = np.array([_deepest_n(its) for its in materials])
+    stick_npm = _SIDEWAYS * float(np.max(places.amounts @ deepest)) / hammerstein.span_m
+    held_npm = _OF_LIMIT * spring_limit_npm(dt_s, loop_device(scene.device, dt_s))
+    stick_npm = max(min(stick_npm, held_npm), 1.0)
+    anchor = AnchorConfig(dtype(scene.places.friction), dtype(stick_npm))
     return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag, anchor)
 
 
