@@ -11,7 +11,6 @@ from springpot.codegen.stages.passive.lateral import AnchorConfig
 from springpot.codegen.stages.passive.placed import MapConfig
 from springpot.codegen.stages.stage import SMALLEST, bounded, flushed
 
-
 NEAR = 0.125  # SP_ANCHOR_NEAR
 
 

@@ -151,5 +151,6 @@ def _check(status: int) -> None:
 
 @cache
 def load_testbench(real: str) -> CLibrary:
+    """Build the simulated hand and the loop that it closes, for a scene's number type."""
     sources = [PORT_TESTBENCH / "sp_closed_loop.c", *sorted(SIM.glob("*.c"))]
     return load_c([SIM / "sim.h", PORT_TESTBENCH / "sp_closed_loop.h"], sources, real)
