@@ -83,6 +83,9 @@ class ScenePlaces:
     tip_radius_mm: Annotated[float, Interval(gt=0, le=1000)] | None = None
     """Of the tip that pressed the object, which the mode `"lateral"` needs: fresh ground comes
     under it over the width of its contact."""
+    friction: Annotated[float, Interval(ge=0, le=5)] = 0.0
+    """Of the mode `"lateral"`: coefficient of friction between tip and object. The place that is
+    felt sticks, and slips if it is pulled by more than that times the normal force."""
     __repr__ = short_repr
 
 

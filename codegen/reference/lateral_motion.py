@@ -5,24 +5,24 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.formulas import curve_place
+from springpot.codegen.reference.anchor import Anchor, Cell
 from springpot.codegen.stages.passive.lateral import LateralStage
 from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.passive.stored import RENEWED, stored
 from springpot.codegen.stages.passive.surface import RecoveringSurface
 from springpot.codegen.stages.stage import SMALLEST, bounded
 
-NEAR = 0.125  # SP_LATERAL_NEAR
-
 
 class LateralMotion:
-    """State of all materials: sp_lateral.h, sp_drag.h."""
+    """State of all materials, and of their place: sp_lateral.h, sp_drag.h."""
 
     def __init__(self, stage: LateralStage, dtype: type[Any]) -> None:
         self._stage, self._real = stage, dtype
-        self._map = stage.placed.config
         zero = dtype(0)
         self.at = [zero, zero, zero]
-        self._off, self._drawn = [zero, zero], [zero, zero]
+        self._drawn = [zero, zero]
+        config = stage.placed.config
+        self._place = Anchor(config, stage.anchor, stage.drag.stiffness_npm, dtype)
         self._materials: list[PassiveMotion] = []
         self._u: Any = zero
         self._force_n: Any = zero
@@ -31,22 +31,26 @@ class LateralMotion:
         """restart3."""
         self._u, self._force_n = self._share(at[2]), self._real(0)
         self._materials = [PassiveMotion(its, self._u) for its in self._stage.materials]
-        self.at, self._off, self._drawn = list(at), [self._real(0)] * 2, [self._real(0)] * 2
+        self.at, self._drawn = list(at), [self._real(0)] * 2
+        self._place.rest(at)
 
     def tick(self, at: list[Any]) -> tuple[list[Any], bool, bool]:
         """Force, N, whether the tool touches, and whether the place is on the grid."""
         inside = bool(at[2] > 0)
-        if not inside and self._left(at):
+        if not inside and self._place.left(at):
             self.rest(at)
         tool = self._share(at[2])
         u = self._surface(tool)
         touches = inside and not u > tool
         self._move(at, touches)
-        amounts, on_grid = self._amounts()
+        cell = self._place.cell()
+        amounts = self._amounts(cell)
         felt, renewal_j = [self._real(0)] * 3, self._real(0)
+        bend_npm = self._real(0)
         place = curve_place(np.array([u]), self._stage.of_one.config.n_pieces)
-        for motion, its, areas, here in zip(
-            self._materials, self._stage.materials, self._stage.areas, amounts, strict=True
+        twists = cell.twists(self._stage.placed.amounts)
+        for motion, its, areas, here, twist in zip(
+            self._materials, self._stage.materials, self._stage.areas, amounts, twists, strict=True
         ):
             force_n, _ = motion.along(np.array([u]))
             held, play = motion.memory
@@ -57,19 +61,23 @@ class LateralMotion:
             felt[0] = felt[0] - here[1] * stored_j
             felt[1] = felt[1] - here[2] * stored_j
             felt[2] = felt[2] + here[0] * force_n[0]
+            bend_npm = bend_npm + twist * stored_j
         self._u, self._force_n = u, felt[2]
         felt[2] = felt[2] if felt[2] > 0 else self._real(0)
         renewed = self._slip(u, renewal_j, felt) if touches else self._real(0)
         for motion in self._materials if renewed > 0 else ():
             motion.renew(renewed)
-        return felt, touches, on_grid
+        on_grid = bool(cell.per_m[0] > 0 and cell.per_m[1] > 0)
+        return self._place.feel(bend_npm, felt) if touches else felt, touches, on_grid
 
     def _move(self, at: list[Any], touches: bool) -> None:
         """sp_lateral_move."""
-        for k in range(2):
-            way = at[k] - self.at[k]
-            self._drawn[k] = bounded(self._drawn[k] + way) if touches else self._real(0)
-            self._off[k] = self._off[k] if touches else bounded(self._off[k] - way)
+        moved = self._place.move(self.at, at, touches)
+        zero = self._real(0)
+        self._drawn = [
+            bounded(drawn + way) if touches else zero
+            for drawn, way in zip(self._drawn, moved, strict=True)
+        ]
         self.at = list(at)
 
     def _slip(self, u: Any, renewal_j: Any, felt: list[Any]) -> Any:
@@ -92,46 +100,28 @@ class LateralMotion:
         config = self._stage.of_one.config
         return ((depth if depth > 0 else self._real(0)) - config.origin_m) * config.per_span
 
-    def _left(self, at: list[Any]) -> bool:
-        per_step = (self._map.per_step_x, self._map.per_step_y)
-        steps = [
-            (o + (was - now)) * per
-            for o, was, now, per in zip(self._off, self.at, at, per_step, strict=False)
-        ]
-        return not all(abs(each) <= NEAR for each in steps)
-
     def _surface(self, tool: Any) -> Any:
         if not tool < self._u:
             return tool
         placed, pieces = self._stage.placed, self._stage.of_one.config.n_pieces
         begin = placed.begins["stiffest"]
         of_materials = placed.materials[:, begin : begin + pieces]
-        amounts, _ = self._amounts()
+        amounts = self._amounts(self._place.cell())
         stiffest = amounts[0][0] * of_materials[0]
         for here, its in zip(amounts[1:], of_materials[1:], strict=True):
             stiffest = stiffest + here[0] * its
         surface = RecoveringSurface(np.maximum(stiffest, placed.least))
         return surface.at(tool, self._u, self._force_n)
 
-    def _amounts(self) -> tuple[list[tuple[Any, Any, Any]], bool]:
+    def _amounts(self, cell: Cell) -> list[tuple[Any, Any, Any]]:
         """Amount of each material and its slopes in x and y, 1/m."""
-        config, one = self._map, self._real(1)
-        firsts = (config.first_x_m, config.first_y_m)
-        per_steps = (config.per_step_x, config.per_step_y)
-        nodes, ways, pers = [], [], []
-        for k, n in enumerate(config.nodes):
-            passed = (self.at[k] + self._off[k] - firsts[k]) * per_steps[k]
-            last = self._real(n - 1)
-            steps = passed if 0 < passed < last else last if passed > 0 else self._real(0)
-            nodes.append(min(int(steps), n - 2))
-            ways.append(steps - self._real(nodes[k]))
-            pers.append(per_steps[k] if 0 <= passed <= last else self._real(0))
-        (i, j), (x, y), amounts = nodes, ways, self._stage.placed.amounts
+        one = self._real(1)
+        (i, j), (x, y), amounts = cell.node, cell.way, self._stage.placed.amounts
         near, over, far, both = (
             amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1]
         )  # fmt: skip
         left, right = (one - y) * near + y * over, (one - y) * far + y * both
         low, high = (one - x) * near + x * far, (one - x) * over + x * both
         amount = (one - x) * left + x * right
-        by_x, by_y = (right - left) * pers[0], (high - low) * pers[1]
-        return list(zip(amount, by_x, by_y, strict=True)), bool(pers[0] > 0 and pers[1] > 0)
+        by_x, by_y = (right - left) * cell.per_m[0], (high - low) * cell.per_m[1]
+        return list(zip(amount, by_x, by_y, strict=True))

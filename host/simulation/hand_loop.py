@@ -18,7 +18,7 @@ from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 
 _TRACED = ("position_m", "velocity_mps", "seen_m", "seen_mps", "force_n")
-_SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
+SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ class HandLoop:
     def __init__(self, scene: SceneLibrary | LoopCalls, real: str = "") -> None:
         """real: "float" or "double", where `scene` does not say it."""
         self._scene_of = scene
-        self._port = _load(scene.real if isinstance(scene, SceneLibrary) else real)
+        self._port = load_testbench(scene.real if isinstance(scene, SceneLibrary) else real)
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
         """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
@@ -125,7 +125,7 @@ class HandLoop:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
         _check(self._port.c.sim_tool_init(
             tool, HAND_NAMES.index(operator.hand), tool_device(self._port, operator.device),
-            _SUBSTEPS, 1, operator.seed, start_m,
+            SUBSTEPS, 1, operator.seed, start_m,
         ))  # fmt: skip
         return tool
 
@@ -150,6 +150,7 @@ def _check(status: int) -> None:
 
 
 @cache
-def _load(real: str) -> CLibrary:
+def load_testbench(real: str) -> CLibrary:
+    """Build the simulated hand and the loop that it closes, for a scene's number type."""
     sources = [PORT_TESTBENCH / "sp_closed_loop.c", *sorted(SIM.glob("*.c"))]
     return load_c([SIM / "sim.h", PORT_TESTBENCH / "sp_closed_loop.h"], sources, real)

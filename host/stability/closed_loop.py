@@ -9,6 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.progress import at_step
+from springpot.codegen.scene import ScenePlaces
 from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import cases, stiff_case
@@ -113,8 +114,9 @@ def lossy_outcomes(scene: Rendered, hand: Hand, more_delay: int) -> Iterator[Out
 
 
 def stiff_plan(plan: Plan) -> Plan:
-    """The same model ten times stiffer, with the coupling that auto picks for it."""
-    scene = replace(plan.scene, coupling=replace(plan.scene.coupling, mode="auto"))
+    """The same model ten times stiffer, with the coupling that auto picks for it; of one axis."""
+    coupling = replace(plan.scene.coupling, mode="auto")
+    scene = replace(plan.scene, coupling=coupling, places=ScenePlaces())
     return make_plan(plan.model.stiffened(STIFFER), scene)
 
 

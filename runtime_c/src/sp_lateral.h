@@ -7,10 +7,8 @@
  *                                                lateral force: -dS/da
  *
  * so that over a tick at one place the work is at least the change of S, as each material's is, and
- * over a move of the place a it is that change. The place goes with a tool that touches; while the
- * tool is away it stays, for the tool would get what it is worth elsewhere for nothing. Off the
- * object the dent is left behind, and everything rests. (docs/explanation/passivity.md). Fresh
- * ground under the tool: sp_drag.h. */
+ * over a move of the place a it is that change (docs/explanation/passivity.md). Where the place is:
+ * sp_anchor.h. Fresh ground under the tool: sp_drag.h. */
 #ifndef SP_LATERAL_H
 #define SP_LATERAL_H
 
@@ -21,11 +19,17 @@
 
 typedef struct {
     sp_real at_m[3];    /* of the tool in the last tick: x, y, depth */
-    sp_real off_m[2];   /* of the place that is felt, from there */
     sp_real drawn_m[2]; /* how far the drag's spring is drawn (sp_drag.h) */
     sp_real unit[3];    /* direction of the force that was given */
     uint32_t lost;      /* 1: one axis was taken as true without a history, the others were not */
 } sp_lateral_state;
+
+/* Where a place is on the grid; beyond the grid its edge. */
+typedef struct {
+    uint32_t node[2]; /* before it, in x and y */
+    sp_real way[2];   /* from there to the next one, 0 to 1 */
+    sp_real per_m[2]; /* nodes per m; 0 beyond the grid, where amounts are constant */
+} sp_lateral_cell;
 
 typedef struct {
     sp_real amount;
@@ -33,70 +37,37 @@ typedef struct {
     sp_real by_y;
 } sp_lateral_amount;
 
-/* A dent is met again so near to where the tool left it, in steps of the grid. */
-#define SP_LATERAL_NEAR ((sp_real)0.125)
-
-/* The tool, off the object, is too far from where it left it to meet its dent again. */
-static inline int sp_lateral_left(const sp_map_config *config, const sp_lateral_state *state,
-                                  const sp_real *at)
-{
-    const sp_real x = (state->off_m[0] + (state->at_m[0] - at[0])) * config->per_step_x;
-    const sp_real y = (state->off_m[1] + (state->at_m[1] - at[1])) * config->per_step_y;
-    return !(sp_abs(x) <= SP_LATERAL_NEAR && sp_abs(y) <= SP_LATERAL_NEAR);
-}
-
-/* The place that is felt is the tool's, `at`. */
+/* The tool is at `at`, and draws nothing. */
 static inline void sp_lateral_rest(sp_lateral_state *state, const sp_real *at)
 {
-    for (uint32_t k = 0; k < 2; k++) {
-        state->at_m[k] = at[k];
-        state->off_m[k] = (sp_real)0;
-        state->drawn_m[k] = (sp_real)0;
-    }
-    state->at_m[2] = at[2];
-}
-
-/* The tool is at `at`; the place goes with it, or stays. */
-static inline void sp_lateral_move(sp_lateral_state *state, const sp_real *at, int touches)
-{
-    for (uint32_t k = 0; k < 2; k++) {
-        const sp_real way_m = at[k] - state->at_m[k];
-        state->drawn_m[k] = touches ? sp_bounded(state->drawn_m[k] + way_m) : (sp_real)0;
-        state->off_m[k] = touches ? state->off_m[k] : sp_bounded(state->off_m[k] - way_m);
+    for (uint32_t k = 0; k < 3; k++) {
         state->at_m[k] = at[k];
     }
-    state->at_m[2] = at[2];
+    state->drawn_m[0] = (sp_real)0;
+    state->drawn_m[1] = (sp_real)0;
 }
 
-/* per_step within the grid of n nodes; 0 beyond it, where amounts are constant. */
-static inline sp_real sp_lateral_per_step(sp_real at_m, sp_real first_m, sp_real per_step,
-                                          uint32_t n)
+/* The tool goes to `at`, and the place by moved_m. */
+static inline void sp_lateral_move(sp_lateral_state *state, const sp_real *at,
+                                   const sp_real *moved_m, int touches)
 {
-    const sp_real passed = (at_m - first_m) * per_step;
-    return passed >= (sp_real)0 && passed <= (sp_real)(n - 1u) ? per_step : (sp_real)0;
+    for (uint32_t k = 0; k < 3; k++) {
+        state->at_m[k] = at[k];
+    }
+    for (uint32_t k = 0; k < 2; k++) {
+        state->drawn_m[k] = touches ? sp_bounded(state->drawn_m[k] + moved_m[k]) : (sp_real)0;
+    }
 }
 
-/* Of each material at the place that is felt. amounts: as of sp_map_take; here: [n_materials].
- * Returns whether the place is on the grid. */
-static inline int sp_lateral_amounts(const sp_map_config *config, const sp_lateral_state *state,
+/* Of each material in a cell. amounts: as of sp_map_take; here: [n_materials]. Returns whether the
+ * place is on the grid. */
+static inline int sp_lateral_amounts(const sp_map_config *config, const sp_lateral_cell *cell,
                                      const sp_real *amounts, sp_lateral_amount *here)
 {
-    const sp_real x_m = state->at_m[0] + state->off_m[0];
-    const sp_real y_m = state->at_m[1] + state->off_m[1];
-    const sp_real steps_x =
-        sp_map_steps(x_m, config->first_x_m, config->per_step_x, config->nodes_x);
-    const sp_real steps_y =
-        sp_map_steps(y_m, config->first_y_m, config->per_step_y, config->nodes_y);
-    const sp_real per_x =
-        sp_lateral_per_step(x_m, config->first_x_m, config->per_step_x, config->nodes_x);
-    const sp_real per_y =
-        sp_lateral_per_step(y_m, config->first_y_m, config->per_step_y, config->nodes_y);
-    const uint32_t i = sp_map_node(steps_x, config->nodes_x);
-    const uint32_t j = sp_map_node(steps_y, config->nodes_y);
-    const sp_real x = sp_map_way(steps_x, i);
-    const sp_real y = sp_map_way(steps_y, j);
+    const sp_real x = cell->way[0];
+    const sp_real y = cell->way[1];
     const uint32_t n = config->n_materials;
-    const sp_real *near = amounts + (i * config->nodes_y + j) * n;
+    const sp_real *near = amounts + (cell->node[0] * config->nodes_y + cell->node[1]) * n;
     const sp_real *far = near + config->nodes_y * n;
     for (uint32_t r = 0; r < n; r++) {
         const sp_real left = ((sp_real)1 - y) * near[r] + y * near[r + n];
@@ -104,10 +75,10 @@ static inline int sp_lateral_amounts(const sp_map_config *config, const sp_later
         const sp_real low = ((sp_real)1 - x) * near[r] + x * far[r];
         const sp_real high = ((sp_real)1 - x) * near[r + n] + x * far[r + n];
         here[r].amount = ((sp_real)1 - x) * left + x * right;
-        here[r].by_x = (right - left) * per_x;
-        here[r].by_y = (high - low) * per_y;
+        here[r].by_x = (right - left) * cell->per_m[0];
+        here[r].by_y = (high - low) * cell->per_m[1];
     }
-    return per_x > (sp_real)0 && per_y > (sp_real)0;
+    return cell->per_m[0] > (sp_real)0 && cell->per_m[1] > (sp_real)0;
 }
 
 /* What of_first is of all materials: `n` numbers, those of the next one n_curves further. */

@@ -19,6 +19,7 @@ SP_RARE void restart3(sp_state *state, const sp_real *at)
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = (sp_real)0;
     sp_lateral_rest(&state->lateral, at);
+    sp_anchor_rest(&place_map, &state->anchor, at);
 }
 
 /* Where the model is while the tool is at `tool`. */
@@ -29,7 +30,8 @@ static sp_real surface3(const sp_state *state, sp_real tool)
     }
     sp_lateral_amount here[@MATERIALS@];
     sp_real stiffest[@PIECES@];
-    (void)sp_lateral_amounts(&place_map, &state->lateral, amounts, here);
+    const sp_lateral_cell cell = sp_anchor_cell(&place_map, &state->anchor);
+    (void)sp_lateral_amounts(&place_map, &cell, amounts, here);
     sp_lateral_mixed(&place_map, here, materials + @STIFFEST@, @PIECES@, stiffest);
     sp_map_raise(stiffest, @PIECES@, @LEAST@);
     return sp_surface_at(stiffest, @PIECES@, &state->lateral_surface, tool);
@@ -41,20 +43,24 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const int inside = at[2] > (sp_real)0;
     const sp_real penetration = inside ? at[2] : (sp_real)0;
     (void)sp_range_clip(&range, penetration, notes);
-    if (!inside && sp_lateral_left(&place_map, &state->lateral, at)) {
+    if (!inside && sp_anchor_left(&place_map, &state->anchor, at)) {
         restart3(state, at);
     }
     const sp_real tool = sp_hammerstein_share(&passive, penetration);
     const sp_real u = surface3(state, tool);
     const int touches = inside && !(u > tool);
-    sp_lateral_move(&state->lateral, at, touches);
+    sp_real moved_m[2];
+    sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, at, touches, moved_m);
+    sp_lateral_move(&state->lateral, at, moved_m, touches);
+    const sp_lateral_cell cell = sp_anchor_cell(&place_map, &state->anchor);
     sp_lateral_amount here[@MATERIALS@];
-    if (!sp_lateral_amounts(&place_map, &state->lateral, amounts, here)) {
+    if (!sp_lateral_amounts(&place_map, &cell, amounts, here)) {
         *notes |= inside ? SP_NOTE_OUTSIDE : 0;
     }
     const sp_curve_place lateral_place = sp_curve_at(u, passive.n_pieces);
     sp_real felt_n[3] = {(sp_real)0, (sp_real)0, (sp_real)0};
     sp_real renewal_j = (sp_real)0;
+    sp_real bend_npm = (sp_real)0;
     for (uint32_t r = 0; r < place_map.n_materials; r++) {
         const sp_hammerstein_tables its = material(r);
         sp_real lateral_branch[@CAPACITY@];
@@ -66,6 +72,7 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         const sp_real stored = sp_stored(&passive, &its, areas + r * @AREAS@, lateral_place,
                                          lateral_branch, held, @PLAY@, &renewal);
         sp_lateral_add(here[r], force_n, stored * m_per_piece, felt_n);
+        bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored * m_per_piece);
         renewal_j += here[r].amount * (renewal * m_per_piece);
     }
     state->lateral_surface.u = u;
@@ -80,6 +87,7 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const sp_real renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
     for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
 @RENEW@    }
+    sp_anchor_feel(&anchor, &state->anchor, bend_npm, drag.stiffness_npm, felt_n);
     for (uint32_t k = 0; k < 3; k++) {
         felt_n[k] = sp_contact_onset(per_onset, at[2], felt_n[k]);
     }

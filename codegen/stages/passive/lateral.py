@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals, Samples
+from springpot.codegen.coupling.auto import spring_limit_npm
+from springpot.codegen.coupling.loop_device import loop_device
 from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text, literal, struct_text
-from springpot.codegen.model.formulas import pieces_of_one
+from springpot.codegen.model.formulas import curve_place, curve_values, pieces_of_one
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
@@ -16,6 +18,10 @@ from springpot.codegen.stages.passive.placed import PlacedCurves
 from springpot.codegen.stages.passive.stored import RENEWED, stored_areas
 from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_width_of
 
+# Of a contact of incompressible bodies, sideways over along the depth: 2 (1 - v) / (2 - v), v = 1/2
+# (Mindlin 1949, Compliance of elastic bodies in contact).
+_SIDEWAYS = 2.0 / 3.0
+_OF_LIMIT = 0.5  # of the stiffest spring that a device bears with every hand
 _DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at the trained depth
 
 
@@ -25,6 +31,14 @@ class DragConfig:
 
     width_m: Real
     stiffness_npm: Real
+
+
+@dataclass(frozen=True)
+class AnchorConfig:
+    """sp_anchor_config of sp_anchor.h, member by member."""
+
+    friction: Real
+    stick_npm: Real
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +54,9 @@ class LateralStage:
     areas: Reals
     m_per_piece: Real
     drag: DragConfig
+    anchor: AnchorConfig
 
-    headers = ("sp_stored.h", "sp_lateral.h", "sp_drag.h")
+    headers = ("sp_stored.h", "sp_lateral.h", "sp_anchor.h", "sp_drag.h")
 
     @property
     def of_one(self) -> HammersteinStage:
@@ -65,7 +80,8 @@ class LateralStage:
             Member(f"sp_real lateral_held[{branches}]", (REAL,) * branches),
             *play,
             Member("sp_surface_state lateral_surface", (REAL, REAL)),
-            Member("sp_lateral_state lateral", (REAL,) * 10 + (U32,)),
+            Member("sp_lateral_state lateral", (REAL,) * 8 + (U32,)),
+            Member("sp_anchor_state anchor", (REAL,) * 8 + (U32,) * 3),
             Member("sp_guard_state guard_x", (REAL, REAL, U32, U32)),
             Member("sp_guard_state guard_y", (REAL, REAL, U32, U32)),
         )
@@ -77,6 +93,7 @@ class LateralStage:
             array_text("areas", "sp_real", self.areas),
             f"static const sp_real m_per_piece = {literal(self.m_per_piece)};",
             struct_text("drag", "sp_drag_config", self.drag),
+            struct_text("anchor", "sp_anchor_config", self.anchor),
         ]
 
 
@@ -88,6 +105,8 @@ def lateral_stage(
     Raises UsageError if this model, or this scene, has no lateral force.
     """
     if scene.places.mode == "held":
+        if scene.places.friction:
+            raise UsageError('[places] friction: only of the mode "lateral"; or leave it out')
         return None
     hammerstein = model.hammerstein
     if hammerstein is None or hammerstein.places is None or placed is None:
@@ -124,7 +143,19 @@ def lateral_stage(
     )
     most_n = float(np.max(places.amounts @ full)) * m_per_piece / width_m
     drag = DragConfig(dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m)))
-    return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag)
+    deepest = np.array([_deepest_n(its) for its in materials])
+    stick_npm = _SIDEWAYS * float(np.max(places.amounts @ deepest)) / hammerstein.span_m
+    held_npm = _OF_LIMIT * spring_limit_npm(dt_s, loop_device(scene.device, dt_s))
+    stick_npm = max(min(stick_npm, held_npm), 1.0)
+    anchor = AnchorConfig(dtype(scene.places.friction), dtype(stick_npm))
+    return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag, anchor)
+
+
+def _deepest_n(stage: HammersteinStage) -> float:
+    """Return the force at the trained depth if nothing has relaxed, N."""
+    deepest = curve_place(np.ones(1), stage.config.n_pieces)
+    curves = (stage.spring[:, :, None], stage.branches)
+    return float(sum(curve_values(its.astype(np.float64), deepest).sum() for its in curves))
 
 
 def _of_branches(stage: HammersteinStage, areas: Samples) -> float:

@@ -158,6 +158,7 @@ FORGETS = """for (uint32_t i = 0; crosses && i < passive.n_branches; i++) {
         }
         const sp_real *held ="""
 UNPAID = [(f"felt_n[{k}] -= config->stiffness_npm * drawn_m[{k}];", "") for k in (0, 1)]
+UNPAID += [(" + drag_npm);", " + (sp_real)0 * drag_npm);")]
 
 
 @pytest.mark.slow
@@ -183,6 +184,14 @@ def test_fresh_ground_is_paid_for() -> None:
     assert works[1] < -100 * BOUND
 
 
+STAYS = "const int stays ="
+GOES = """for (uint32_t k = 0; k < 2 && !touches; k++) {
+        const sp_real per_m = k == 0 ? map->per_step_x : map->per_step_y;
+        (void)sp_anchor_along(&state->at[k], &state->cell[k],
+                              k == 0 ? map->nodes_x : map->nodes_y,
+                              (at[k] - last->at_m[k]) * per_m);
+    }
+    """
 MOVES, RESTS = (
     "sp_lateral_move(&state->lateral, at, ",
     "        restart3(state, at);\n    }\n    const",
@@ -191,11 +200,11 @@ MOVES, RESTS = (
 Ways = Sequence[tuple[float, float | None]]
 DIRECTED: dict[str, tuple[Sequence[Fault], Ways]] = {
     "through the dent, where the surface comes back": (
-        [(f"{MOVES}touches", f"{MOVES}1")],
+        [(STAYS, GOES + STAYS)],
         [(0.3, 0.8), (2.0, 0.8), (0.05, 0.5), (0.05, None), (20.0, -0.01)],
     ),
     "off the object, and back into the dent": (
-        [(RESTS, RESTS.replace("restart3(state", "sp_lateral_rest(&state->lateral"))],
+        [(RESTS, RESTS.replace("restart3(state", "sp_anchor_rest(&place_map, &state->anchor"))],
         [(0.3, 0.8), (2.0, 0.8), (0.05, -0.01), (0.05, None), (0.05, 0.4), (20.0, -0.01)],
     ),
     "pressed, while what branches hold is made new": (

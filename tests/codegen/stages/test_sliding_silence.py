@@ -68,7 +68,7 @@ def most_returned(built: SlidingC, seeds: Sequence[int], account: bool = True) -
     return max(found)
 
 
-FOUND = (14, 90, 117)  # of 120 seeds, those that get most back without an account
+FOUND = (315, 990)  # of 2 400 seeds, those that get most back without an account
 
 
 @pytest.mark.parametrize("seeds", [FOUND, pytest.param(range(1000, 1150), marks=pytest.mark.slow)])
@@ -79,4 +79,4 @@ def test_no_slide_that_loses_samples_gives_energy(seeds: Sequence[int]) -> None:
 
 def test_without_the_account_such_a_slide_gives_energy() -> None:
     with sliding(plan_of(random_model(0))) as built:
-        assert most_returned(built, FOUND, account=False) > 50 * SHARE
+        assert most_returned(built, FOUND, account=False) > 2 * SHARE
