@@ -152,7 +152,8 @@ def test_the_adversary_finds_an_amount_below_0() -> None:
 
 
 FAR = ("const int crosses = (at[0] > m_per_cell) != (state->lateral.at_m[0] > m_per_cell);\n"
-       "    const sp_real renewed = sp_lateral_move(").replace("m_per_cell", "(sp_real)0.005")  # fmt: skip
+       "    const sp_real renewed = sp_lateral_move(")  # fmt: skip
+FAR = FAR.replace("m_per_cell", "(sp_real)0.005")
 FORGETS = """for (uint32_t i = 0; crosses && i < passive.n_branches; i++) {
             state->lateral_held[r * passive.n_branches + i] = lateral_branch[i];
         }
