@@ -20,7 +20,7 @@ class LateralMotion:
         self._stage, self._real = stage, dtype
         zero = dtype(0)
         self.at = [zero, zero, zero]
-        self._drawn = [zero, zero]
+        self._drawn, self._renewed = [zero, zero], zero
         config = stage.placed.config
         self._place = Anchor(config, stage.anchor, stage.drag.stiffness_npm, dtype)
         self._materials: list[PassiveMotion] = []
@@ -31,7 +31,7 @@ class LateralMotion:
         """restart3."""
         self._u, self._force_n = self._share(at[2]), self._real(0)
         self._materials = [PassiveMotion(its, self._u) for its in self._stage.materials]
-        self.at, self._drawn = list(at), [self._real(0)] * 2
+        self.at, self._drawn, self._renewed = list(at), [self._real(0)] * 2, self._real(0)
         self._place.rest(at)
 
     def tick(self, at: list[Any]) -> tuple[list[Any], bool, bool]:
@@ -43,6 +43,8 @@ class LateralMotion:
         u = self._surface(tool)
         touches = inside and not u > tool
         self._move(at, touches)
+        for motion in self._materials if self._renewed > 0 else ():
+            motion.renew(self._renewed)
         cell = self._place.cell()
         amounts = self._amounts(cell)
         felt, renewal_j = [self._real(0)] * 3, self._real(0)
@@ -64,9 +66,7 @@ class LateralMotion:
             bend_npm = bend_npm + twist * stored_j
         self._u, self._force_n = u, felt[2]
         felt[2] = felt[2] if felt[2] > 0 else self._real(0)
-        renewed = self._slip(u, renewal_j, felt) if touches else self._real(0)
-        for motion in self._materials if renewed > 0 else ():
-            motion.renew(renewed)
+        self._renewed = self._slip(u, renewal_j, felt) if touches else self._real(0)
         on_grid = bool(cell.per_m[0] > 0 and cell.per_m[1] > 0)
         return self._place.feel(bend_npm, felt) if touches else felt, touches, on_grid
 

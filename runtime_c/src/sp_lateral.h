@@ -20,6 +20,7 @@
 typedef struct {
     sp_real at_m[3];    /* of the tool in the last tick: x, y, depth */
     sp_real drawn_m[2]; /* how far the drag's spring is drawn (sp_drag.h) */
+    sp_real renewed;    /* share of branches to renew, which that spring has paid for */
     sp_real unit[3];    /* direction of the force that was given */
     uint32_t lost;      /* 1: one axis was taken as true without a history, the others were not */
 } sp_lateral_state;
@@ -45,18 +46,23 @@ static inline void sp_lateral_rest(sp_lateral_state *state, const sp_real *at)
     }
     state->drawn_m[0] = (sp_real)0;
     state->drawn_m[1] = (sp_real)0;
+    state->renewed = (sp_real)0;
 }
 
-/* The tool goes to `at`, and the place by moved_m. */
-static inline void sp_lateral_move(sp_lateral_state *state, const sp_real *at,
-                                   const sp_real *moved_m, int touches)
+/* The tool goes to `at`, and the place by moved_m. Returns the share of branches to renew: after
+ * the place has moved, for it moved along the slope of what was stored before. */
+static inline sp_real sp_lateral_move(sp_lateral_state *state, const sp_real *at,
+                                      const sp_real *moved_m, int touches)
 {
+    const sp_real renewed = state->renewed;
+    state->renewed = (sp_real)0;
     for (uint32_t k = 0; k < 3; k++) {
         state->at_m[k] = at[k];
     }
     for (uint32_t k = 0; k < 2; k++) {
         state->drawn_m[k] = touches ? sp_bounded(state->drawn_m[k] + moved_m[k]) : (sp_real)0;
     }
+    return renewed;
 }
 
 /* Of each material in a cell. amounts: as of sp_map_take; here: [n_materials]. Returns whether the

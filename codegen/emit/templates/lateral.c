@@ -51,7 +51,9 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const int touches = inside && !(u > tool);
     sp_real moved_m[2];
     sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, at, touches, moved_m);
-    sp_lateral_move(&state->lateral, at, moved_m, touches);
+    const sp_real renewed = sp_lateral_move(&state->lateral, at, moved_m, touches);
+    for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
+@RENEW@    }
     const sp_lateral_cell cell = sp_anchor_cell(&place_map, &state->anchor);
     sp_lateral_amount here[@MATERIALS@];
     if (!sp_lateral_amounts(&place_map, &cell, amounts, here)) {
@@ -84,9 +86,7 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         return (sp_real)0;
     }
     felt_n[2] = felt_n[2] > (sp_real)0 ? felt_n[2] : (sp_real)0;
-    const sp_real renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
-    for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
-@RENEW@    }
+    state->lateral.renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
     sp_anchor_feel(&anchor, &state->anchor, bend_npm, drag.stiffness_npm, felt_n);
     for (uint32_t k = 0; k < 3; k++) {
         felt_n[k] = sp_contact_onset(per_onset, at[2], felt_n[k]);

@@ -80,7 +80,7 @@ class LateralStage:
             Member(f"sp_real lateral_held[{branches}]", (REAL,) * branches),
             *play,
             Member("sp_surface_state lateral_surface", (REAL, REAL)),
-            Member("sp_lateral_state lateral", (REAL,) * 8 + (U32,)),
+            Member("sp_lateral_state lateral", (REAL,) * 9 + (U32,)),
             Member("sp_anchor_state anchor", (REAL,) * 8 + (U32,) * 3),
             Member("sp_guard_state guard_x", (REAL, REAL, U32, U32)),
             Member("sp_guard_state guard_y", (REAL, REAL, U32, U32)),
