@@ -36,6 +36,10 @@ if TYPE_CHECKING:
         Rbf as Rbf,
         Regressor as Regressor,
     )
+    from springpot.host.wings.presses.coverage import (
+        Coverage as Coverage,
+        find_coverage as find_coverage,
+    )
     from springpot.host.wings.radial.centers import fit_rbf as fit_rbf
     from springpot.trainer.features.exponentials import recursive_bank as recursive_bank
     from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
@@ -122,11 +126,8 @@ if TYPE_CHECKING:
         Unit as Unit,
         choose_unit as choose_unit,
     )
-    from springpot.trainer.recordings.quality.coverage import (
-        Coverage as Coverage,
-        find_coverage as find_coverage,
-    )
     from springpot.trainer.recordings.quality.cycles import find_cycles as find_cycles
+    from springpot.trainer.recordings.quality.motion import find_strokes as find_strokes
     from springpot.trainer.recordings.quality.noise_floor import (
         find_noise_floor as find_noise_floor,
     )

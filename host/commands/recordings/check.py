@@ -52,7 +52,8 @@ def check_parts(report: QualityReport) -> Iterator[str | TextTable]:
             row.insert(1, _place(figures))
     yield columns, rows
     yield report.figures["signs"]
-    yield from _coverage_parts(report.figures["coverage"])
+    if report.figures["coverage"]:
+        yield from _coverage_parts(report.figures["coverage"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
     known = next((f"{floor_n:.3g} N" for floor_n in known_n if floor_n is not None), "not known")
     yield f"noise floor: {known}, {report.figures['noise_floor']}"

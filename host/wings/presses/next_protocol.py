@@ -7,8 +7,9 @@ from typing import Any
 
 from springpot import DataError, Recording, UsageError
 from springpot.basics import write_file
+from springpot.host.wings.presses.coverage import find_coverage
 from springpot.host.wings.presses.next_presses import NextPress, next_presses
-from springpot.modelling import contact_of, find_coverage, hold_spikes
+from springpot.modelling import contact_of, hold_spikes
 
 _SUFFIX = ".toml"
 _NONE = "not known: no force of these recordings lasts longer than a glitch"

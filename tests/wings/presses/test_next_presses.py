@@ -14,12 +14,12 @@ from springpot.host.metrics import accuracy
 from springpot.host.recording.protocols import Profile, load_protocol, validation
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import SimulatedObject
+from springpot.host.wings.presses.coverage import find_coverage
 from springpot.host.wings.presses.next_presses import NextPress, next_presses
 from springpot.host.wings.presses.next_protocol import next_words, write_protocol
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.quality.coverage import find_coverage
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import write_recording
 

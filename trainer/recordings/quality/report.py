@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from springpot.codegen.entry_points import part
 from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
 from springpot.trainer.faces import Faces
@@ -18,7 +19,6 @@ from springpot.trainer.recordings.quality.alignment import (
     skew_findings,
 )
 from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
-from springpot.trainer.recordings.quality.coverage import find_coverage
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
 from springpot.trainer.recordings.quality.disturbance import (
     drift_findings,
@@ -80,6 +80,7 @@ class QualityReport(Faces):
     @cached_property
     def figures(self) -> dict[str, Any]:
         """Figures of the set."""
+        find_coverage: Any = part("coverage")
         floor = noise_floor(self.repeats, self.cycles, self.checked)
         return {
             "noise_floor_n": None if floor.source == "sensor" else floor.rms_n,
@@ -90,7 +91,7 @@ class QualityReport(Faces):
                 for g in self.repeats
             ],
             "distinct_speeds_mps": distinct_speeds(self.checked),
-            "coverage": find_coverage(self.checked).as_dict(),
+            "coverage": find_coverage(self.checked).as_dict() if find_coverage else None,
             "skew_s": self.skew.delay_s if self.skew else None,
             "skew_uncertainty_s": self.skew.uncertainty_s if self.skew else None,
             "signs": self.sign_words,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from springpot.trainer.recordings.quality.coverage import find_coverage
+from springpot.host.wings.presses.coverage import find_coverage
 from springpot.trainer.recordings.recording import Recording
 
 DT_S = 1e-3

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.short_repr import short_repr
-from springpot.trainer.recordings.quality.motion import find_strokes
-from springpot.trainer.recordings.recording import Recording
+from springpot import Recording
+from springpot.basics import short_repr
+from springpot.modelling import find_strokes
 
 _STILL = 0.02  # of the travel: less is no motion
 _HOLD_S = 0.2
