@@ -127,9 +127,11 @@ if TYPE_CHECKING:
         choose_unit as choose_unit,
     )
     from springpot.trainer.recordings.quality.cycles import find_cycles as find_cycles
+    from springpot.trainer.recordings.quality.finding import Finding as Finding, warning as warning
     from springpot.trainer.recordings.quality.motion import find_strokes as find_strokes
     from springpot.trainer.recordings.quality.noise_floor import (
         find_noise_floor as find_noise_floor,
+        sensor_noise_n as sensor_noise_n,
     )
     from springpot.trainer.recordings.quality.signs import (
         require_signs as require_signs,

@@ -1,1 +1,1 @@
-"""What a rig adds to samples, taken out on import: --align, --mass-kg, --tare and their like."""
+"""What a rig adds to samples: found (hum, drift), and taken out on import (--tare, --align)."""

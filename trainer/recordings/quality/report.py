@@ -20,11 +20,6 @@ from springpot.trainer.recordings.quality.alignment import (
 )
 from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
-from springpot.trainer.recordings.quality.disturbance import (
-    drift_findings,
-    hum_findings,
-    hum_of,
-)
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.motion import (
     contact_findings,
@@ -139,17 +134,17 @@ def check_recordings(given: Recordings) -> QualityReport:
     cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
     signs = [find_signs(recording) for recording in recordings]
     touched: list[Recording] = []
+    rig_findings: Any = part("rig-findings")
     for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
         of_signs = list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
         # One cause, one line: a turned sign moves the contact, a hum hides it.
         if not any(finding.severity == "refusal" for finding in of_signs):
-            if (hum := hum_of(recording)) is None:
+            of_rig: list[Finding] = rig_findings(recording) if rig_findings else []
+            if not any(finding.kind == "hum" for finding in of_rig):
                 touched.append(recording)
-            else:
-                findings += hum_findings(recording, hum)
-            findings += drift_findings(recording)
+            findings += of_rig
     findings += contact_findings(touched)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
     findings += [] if refused else snap_findings(recordings)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.files.recording_files import PressedObject
 
-from springpot.trainer.recordings.quality.disturbance import drift_findings, hum_of
+from springpot.host.wings.rig.disturbance import drift_findings, hum_of
 from springpot.trainer.recordings.recording import Recording
 
 DT_S = 0.005

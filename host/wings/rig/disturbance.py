@@ -5,10 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.quality.finding import Finding, warning
-from springpot.trainer.recordings.quality.noise_floor import sensor_noise_n
-from springpot.trainer.recordings.recording import Recording
+from springpot import Recording
+from springpot.basics import Samples
+from springpot.modelling import Finding, sensor_noise_n, warning
 
 _LOWEST = 0.01  # of the travel: as low as the tool ever is
 _DRIFT = 0.03  # of the peak force
@@ -21,6 +20,12 @@ _HUM = 0.01  # of the peak force: amplitude that hides the surface
 _IN_MOTION = 0.3  # of the tone's force that the motion at its frequency explains
 _BINS = 2  # on each side, of one tone
 _FEWEST = 256  # samples of a spectrum
+
+
+def rig_findings(recording: Recording) -> list[Finding]:
+    """Return warnings of a hum, which hides the surface, and of a load cell that drifts."""
+    hum = hum_of(recording)
+    return [*(hum_findings(recording, hum) if hum else ()), *drift_findings(recording)]
 
 
 def drift_findings(recording: Recording) -> Iterator[Finding]:
