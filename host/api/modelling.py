@@ -36,6 +36,12 @@ if TYPE_CHECKING:
         Rbf as Rbf,
         Regressor as Regressor,
     )
+    from springpot.host.wings.evidence.splits import (
+        Split as Split,
+        cross_validated_rmse_n as cross_validated_rmse_n,
+        holdout as holdout,
+        recording_splits as recording_splits,
+    )
     from springpot.host.wings.presses.coverage import (
         Coverage as Coverage,
         find_coverage as find_coverage,
@@ -66,7 +72,9 @@ if TYPE_CHECKING:
     from springpot.trainer.models.folds import (
         Folds as Folds,
         fold_families as fold_families,
+        geometric_mean as geometric_mean,
         recording_folds as recording_folds,
+        repeats_apart as repeats_apart,
     )
     from springpot.trainer.models.forests import (
         depth_scale as depth_scale,
@@ -155,12 +163,6 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.spikes import (
         LONGEST_SPIKE as LONGEST_SPIKE,
         hold_spikes as hold_spikes,
-    )
-    from springpot.trainer.selection.cross_validation import (
-        Split as Split,
-        cross_validated_rmse_n as cross_validated_rmse_n,
-        holdout as holdout,
-        recording_splits as recording_splits,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -32,8 +32,9 @@ from springpot.validation import accuracy, slope_errors, slope_keys
 
 if TYPE_CHECKING:
     from springpot import Fit
+    from springpot.host.wings.evidence.splits import Split
     from springpot.host.wings.evidence.sweep import Candidate
-    from springpot.modelling import Split, TrainingSet
+    from springpot.modelling import TrainingSet
 
 NAME = "bench"
 HOT_REPEATS = 5
@@ -108,7 +109,8 @@ def bench_scene(number: Number, target: Target = "host") -> Scene:
 
 
 def _fitted(job: Job) -> tuple["Fit", dict[str, Any]]:
-    from springpot.modelling import cross_validated_rmse_n, fit_kind
+    from springpot.host.wings.evidence.splits import cross_validated_rmse_n
+    from springpot.modelling import fit_kind
 
     candidate, options = job.candidate, job.candidate.options
     whole, folds = _prepared(job.data, options.smooth_s, options.seed)
@@ -136,7 +138,8 @@ def _prepared(
     data: BenchRecordings, smooth_s: float, seed: int
 ) -> tuple["TrainingSet", tuple["Split", ...]]:
     """Prepare the training recordings and their folds once: all points of a worker share them."""
-    from springpot.modelling import recording_splits, training_set
+    from springpot.host.wings.evidence.splits import recording_splits
+    from springpot.modelling import training_set
 
     return training_set(data.training, smooth_s), recording_splits(data.training, smooth_s, seed)
 

@@ -21,7 +21,10 @@ RESULT = "bench.json"
 _MARK = ".springpot-bench"
 _FLOORS = ("runtime_c", "codegen", "trainer", "host")
 _BESIDE = ("host/api", "host/commands", "host/wings")  # offer names, call, or are other wings
-_MEASURING = tuple(f"host/wings/evidence/benchmark/{name}.py" for name in ("measure", "isolated"))
+_MEASURING = tuple(
+    f"host/wings/evidence/{name}.py"
+    for name in ("benchmark/measure", "benchmark/isolated", "splits")
+)
 _BOARDS = "host/wings/boards"  # instructions of a tick
 
 

@@ -47,7 +47,7 @@ def bench(
     from springpot import read_recordings
     from springpot.console import report_quality
     from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
-    from springpot.modelling import holdout
+    from springpot.host.wings.evidence.splits import holdout
 
     training = read_recordings(*recordings)
     report_quality(training)

@@ -27,16 +27,16 @@ from springpot.host.wings.evidence.benchmark.picks import (
 )
 from springpot.host.wings.evidence.benchmark.point import Point
 from springpot.host.wings.evidence.benchmark.store import Store, read_result
-from springpot.host.wings.evidence.sweep import default_sweep
-from springpot.trainer.kinds import fit_kind, fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.training_set import training_set
-from springpot.trainer.selection.cross_validation import (
+from springpot.host.wings.evidence.splits import (
     blocks,
     cross_validated_rmse_n,
     holdout,
     recording_splits,
 )
+from springpot.host.wings.evidence.sweep import default_sweep
+from springpot.trainer.kinds import fit_kind, fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.training_set import training_set
 
 KEYS = {"model", "options", "rmse_n", "rmse_percent_of_peak", "tick_ns_hot", "tick_ns_p999",
         "instructions", "flash_bytes", "ram_bytes", "fit_s", "active_cells", "bounded",
