@@ -6,7 +6,12 @@ from typing import Any, Literal
 import numpy as np
 
 from springpot.codegen.arrays import Real
-from springpot.codegen.coupling.auto import CouplingChoice, choose_coupling, series
+from springpot.codegen.coupling.auto import (
+    CouplingChoice,
+    choose_coupling,
+    series,
+    spring_limit_npm,
+)
 from springpot.codegen.coupling.gains import CoupleConfig, couple_config, require_plausible_damping
 from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
 from springpot.codegen.errors import UsageError
@@ -166,6 +171,8 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         max_m=dtype(model.trained.max_m),
     )
     placed = stages.passive.placed if stages.passive is not None else None
+    slides = scene.places.mode == "lateral"
+    limit_npm = spring_limit_npm(dt_s, loop_device(scene.device, dt_s)) if slides else 0.0
     fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
     stiffness_npm = max_stiffness_npm(stages, model, trained, dt_s, dtype)
     choice = _coupling(scene, stiffness_npm, dt_s)
@@ -202,7 +209,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         viscous_npm=_viscous_npm(scene, dt_s, dtype),
         silence=silence_config(watchdog_s, dt_s, dtype),
         watchdog_s=float(dtype(watchdog_s)),
-        lateral=lateral_stage(model, placed, scene, dt_s, dtype),
+        lateral=lateral_stage(model, placed, scene, dt_s, dtype, limit_npm),
         left_out=(
             *unused_orders(model, dtype),
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),

@@ -14,7 +14,7 @@ from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import CLibrary, load_c
-from springpot.host.native.loop_library import INPUT
+from springpot.host.native.loop_library import IDLE, INPUT, LATERAL, NONE, RESET
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
 from springpot.trainer.models.motion import DepthMotion, in_ticks, motions
@@ -81,8 +81,11 @@ class Replay:
     ) -> tuple[Reals, Reals]:
         """Make the calls of a session's log again, from a fresh state: forces (N) and notes, (n,).
 
-        calls: the channels of the log, see `session/log.py`. Rows without a call stay 0.
+        calls: the channels of the log, see `session/log.py`. Rows without a call stay 0. Of a log
+        of three axes the forces are (n, 3): along x, y and depth.
         """
+        if LATERAL[0] in calls:
+            return self._repeat_slide(calls)
         made = np.ascontiguousarray(calls["call"], dtype=np.int32)
         force = np.zeros(len(made), dtype=self._library.dtype)
         notes = np.zeros(len(made), dtype=np.int32)
@@ -96,6 +99,21 @@ class Replay:
             *functions, pointer(state.address), len(made), array(made), *map(array, inputs),
             array(force), array(notes),
         )  # fmt: skip
+        return force, notes
+
+    def _repeat_slide(self, calls: Mapping[str, Reals]) -> tuple[Reals, Reals]:
+        state, made = self._library.new_state(), calls["call"].astype(int)
+        at_m = np.column_stack([calls[name] for name in (*LATERAL[:2], INPUT)])
+        force = np.zeros((len(made), 3), dtype=self._library.dtype)
+        notes = np.zeros(len(made), dtype=np.int32)
+        for i, call in enumerate(made.tolist()):
+            if call & RESET:
+                state.reset()
+            if not call & NONE:
+                idle = call & IDLE
+                force[i], notes[i] = (
+                    state.idle3(float(calls["dt_s"][i])) if idle else state.step3(at_m[i])
+                )
         return force, notes
 
     def tick_times(

@@ -60,6 +60,7 @@ class LiveWarnings:
         """plan: of the scene that is rendered."""
         trained, self._contact = plan.model.trained, plan.contact
         self._alarm, self._dt_s = alarm, plan.dt_s
+        self._deepest_m, self._slides = float(plan.range.max_m), plan.lateral is not None
         self._min_n, self._fast_mps = float(plan.output.min_n), FASTER * trained.max_mps
         self._ticks = max(1, round(WINDOW_S / plan.dt_s))
         self._before = max(1, round(_SPEED_S / plan.dt_s))  # ticks
@@ -69,7 +70,8 @@ class LiveWarnings:
         self._over: dict[str, str] = {}  # what ended since the last line, and how to say it
         self._silent_until_s = -np.inf
         self._conditions = {
-            "deep": _Condition(NOTE_WORDS[OUTSIDE], "mm", 1e3, float(plan.range.max_m)),
+            "deep": _Condition("deeper than was recorded", "mm", 1e3, self._deepest_m),
+            "beside": _Condition("beside the places that were recorded"),
             "fast": _Condition("faster than four times the recorded speed", "m/s", 1.0,
                                self._fast_mps),
             "clamped": _Condition(NOTE_WORDS[CLAMPED]),
@@ -116,8 +118,11 @@ class LiveWarnings:
         inside = position_m > 0.0 if self._contact else np.isfinite(position_m)
         fast = called & inside & (speed_mps > self._fast_mps) & (self._fast_mps > 0.0)
         latched = (notes & LATCHED) > 0
+        outside = (notes & OUTSIDE) > 0
+        beside = outside & (position_m <= self._deepest_m) & self._slides
         return {
-            "deep": ((notes & OUTSIDE) > 0, position_m),
+            "deep": (outside & ~beside, position_m),
+            "beside": (beside, position_m),
             "fast": (fast, speed_mps),
             # At the lower limit an object does not pull: nothing to be told.
             "clamped": (((notes & CLAMPED) > 0) & (force_n > self._min_n), force_n),

@@ -13,17 +13,20 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
-from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
+from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LATERAL, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Zero
 
-_KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
+_KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n", *LATERAL))
 CHANNELS = (INPUT, *_KEPT)
 FLIGHT_S = 5.0  # of the end, in a flight recorder
 
 
 class SessionLog:
-    """Takes the rows of a loop as they come; measured: log the load cell as the force."""
+    """Takes the rows of a loop as they come.
+
+    measured: log the load cell as the force. slides: x and y too, of a scene that slides.
+    """
 
     def __init__(
         self,
@@ -35,11 +38,15 @@ class SessionLog:
         zero: Zero = "none",
         measured: bool = False,
         place_m: tuple[float, float] | None = None,
+        slides: bool = False,
     ) -> None:
+        lateral = LATERAL if slides else ()
+        self._kept = [COLUMN[name] for name in ("position_m", *_KEPT, *lateral)]
         self.file = file
         self._journal = JournalWriter(
-            file, file.stem, dt_s, source, details, zero=zero, channels=CHANNELS, place_m=place_m
-        )
+            file, file.stem, dt_s, source, details, zero=zero, channels=(*CHANNELS, *lateral),
+            place_m=place_m,
+        )  # fmt: skip
         self._force = COLUMN["measured_n" if measured else "sent_n"]
         self._last = np.zeros(2)
         self.rows = 0
@@ -50,8 +57,7 @@ class SessionLog:
             return
         position_m = self._finite(rows[:, COLUMN["position_m"]], 0)
         force_n = self._finite(rows[:, self._force], 1)
-        kept = [COLUMN["position_m"], *(COLUMN[name] for name in _KEPT)]
-        self._journal.append(position_m, force_n, rows[:, kept])
+        self._journal.append(position_m, force_n, rows[:, self._kept])
         self.rows += len(rows)
 
     def finish(self, details: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ from springpot.codegen.reference import notes
 _WORDS = {
     "held": "no sample: the last one was held",
     "resync": "history begins anew here",
-    "outside": "deeper than was recorded",
+    "outside": "beyond what was recorded",
     "clamped": "force kept within its limits",
     "ramped": "force rising after a start or a silence",
     "latched": "watchdog: no force until a reset",

@@ -18,7 +18,7 @@ from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 
 _TRACED = ("position_m", "velocity_mps", "seen_m", "seen_mps", "force_n")
-SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
+HAND_SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ class HandLoop:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
         _check(self._port.c.sim_tool_init(
             tool, HAND_NAMES.index(operator.hand), tool_device(self._port, operator.device),
-            SUBSTEPS, 1, operator.seed, start_m,
+            HAND_SUBSTEPS, 1, operator.seed, start_m,
         ))  # fmt: skip
         return tool
 

@@ -9,9 +9,9 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.short_repr import short_repr
 from springpot.host.simulation.scenarios import RISE_S, Workspace, smooth
 
-SHARES, HOLD_S = (0.3, 0.9), 7.0  # of the trained depth, on each place
-SPEEDS_MPS, WAYS, DEPTH = (0.02, 0.08), 6, 0.5
-ROUNDS, ROUND_S = 10, 1.0
+_SHARES, _HOLD_S = (0.3, 0.9), 7.0  # of the trained depth, on each place
+_SPEEDS_MPS, _WAYS, _DEPTH = (0.02, 0.08), 6, 0.5
+_ROUNDS, _ROUND_S = 10, 1.0
 _AIR_S, _SETTLE_S = 0.3, 1.0
 _NUDGE_M, _NUDGE_S = 5e-4, 0.02  # along x, as a hold begins: what rings, begins to
 
@@ -61,13 +61,13 @@ def _slides(space: Workspace, soft_m: Samples, stiff_m: Samples) -> SlideCase:
     """Slide to and fro over both nodes at each speed."""
     reach_m = 0.5 * (stiff_m - soft_m)
     ends_m = (soft_m - reach_m, stiff_m + reach_m)
-    parts = [_press(space, ends_m[0], DEPTH, 0.1)]
-    for speed_mps in SPEEDS_MPS:
+    parts = [_press(space, ends_m[0], _DEPTH, 0.1)]
+    for speed_mps in _SPEEDS_MPS:
         n = max(2, round(4.0 * float(np.linalg.norm(reach_m)) / speed_mps / space.dt_s))
-        for way in range(WAYS):
+        for way in range(_WAYS):
             begin_m, end_m = ends_m if way % 2 == 0 else ends_m[::-1]
             share = np.linspace(0.0, 1.0, n)[:, None]
-            parts.append(_at(begin_m + share * (end_m - begin_m), space.at(DEPTH)))
+            parts.append(_at(begin_m + share * (end_m - begin_m), space.at(_DEPTH)))
     parts.append(_release(space, parts[-1][-1]))
     return SlideCase("slide", np.concatenate(parts))
 
@@ -76,30 +76,30 @@ def _edges(space: Workspace, places_m: tuple[Samples, ...]) -> SlideCase:
     """Hold at depths of each place, off the object between them."""
     parts: list[Samples] = []
     holds = []
-    stations = [(place_m, share) for place_m in places_m for share in SHARES]
+    stations = [(place_m, share) for place_m in places_m for share in _SHARES]
     for place_m, share in stations:
         if parts:
             here_m, n = parts[-1][-1, :2], round(_AIR_S / space.dt_s)
             way = smooth(np.linspace(0.0, 1.0, n))[:, None]
             parts.append(_at(here_m + way * (place_m - here_m), space.free_m))
-        parts.append(_press(space, place_m, share, HOLD_S))
+        parts.append(_press(space, place_m, share, _HOLD_S))
         begin, nudge = round(RISE_S / space.dt_s), round(_NUDGE_S / space.dt_s)
         parts[-1][begin : begin + nudge, 0] += _NUDGE_M
         end = sum(map(len, parts))
-        holds.append(slice(end - round((HOLD_S - _SETTLE_S) / space.dt_s), end))
+        holds.append(slice(end - round((_HOLD_S - _SETTLE_S) / space.dt_s), end))
         parts.append(_release(space, parts[-1][-1]))
     return SlideCase("edge", np.concatenate(parts), tuple(holds))
 
 
 def _orbit(space: Workspace, middle_m: Samples, radius_m: float) -> SlideCase:
     """Go round at one depth."""
-    per_round = round(ROUND_S / space.dt_s)
-    turn = 2.0 * np.pi * np.arange(ROUNDS * per_round) / per_round
+    per_round = round(_ROUND_S / space.dt_s)
+    turn = 2.0 * np.pi * np.arange(_ROUNDS * per_round) / per_round
     circle_m = middle_m + radius_m * np.column_stack([np.cos(turn), np.sin(turn)])
-    down = _press(space, circle_m[0], DEPTH, 0.5)
-    round_m = _at(circle_m, space.at(DEPTH))
+    down = _press(space, circle_m[0], _DEPTH, 0.5)
+    round_m = _at(circle_m, space.at(_DEPTH))
     path_m = np.concatenate([down, round_m, _release(space, round_m[-1])])
-    rounds = tuple(len(down) + per_round * k for k in range(ROUNDS + 1))
+    rounds = tuple(len(down) + per_round * k for k in range(_ROUNDS + 1))
     return SlideCase("orbit", path_m, rounds=rounds)
 
 

@@ -10,7 +10,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.simulation.hand_loop import SUBSTEPS, Operator, load_testbench, tool_device
+from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, Operator, load_testbench, tool_device
 from springpot.host.simulation.objects import HAND_NAMES
 
 # A force pushes along x and y, and out of the object along the depth; that of the hand's C pushes
@@ -74,7 +74,7 @@ class _Tools:
         tool = port.memory(port.c.sim_tool_size(), "sim_tool")
         status = port.c.sim_tool_init(
             tool, HAND_NAMES.index(operator.hand), tool_device(port, operator.device),
-            SUBSTEPS, 1, operator.seed + axis, start_m,
+            HAND_SUBSTEPS, 1, operator.seed + axis, start_m,
         )  # fmt: skip
         if status < 0:
             raise SpringpotError(f"the simulated hand refused its arguments (status {status})")

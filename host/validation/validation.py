@@ -21,7 +21,7 @@ from springpot.codegen.reference.run import run_reference
 from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
 from springpot.host.metrics import Accuracy, accuracy, error_ratios, rms, start_up_ramp
-from springpot.host.native.loop_library import NONE, SILENT, UNSENT
+from springpot.host.native.loop_library import LATERAL, NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, TickTimes, motions_of
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.note_words import NOTE_NAMES
@@ -259,8 +259,13 @@ def repeat_session(
         return None
     channels, call = recording.channels, recording.channels["call"].astype(int)
     force, notes = replay.repeat(channels, recording.place_m)
+    other = notes != channels["notes"].astype(int)
+    if force.ndim == 2:
+        for column, name in enumerate(LATERAL[2:]):
+            other |= bits_differ(force[:, column].copy(), channels[name].astype(force.dtype))
+        force = force[:, 2].copy()
     logged = channels["returned_n"].astype(force.dtype)
-    other = bits_differ(force, logged) | (notes != channels["notes"].astype(int))
+    other |= bits_differ(force, logged)
     felt = recording.force_n.astype(force.dtype)
     sent_otherwise = bits_differ(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
     silenced = (call & (NONE | SILENT | UNSENT)) != 0

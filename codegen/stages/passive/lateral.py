@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals, Samples
-from springpot.codegen.coupling.auto import spring_limit_npm
-from springpot.codegen.coupling.loop_device import loop_device
 from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text, literal, struct_text
 from springpot.codegen.model.formulas import curve_place, curve_values, pieces_of_one
@@ -98,9 +96,16 @@ class LateralStage:
 
 
 def lateral_stage(
-    model: Model, placed: PlacedCurves | None, scene: Scene, dt_s: float, dtype: type[Any]
+    model: Model,
+    placed: PlacedCurves | None,
+    scene: Scene,
+    dt_s: float,
+    dtype: type[Any],
+    limit_npm: float,
 ) -> LateralStage | None:
-    """Resolve `[places] mode`; placed: the model's map. None in the mode "held".
+    """Resolve `[places] mode`. None in the mode "held".
+
+    placed: the model's map. limit_npm: of the stiffest spring that the device bears.
 
     Raises UsageError if this model, or this scene, has no lateral force.
     """
@@ -145,8 +150,7 @@ def lateral_stage(
     drag = DragConfig(dtype(width_m), dtype(max(most_n, 1e-6) / (_DRAWN * width_m)))
     deepest = np.array([_deepest_n(its) for its in materials])
     stick_npm = _SIDEWAYS * float(np.max(places.amounts @ deepest)) / hammerstein.span_m
-    held_npm = _OF_LIMIT * spring_limit_npm(dt_s, loop_device(scene.device, dt_s))
-    stick_npm = max(min(stick_npm, held_npm), 1.0)
+    stick_npm = max(min(stick_npm, _OF_LIMIT * limit_npm), 1.0)
     anchor = AnchorConfig(dtype(scene.places.friction), dtype(stick_npm))
     return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag, anchor)
 

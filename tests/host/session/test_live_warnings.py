@@ -1,5 +1,8 @@
 """What a session warns of while it runs: rows by hand, and a session deeper than trained."""
 
+from dataclasses import replace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 from support.peer import wait_until
@@ -67,10 +70,23 @@ def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
     rows = rows_of(2000)
     rows[1010 : 1010 + ticks, COLUMN["notes"]] = bit
     said, events = watched(rows)
-    assert events == [{"time_s": 1.01, "what": NOTE_WORDS[bit], "count": ticks}]
+    words = "deeper than was recorded" if bit == OUTSIDE else NOTE_WORDS[bit]
+    assert events == [{"time_s": 1.01, "what": words, "count": ticks}]
     assert said[0][2]
     # The watchdog's line is the supervisor's: only the bell is heard.
-    assert all(line == "" if bit == LATCHED else NOTE_WORDS[bit] in line for _, line, _ in said)
+    assert all(line == "" if bit == LATCHED else words in line for _, line, _ in said)
+
+
+def test_a_tool_that_slides_beside_the_map_is_not_told_that_it_is_deep():
+    rows = rows_of(3000)
+    rows[1000:2000, COLUMN["notes"]] = OUTSIDE
+    rows[1500:2000, COLUMN["position_m"]] = 0.013
+    warnings = LiveWarnings(replace(PLAN, lateral=cast(Any, object())), lambda *_: None)
+    warnings.append(rows)
+    assert [(event["what"], event["count"]) for event in warnings.finish()] == [
+        ("beside the places that were recorded", 500),
+        ("deeper than was recorded", 500),
+    ]
 
 
 def test_what_belongs_to_a_session_is_no_warning():

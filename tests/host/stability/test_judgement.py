@@ -223,14 +223,17 @@ def test_every_outcome_that_is_not_bounded_is_refused_by_name(found: Outcome, na
     assert (named in why) if named else why == ""
 
 
-def a_plan(regressor: bool = False, mode: str = "auto", **device: float) -> Any:
+def a_plan(
+    regressor: bool = False, mode: str = "auto", slides: bool = False, **device: float
+) -> Any:
     """What of a plan says what may be changed."""
     scene = Scene(
         1, "pad", "pad.spm", coupling=Coupling(mode=cast(Any, mode)), device=Device(**device)
     )
     return SimpleNamespace(
         scene=scene, model=SimpleNamespace(regressor=object() if regressor else None),
-        energy_acts=scene.guard.energy == "account", max_force_n=12.0,
+        energy_acts=scene.guard.energy == "account", max_force_n=12.0, dt_s=1e-3,
+        lateral=object() if slides else None,
         loop_device=replace(ASSUMED_DEVICE, delay_samples=int(1e3 * (scene.device.delay_s or 0))),
     )  # fmt: skip
 
@@ -240,14 +243,21 @@ def a_plan(regressor: bool = False, mode: str = "auto", **device: float) -> Any:
 @pytest.mark.parametrize("device", [{}, {"viscous_nspm": 2.0}, {"delay_s": 0.002}])
 @pytest.mark.parametrize("cut", [False, True])
 @pytest.mark.parametrize("max_force_n", [11.9, 12.0])
-def test_no_remedy_is_what_the_scene_has(
-    regressor: bool, mode: str, device: dict[str, float], cut: bool, max_force_n: float
+@pytest.mark.parametrize("slides", [False, True])
+def test_no_remedy_is_what_the_scene_has_or_may_not_have(
+    regressor: bool,
+    mode: str,
+    device: dict[str, float],
+    cut: bool,
+    max_force_n: float,
+    slides: bool,
 ) -> None:
     """Each remedy is offered if it would change the scene, and only then."""
     found = outcome("hold", bounded=False, max_force_n=max_force_n)
     found.trace.notes[3] = ENERGY if cut else 0
-    why = why_unbounded(a_plan(regressor, mode, **device), usual(found))
-    assert ("coupling.mode = auto" in why) == (mode != "auto")
+    why = why_unbounded(a_plan(regressor, mode, slides, **device), usual(found))
+    assert ("coupling.mode = auto" in why) == (mode != "auto" and not slides)
+    assert ("runtime.rate_hz of 2000 or more" in why) == slides
     assert ("hammerstein" in why) == regressor
     assert ("less delay" in why) == ("delay_s" in device)
     assert ("guard.max_force_n" in why) == (max_force_n >= 12.0)

@@ -20,7 +20,6 @@ from springpot.trainer.models import hybrid
 from springpot.trainer.models.fit import FitOptions
 
 # Small: what an analysis costs is nodes, taps and ticks that are made up; code is the same.
-_SLIDING = ("sliding", "sticking")
 _OPTIONS = FitOptions(trees=4, leaf=60, n_centers=20, window_s=0.05, orders=(0.1, 0.3, 0.5))
 _WATCHDOG_MS = 4.0
 # Relaxation by depth, a pole that needs double, a stop, flow, damage, a surface that recovers.
@@ -77,20 +76,18 @@ def proved_scenes() -> Iterator[ProvedScene]:
         yield ProvedScene("placed", cast(Mode, coupling), number)
     for number in ("float32", "float64"):
         yield ProvedScene("sliding", "off", number)
-        yield ProvedScene("sticking", "off", number)
     for kind in ("hammerstein", "rbf-pv"):
         yield ProvedScene(kind, "proxy", "float32", contact="always", velocity="device")
 
 
 def emit_scene(proved: ProvedScene, folder: Path) -> Path:
     """Write its C into folder/NAME; returns that."""
-    slides = proved.kind in _SLIDING
-    friction = 0.4 if proved.kind == "sticking" else None
+    slides = proved.kind == "sliding"
     smoothing_s = 0.0 if slides else 8e-4
     chosen = scene(number=proved.number, mode=proved.coupling, smoothing_s=smoothing_s)
     chosen = replace(
         chosen,
-        places=ScenePlaces("lateral", 8.0, friction) if slides else ScenePlaces(),
+        places=ScenePlaces("lateral", 8.0, 0.4) if slides else ScenePlaces(),
         guard=replace(chosen.guard, watchdog_ms=_WATCHDOG_MS),
         device=replace(chosen.device, velocity=proved.velocity),
     )
@@ -106,7 +103,7 @@ def emit_scene(proved: ProvedScene, folder: Path) -> Path:
 def _model(kind: str) -> Model:
     if kind == "fir-fast":
         return fit_model("rbf-fd", "x", training(), replace(_OPTIONS, engine="fir-fast")).model
-    if kind not in ("by-depth", "placed", *_SLIDING):
+    if kind not in ("by-depth", "placed", "sliding"):
         with mock.patch.multiple(hybrid, HYBRID_TREES=4, HYBRID_LEAF=300):
             return fit_model(kind, "x", training(), _OPTIONS).model
     model = _model("hammerstein")

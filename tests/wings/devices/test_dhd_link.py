@@ -30,11 +30,11 @@ class Sdk:
                                    "max_n": 8.0, "max_call_s": 1.0, **settings})  # fmt: skip
         self._memory = self.library.memory(c.sp_link_dhd_size())
         self.link = c.sp_link_dhd_init(self._memory, dhd)
-        self._motion = ffi.new("sp_motion *")
+        self.motion = ffi.new("sp_motion *")
         self.link.reset(self.link, 1)
 
     def tick(self, now_ms: int, force_n: float = 0.0) -> int:
-        fresh = self.link.read(self.link, now_ms * MS, self._motion, 1)
+        fresh = self.link.read(self.link, now_ms * MS, self.motion, 1)
         self.link.write(self.link, now_ms * MS, force_n)
         return int(fresh)
 
