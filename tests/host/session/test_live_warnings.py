@@ -26,6 +26,7 @@ from springpot.host.session.session import Session
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 PLAN = make_plan(passive_model(), scene())
+DEEP = "deeper than was recorded"
 TRAINED_MPS = PLAN.model.trained.max_mps
 
 
@@ -70,7 +71,7 @@ def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
     rows = rows_of(2000)
     rows[1010 : 1010 + ticks, COLUMN["notes"]] = bit
     said, events = watched(rows)
-    words = "deeper than was recorded" if bit == OUTSIDE else NOTE_WORDS[bit]
+    words = DEEP if bit == OUTSIDE else NOTE_WORDS[bit]
     assert events == [{"time_s": 1.01, "what": words, "count": ticks}]
     assert said[0][2]
     # The watchdog's line is the supervisor's: only the bell is heard.
@@ -80,12 +81,12 @@ def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
 def test_a_tool_that_slides_beside_the_map_is_not_told_that_it_is_deep():
     rows = rows_of(3000)
     rows[1000:2000, COLUMN["notes"]] = OUTSIDE
-    rows[1500:2000, COLUMN["position_m"]] = 0.013
+    rows[1500:, COLUMN["position_m"]] = np.minimum(0.005 + 1e-4 * np.arange(1500), 0.013)
     warnings = LiveWarnings(replace(PLAN, lateral=cast(Any, object())), lambda *_: None)
     warnings.append(rows)
     assert [(event["what"], event["count"]) for event in warnings.finish()] == [
-        ("beside the places that were recorded", 500),
-        ("deeper than was recorded", 500),
+        ("beside the places that were recorded", 570),
+        (DEEP, 430),
     ]
 
 
@@ -166,7 +167,7 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(tmp_path):
         session.start()
         wait_until(lambda: session.runner.over, 20, "the session does not end")
     warnings = session.result()["warnings"]
-    deeper = [item for item in warnings if item["what"] == NOTE_WORDS[OUTSIDE]]
+    deeper = [item for item in warnings if item["what"] == DEEP]
     read = read_recording(log)
     outside = (read.channels["notes"].astype(int) & OUTSIDE) > 0
     outside &= (read.channels["call"].astype(int) & NONE) == 0
@@ -175,5 +176,5 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(tmp_path):
     assert deeper[0]["time_s"] == pytest.approx(
         read.channels["time_s"][np.argmax(outside)], abs=1e-3
     )
-    assert any(begins and NOTE_WORDS[OUTSIDE] in line for line, begins in said)
+    assert any(begins and DEEP in line for line, begins in said)
     assert read.details["end"]["warnings"] == warnings
