@@ -160,8 +160,8 @@ def train(
         say(seen_line(figures["seen"], len(testing)))
     rows = training_rows(fit, result, out, found, len(testing))
     if planning is not None:
-        told, rows["record next"] = planning.next_told(training, fit.model.contact, next_file)
-        result["next_presses"] = told
+        told, rows["record next"] = planning.next_told(training, fit.model, next_file)
+        result |= told
     print_result(result, as_json, rows)
 
 
