@@ -37,7 +37,10 @@ class ContactPoint:
 
 @dataclass(frozen=True)
 class _Press:
-    """Where a press passes the levels, m; before_m, step_m: the sample before the first, its way."""
+    """Where a press passes the levels, m.
+
+    before_m, step_m: the last sample before the first level, and how far the next one is from it.
+    """
 
     passes_m: list[float]
     before_m: float
