@@ -9,6 +9,7 @@ import pytest
 from support.messages import refusing
 from support.small import DT_S, press, recording
 
+import springpot
 from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
 
@@ -64,3 +65,23 @@ def test_a_refusal_says_that_a_name_is_there_twice_or_the_index(name):
     others = {key: values for key, values in COLUMNS.items() if key != name}
     with refusing(UsageError, f"{quantity}='{name}'", "index", "reset_index()"):
         Recording.from_frame(Table(others, list(others), index=name))
+
+
+@pytest.mark.parametrize("surface_m", [0.5e-3, 2e-3])
+def test_a_table_is_conditioned_as_a_file_is(surface_m, tmp_path):
+    """The tool starts in the air, the sensor has an offset."""
+    away = np.linspace(-surface_m, ITEM.position_m[0], 200)
+    position_m = surface_m + np.concatenate([away, ITEM.position_m])
+    force_n = 0.25 + np.concatenate([np.zeros(200), ITEM.force_n])
+    table = {"time_s": DT_S * np.arange(len(force_n)), "position_m": position_m, "force_n": force_n}
+    file = tmp_path / "frame.csv"
+    np.savetxt(file, np.column_stack(list(table.values())), "%.17g", ",", header=",".join(table),
+               comments="")  # fmt: skip
+    asked = springpot.Conditioning(contact_force="auto")
+    found = Recording.from_frame(table, conditioning=asked)
+    options = springpot.ImportOptions(conditioning=asked)
+    (read,) = springpot.import_recordings(file, options=options)
+    np.testing.assert_allclose(found.position_m, read.position_m, atol=1e-12)
+    np.testing.assert_allclose(found.force_n, read.force_n, atol=1e-9)
+    assert abs(found.details["contact_position_m"] - surface_m) < 3e-4
+    assert Recording.from_frame(table).position_m[0] == 0.0
