@@ -64,7 +64,7 @@ def reproduce(
 def rows(result: dict[str, Any], out: Path) -> dict[str, str]:
     """Return a person's view: errors of every model, then every claim, failing ones marked."""
     from springpot.host.wings.evidence.paper.evidence import EVIDENCE
-    from springpot.host.wings.evidence.paper.page import PAGE, headline
+    from springpot.host.wings.evidence.paper.page import PAPER_PAGE, headline
 
     found = {"data": result["data"]}
     for name, models in result["models"].items():
@@ -76,5 +76,5 @@ def rows(result: dict[str, Any], out: Path) -> dict[str, str]:
         found[f"{verdict}: {claim['claim']}"] = f"{claim['here']} (paper: {claim['paper']})"
     found["in short"] = " ".join(headline(result))
     found["written"] = f"{out}: {len(result['figures'])} figures, {EVIDENCE}"
-    found["report"] = str(out / PAGE)
+    found["report"] = str(out / PAPER_PAGE)
     return found

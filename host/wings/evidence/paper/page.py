@@ -10,7 +10,7 @@ import numpy as np
 from springpot.basics import write_file
 from springpot.figures import page_text, plain
 
-PAGE = "report.html"
+PAPER_PAGE = "report.html"
 _VERDICTS = {False: "fails", None: "open", True: "holds"}  # in the order of the page
 
 
@@ -30,8 +30,8 @@ def write_paper_page(out: Path, result: Mapping[str, Any]) -> Path:
         "pictures": {name: _base64(out / name) for name in pictures},
     }
     package = "springpot.host.wings.evidence"
-    write_file(out / PAGE, page_text("paper.html", context, package, khz=_khz).encode())
-    return out / PAGE
+    write_file(out / PAPER_PAGE, page_text("paper.html", context, package, khz=_khz).encode())
+    return out / PAPER_PAGE
 
 
 def headline(result: Mapping[str, Any]) -> list[str]:
