@@ -24,10 +24,14 @@ def given_numbers(values: Any, argument: str) -> Samples:
     what = "more than numbers"
     try:
         given = np.asarray(values)
-        if given.dtype.kind in "iufO":
+        texts = given.dtype.kind == "O" and any(isinstance(x, str | bytes) for x in given.flat)
+        if texts or given.dtype.kind in "US":
+            what = "text"
+        elif given.dtype.kind in "iufO":
             found: Samples = given.astype(np.float64, copy=False)
             return found
-        what = str(given.dtype)  # truths, text, dates, complex numbers
+        else:
+            what = str(given.dtype)  # truths, dates, complex numbers
     except (TypeError, ValueError):
         pass
     raise DataError(f"{argument}: holds {what}: give one number a sample")

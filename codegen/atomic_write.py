@@ -4,8 +4,10 @@ import os
 import secrets
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from springpot.codegen.errors import UsageError
 
 
 @contextmanager
@@ -25,8 +27,12 @@ def written_aside(path: Path, *, overwrite: bool = True, durable: bool = False) 
             aside.replace(path)
         else:
             path.hardlink_to(aside)
+    except OSError as error:
+        _name(error, aside, path)
+        raise
     finally:
-        aside.unlink(missing_ok=True)
+        with suppress(NotADirectoryError):
+            aside.unlink(missing_ok=True)
     if durable:
         sync_folder(path.parent)
 
@@ -34,12 +40,32 @@ def written_aside(path: Path, *, overwrite: bool = True, durable: bool = False) 
 @contextmanager
 def folder_written_aside(folder: Path) -> Iterator[Path]:
     """Yield the name of a folder to make, which replaces `folder` at the end."""
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as scratch:
-        aside = Path(scratch) / "new"
-        yield aside
-        if folder.exists():
-            folder.rename(Path(scratch) / "old")
-        aside.rename(folder)
+    parent, prefix = folder.parent, f".{folder.name}-"
+    try:
+        with tempfile.TemporaryDirectory(dir=parent, prefix=prefix) as scratch:
+            aside = Path(scratch) / "new"
+            yield aside
+            if folder.exists():
+                folder.rename(Path(scratch) / "old")
+            aside.rename(folder)
+    except OSError as error:
+        _name(error, parent / prefix, folder)
+        raise
+
+
+def _name(error: OSError, aside: Path, path: Path) -> None:
+    """Let an error name what was asked for, not what is beside it: a full disk names nothing."""
+    if error.filename is None or str(error.filename).startswith(str(aside)):
+        error.filename = str(path)
+
+
+def require_place(path: Path) -> None:
+    """Raise UsageError where no file of that name can be written, its folders not made yet."""
+    place = next(folder for folder in path.absolute().parents if folder.exists())
+    if path.is_dir():
+        raise UsageError(f"{path}: is a folder: give a file")
+    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
+        raise UsageError(f"{path}: cannot be written in {place}: choose another place")
 
 
 def write_file(path: Path, content: bytes) -> None:

@@ -1,5 +1,6 @@
 """The C of an emitted folder, built and loaded, on arrays."""
 
+import warnings
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,8 @@ from springpot.trainer.recordings.recording import Recording
 if TYPE_CHECKING:
     from springpot.host.native.replay import Replay
     from springpot.host.native.scene_library import SceneState
+
+_TOO_DEEP = 10.0  # times the trained depth, as for `predict`: another unit
 
 
 def load(folder: File, *, accept_edited: bool = False) -> "LoadedScene":
@@ -65,7 +68,8 @@ class LoadedScene:
 
         position_m: also a `Recording` at the scene's rate. velocity_mps: (n,), m/s; by default
         backward differences of the positions. Inputs are rounded to the scene's number type, which
-        the forces have. Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates.
+        the forces have. Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates;
+        a UserWarning says that positions go ten times deeper than the trained presses, as in mm.
         """
         if isinstance(position_m, Recording):
             if not np.isclose(position_m.dt_s, self.dt_s, rtol=1e-3):
@@ -77,6 +81,11 @@ class LoadedScene:
         position = given_numbers(position_m, "position_m").astype(self._library.dtype)
         if position.ndim != 1 or not len(position):
             raise UsageError(f"positions of shape {position.shape}: give (n,), n above 0")
+        deepest_m, trained_m = float(position.max()), float(self.manifest["trained"]["depth_m"][1])
+        if deepest_m > _TOO_DEEP * trained_m > 0.0:
+            doubt = f"position_m goes to {deepest_m:.4g} m, {deepest_m / trained_m:.3g} times the"
+            doubt += f" trained {trained_m:.4g} m: give positions in metres"
+            warnings.warn(doubt, UserWarning, stacklevel=2)
         if velocity_mps is None:
             velocity = backward_velocity(position, self.dt_s)
         else:

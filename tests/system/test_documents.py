@@ -19,6 +19,7 @@ from springpot.host.wings.study.study_file import read_study
 TESTED = {
     "python": "test_python_examples.py",
     "cpp": "test_documented_c.py",
+    "js": "test_documented_c.py",
     "csharp": "test_documented_c.py",
     "c": "",
     "text": "",

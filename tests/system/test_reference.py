@@ -91,6 +91,19 @@ def test_every_function_and_note_of_c_is_listed() -> None:
     assert len(notes()) == (ROOT / "runtime_c" / "include" / "sp_notes.h").read_text().count(" = ")
 
 
+def test_the_page_of_c_lists_them_without_the_site_too() -> None:
+    page = (ROOT / "docs" / "reference" / "c.md").read_text()
+    for group in declarations():
+        for function in group.functions:
+            name, given = re.findall(r"(\w+)\((.*)\)", function)[0]
+            names = re.findall(r"(\w+)(?:\[3\])?(?:,|$)", given)
+            assert f"`{name}({', '.join(n for n in names if n != 'void')})`" in page.replace(
+                "&", ""
+            )
+    for name, value, _ in notes():
+        assert f"| {value} | `{name}` |" in page
+
+
 def test_every_message_and_field_of_the_wire_is_listed() -> None:
     page = wire_messages()
     assert "## HELLO, type 2" in page

@@ -35,6 +35,18 @@ class ContactPoint:
     threshold_n: float
 
 
+@dataclass(frozen=True)
+class _Press:
+    """Where a press passes the levels, m.
+
+    before_m, step_m: the last sample before the first level, and how far the next one is from it.
+    """
+
+    passes_m: list[float]
+    before_m: float
+    step_m: float
+
+
 def find_contact(
     recording: Recording, tare_n: float | None = None, threshold_n: float | None = None
 ) -> ContactPoint:
@@ -63,27 +75,41 @@ def find_contact(
             "without contact: give a lower --contact-force"
         )
     levels_n = base_n + threshold_n * np.array([1.0, _HIGHER, _HIGHER**2])
-    presses = [_passes_m(position_m[way], force_n[way], levels_n) for way in _ways_in(position_m)]
-    presses = [passes_m for passes_m in presses if len(passes_m)]
+    presses = [_passes(position_m[way], force_n[way], levels_n) for way in _ways_in(position_m)]
+    presses = [press for press in presses if press.passes_m]
     pressed = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
     if (
         not presses
         or pressed > _LEVEL * peak_n / travel_m
-        or min(passes_m[0] for passes_m in presses) - low_m < _MIN_FREE_SHARE * travel_m
+        or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
     ):
         raise DataError(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
             "position), so the surface cannot be found: import with --zero first or min"
         )
-    # Of all presses the one that meets it first: an object that has not recovered is met deeper.
-    passes_m = min(presses, key=lambda each: each[0])
-    doubt_m = float(np.median(np.abs(np.diff(position_m)))) / 2  # half a usual step
-    surface_m = passes_m[0]
+    met = _meets_first(presses)
+    # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
+    usual_m = float(np.median(np.abs(np.diff(position_m))))
+    doubt_m = max(usual_m, met.step_m) / 2
+    surface_m = met.passes_m[0]
     if wanted_n is None:  # a threshold that was stated defines the surface: nothing to go back
         # A press too light for all levels, as the first of growing ones, does not show the law.
-        back_m, open_m = _way_back_m(max(presses, key=lambda each: (len(each), -each[0])))
+        most = max(len(press.passes_m) for press in presses)
+        shown = _meets_first([press for press in presses if len(press.passes_m) == most])
+        back_m, open_m = _way_back_m(shown.passes_m)
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
+
+
+def _meets_first(presses: list[_Press]) -> _Press:
+    """Return the press that meets the object first: one that has not recovered is met deeper.
+
+    Between two samples far apart the first contact may be anywhere: of the presses that may be the
+    first, the one with the shortest step there says where it is.
+    """
+    last_m = min(press.before_m + press.step_m for press in presses)
+    may_be = [press for press in presses if press.before_m <= last_m]
+    return min(may_be, key=lambda press: (press.step_m, press.passes_m[0]))
 
 
 def _way_back_m(passes_m: list[float]) -> tuple[float, float]:
@@ -126,9 +152,10 @@ def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
     return slope_npm - _DEVIATIONS * noise_n(force_n) / float(np.sqrt(spread))
 
 
-def _passes_m(position_m: Samples, force_n: Samples, levels_n: Samples) -> list[float]:
+def _passes(position_m: Samples, force_n: Samples, levels_n: Samples) -> _Press:
     """Positions at which a press passes each level for good, up to the first that it does not."""
     found: list[float] = []
+    before_m = step_m = 0.0
     for level_n in levels_n:
         above = force_n > level_n
         stays = above[:-2] & above[1:-1] & above[2:]  # a crossing by noise does not
@@ -136,8 +163,11 @@ def _passes_m(position_m: Samples, force_n: Samples, levels_n: Samples) -> list[
         if at == 0:
             break
         share = (level_n - force_n[at - 1]) / (force_n[at] - force_n[at - 1])
-        found.append(float(position_m[at - 1] + share * (position_m[at] - position_m[at - 1])))
-    return found
+        low_m, high_m = float(position_m[at - 1]), float(position_m[at])
+        if not found:
+            before_m, step_m = min(low_m, high_m), abs(high_m - low_m)
+        found.append(low_m + float(share) * (high_m - low_m))
+    return _Press(found, before_m, step_m)
 
 
 def _ways_in(position_m: Samples) -> Iterator[slice]:

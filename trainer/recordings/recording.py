@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.recording_name import require_recording_name
+
+if TYPE_CHECKING:
+    from springpot.trainer.recordings.conditioning import Conditioning
 
 Zero = Literal["none", "first", "min"]
 
@@ -123,12 +126,14 @@ class Recording(Faces):
         force: Hashable = "force_n",
         zero: Zero | None = "none",
         resample_hz: float | None = None,
+        conditioning: "Conditioning | None" = None,
     ) -> "Recording":
         """Take three columns of a table of pandas or polars, or of anything else with names.
 
         time, position, force: columns, with the unit in the name ("Load [N]", "x_mm") or behind a
         colon ("x:mm"), in letters of either case; stamps of date or duration need no unit. time may
-        also be a rate, "1000Hz". zero, resample_hz: as for `import_recordings`.
+        also be a rate, "1000Hz". zero, resample_hz, conditioning: as for `import_recordings`; a
+        table whose tool starts in the air takes Conditioning(contact_force="auto").
         Raises UsageError for what is no table and for a column that is not there, DataError for a
         unit that is missing, unknown or not the name's, and for what no import would take.
 
@@ -136,11 +141,13 @@ class Recording(Faces):
         ...                      force="F:N")
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
+        from springpot.trainer.recordings.conditioning import condition
         from springpot.trainer.recordings.formats.sampling import to_recording
 
         frame_channels = required_part("frames", "Recording.from_frame")
         raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
-        return to_recording(raw, name, zero, resample_hz)
+        recording = to_recording(raw, name, zero, resample_hz)
+        return recording if conditioning is None else condition(recording, conditioning)[0]
 
     def to_frame(self) -> Any:
         """Make a pandas table of time_s, position_m, force_n and the further channels."""

@@ -115,12 +115,7 @@ def train(
     **of_fit: Any,  # options of the same names as fields of FitOptions
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
-    from springpot.codegen.model.model_file import MODEL_SUFFIX
-
-    if out.suffix != MODEL_SUFFIX:
-        raise UsageError(
-            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
-        )
+    _require_model_file(out)  # before minutes of work
     from springpot.host.commands.models.fit_result import errors, training_result, training_rows
     from springpot.host.console.quality import report_quality
     from springpot.host.validation.seen import seen_line
@@ -147,8 +142,8 @@ def train(
         say(seen_line(figures["seen"], len(testing)))
     rows = training_rows(fit, result, out, found, len(testing))
     if planning is not None:
-        told, rows["record next"] = planning.next_told(training, fit.model.contact, next_file)
-        result["next_presses"] = told
+        told, rows["record next"] = planning.next_told(training, fit.model, next_file)
+        result |= told
     print_result(result, as_json, rows)
 
 
@@ -161,6 +156,17 @@ def _fitted(
 ) -> "Fit":
     with progress_bar(f"fitting {kind} on {len(training)} recordings"):
         return fit_model(kind, out.stem.split(".")[0], training, options, testing)
+
+
+def _require_model_file(out: Path) -> None:
+    from springpot.codegen.atomic_write import require_place
+    from springpot.codegen.model.model_file import MODEL_SUFFIX
+
+    if out.suffix != MODEL_SUFFIX:
+        raise UsageError(
+            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
+        )
+    require_place(out)
 
 
 def _written(fit: "Fit", out: Path) -> dict[str, Any]:

@@ -66,6 +66,18 @@ def _parts(validation: Validation) -> str:
     return words
 
 
+def _deepest(validation: Validation) -> str:
+    """How far ticks outside went: by noise above what the model was trained on, or another press.
+
+    The trained depth is that of smoothed positions: a training press has such ticks too.
+    """
+    deepest_m = max(float(item.position_m.max()) for item in validation.recordings)
+    trained_m = float(validation.manifest["trained"]["depth_m"][1])
+    if not validation.notes.get("outside") or deepest_m <= trained_m:
+        return ""
+    return f"; deepest: {1e3 * deepest_m:.4g} of {1e3 * trained_m:.4g} mm"
+
+
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
     from springpot.host.metrics import error_ratios, ratio_rows
@@ -112,7 +124,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         differ = f"{validation.mismatches} of {found.samples} ticks differ{means}"
     return rows | {
         "C against reference": differ,
-        "ticks with notes": notes_in_words(validation.notes),
+        "ticks with notes": notes_in_words(validation.notes) + _deepest(validation),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }

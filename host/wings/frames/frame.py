@@ -1,9 +1,11 @@
 """Tables in memory, of pandas or polars, or of anything else that has columns with names."""
 
 from collections.abc import Hashable, Mapping, Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot import UsageError
 from springpot.basics import Samples, given_numbers
@@ -36,6 +38,7 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         label, stated = found
         where = f"{name}, {quantity}={str(column)!r}"
         values = np.asarray(frame[label])
+        values = _without_zone(values)
         if quantity == "time" and values.dtype.kind in "mM":  # durations, dates
             digit_s = _step_s(values.dtype)
             scaled[quantity] = given_numbers((values - values[:1]) / np.timedelta64(1, "s"), where)
@@ -49,7 +52,7 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     rate_hz = None if "time" in scaled else stated_hz(str(columns["time"]))
     for quantity, column in columns.items():
         if quantity not in scaled and (quantity != "time" or rate_hz is None):
-            raise UsageError(_missing(quantity, column, labels))
+            raise UsageError(_missing(quantity, column, labels, frame))
     if rate_hz is not None:
         scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
@@ -98,14 +101,30 @@ def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str 
     return None
 
 
-def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable]) -> str:
+def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable], frame: Any) -> str:
+    where = f"{quantity}={str(column)!r}"
+    bare = str(column).rpartition(":")[0]
+    same = [name for name in map(str, labels) if name in (str(column), bare)]
+    if len(same) > 1:
+        return f"{where}: {len(same)} columns have the name {same[0]!r}: rename or drop all but one"
+    index = getattr(getattr(frame, "index", None), "name", None)
+    if index is not None and str(index) in (str(column), bare):
+        return f"{where}: the table's index, no column: pass the table's reset_index()"
     shown = ", ".join(repr(str(label)) for label in labels)
     shown = shown if len(shown) <= _MAX_SHOWN else f"{shown[:_MAX_SHOWN]} ..."
     rate = ", or a rate such as time='1000Hz'" if quantity == "time" else ""
     return (
-        f"{quantity}={str(column)!r}: no such column: the table has {shown or 'none'}: name one of "
-        f"them, {quantity}=...{rate}"
+        f"{where}: no such column: the table has {shown or 'none'}: name one of them, "
+        f"{quantity}=...{rate}"
     )
+
+
+def _without_zone(values: NDArray[Any]) -> NDArray[Any]:
+    """Dates of Python or pandas, which numpy keeps as objects, as numpy's own, in UTC."""
+    if values.dtype.kind != "O" or not all(isinstance(each, datetime) for each in values.flat):
+        return values
+    zoned = [each if each.tzinfo is None else each.astimezone(UTC) for each in values.flat]
+    return np.array([each.replace(tzinfo=None) for each in zoned], "datetime64[us]")
 
 
 def _step_s(stamps: np.dtype[Any]) -> float:

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from springpot import DataError, Recording, UsageError
-from springpot.basics import write_file
+from springpot import DataError, Model, Recording, UsageError
 from springpot.host.wings.presses.coverage import find_coverage
+from springpot.host.wings.presses.next_places import places_of, places_words, write_places
 from springpot.host.wings.presses.next_presses import NextPress, next_presses
+from springpot.host.wings.presses.written import write_lines
 from springpot.modelling import contact_of, hold_spikes
 
 _SUFFIX = ".toml"
@@ -36,30 +37,29 @@ def write_protocol(path: Path, presses: Sequence[NextPress]) -> None:
     """Write a protocol of these presses. Raises UsageError where the file cannot be written."""
     if not presses:
         raise DataError(f"--next {path}: {_NONE}: record longer presses")
-    lines = ["# springpot record --device URL --protocol THIS_FILE.toml --out FOLDER"]
+    lines: list[str] = []
     for press in presses:
         lines += ["", "[[profile]]"]
         lines += [f"{key} = {value:g}" for key, value in profile_metadata(press).items()]
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_file(path, ("\n".join(lines) + "\n").encode())
-    except OSError as error:
-        raise UsageError(
-            f"--next {path}: {error.strerror}: give a file that can be written"
-        ) from None
+    write_lines(path, lines)
 
 
 def next_told(
-    recordings: Sequence[Recording], contact: str, path: Path | None
-) -> tuple[list[dict[str, Any]], str]:
-    """Return the presses as JSON values and in words; write them as a protocol if there is a path.
+    recordings: Sequence[Recording], model: Model, path: Path | None
+) -> tuple[dict[str, Any], str]:
+    """Return JSON values by their keys, and words; write a protocol if there is a path.
 
-    contact: of the model that was fitted. Raises as `write_protocol`.
+    Of a model with a map they are places, of another one presses. Raises as `write_protocol`.
     """
+    places_m = places_of(recordings, model)
+    if len(places_m):
+        if path is not None:
+            write_places(path, places_m)
+        return {"next_places_m": places_m.tolist()}, places_words(places_m, path)
     presses = next_presses(recordings, find_coverage(recordings).band_hz)
     if path is not None:
         write_protocol(path, presses)
-    return next_metadata(presses), next_words(presses, contact, path)
+    return {"next_presses": next_metadata(presses)}, next_words(presses, model.contact, path)
 
 
 def next_metadata(presses: Sequence[NextPress]) -> list[dict[str, Any]]:

@@ -101,11 +101,20 @@ def _without_give(recording: Recording, frame_npm: float, messages: list[str]) -
     )
 
 
+def _stated_n(value: float | str | None, name: str) -> float | None:
+    """Force that was stated, N; None where it is to be found. Raises UsageError for other words."""
+    if value is None or value == "auto":
+        return None
+    if isinstance(value, str) or not np.isfinite(value):
+        raise UsageError(f"{name}={value!r}: give a force in N, or 'auto'")
+    return float(value)
+
+
 def _from_contact(recording: Recording, options: Conditioning, messages: list[str]) -> Recording:
     if recording.zero != "none":
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
-    stated_n = None if options.tare in (None, "auto") else float(options.tare or 0.0)
-    threshold_n = options.contact_force if isinstance(options.contact_force, float) else None
+    stated_n = _stated_n(options.tare, "tare")
+    threshold_n = _stated_n(options.contact_force, "contact_force")
     if options.contact_force is None and stated_n is not None:
         messages.append(f"{recording.name}: tare of {stated_n:g} N taken off")
         details: dict[str, Any] = {**recording.details, "tare_n": stated_n}

@@ -68,6 +68,15 @@ def test_run_takes_lists_and_velocities(folder):
     assert (force_n, notes) == (by_default[0], loaded.run(position_m)[1][0])
 
 
+def test_run_says_that_positions_are_millimetres(folder):
+    loaded = springpot.load(folder)
+    deepest_m = loaded.manifest["trained"]["depth_m"][1]
+    loaded.run(np.linspace(-50.0 * deepest_m, 9.0 * deepest_m, 50))  # air, and deep
+    with pytest.warns(UserWarning, match="give positions in metres"):
+        force_n, _ = loaded.run(np.linspace(0.0, 1e3 * deepest_m, 50))
+    assert force_n.shape == (50,)
+
+
 def test_predict_is_the_model_above_zero():
     rec = training()[-1]
     force_n = springpot.predict(passive_model(), list(rec.position_m), dt_s=DT_S)

@@ -296,18 +296,21 @@ def test_an_object_that_is_pulled_too_keeps_its_zero() -> None:
 
 
 @pytest.mark.parametrize(
-    ("form", "dt_s", "options", "doubted"),
+    ("form", "dt_s", "rows", "options", "doubted"),
     [
-        ("{:.2f}", 0.5, [], False),
-        ("{:.2f}", 1.0, [], False),
-        ("{:.0f}", 1.0, [], True),  # sample numbers, or milliseconds
-        ("{:.0f}", 1.0, ["--resample-hz", "1"], False),
+        ("{:.2f}", 0.5, 200, [], False),
+        ("{:.2f}", 0.5, 9000, [], False),
+        ("{:.2f}", 1.0, 200, [], False),
+        ("{:.2f}", 1.0, 9000, [], True),  # milliseconds, in the digits of the other columns
+        ("{:.2f}", 1.0, 9000, ["--resample-hz", "1"], False),
+        ("{:.0f}", 1.0, 200, [], True),  # sample numbers, or milliseconds
+        ("{:.0f}", 1.0, 200, ["--resample-hz", "1"], False),
     ],
 )
 def test_a_slow_test_is_logged_slowly(
-    form: str, dt_s: float, options: list[str], doubted: bool, tmp_path: Path
+    form: str, dt_s: float, rows: int, options: list[str], doubted: bool, tmp_path: Path
 ) -> None:
-    position_mm = 2.0 * np.sin(np.arange(200) / 40.0) ** 2
+    position_mm = 2.0 * np.sin(np.arange(rows) / 40.0) ** 2
     lines = [f"{form.format(k * dt_s)},{x:.6f},{3 * x:.6f}" for k, x in enumerate(position_mm)]
     text = "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
     result = run_import(tmp_path, text, *options)

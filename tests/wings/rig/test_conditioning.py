@@ -86,6 +86,23 @@ def test_the_surface_is_found_within_its_uncertainty(surface_m: float, tare_n: f
     assert "surface at" in told[0]
 
 
+@pytest.mark.parametrize("stated_n", [1, np.int64(1), np.float32(1.0)])
+def test_a_whole_number_is_a_stated_force_too(stated_n: float) -> None:
+    item = touched(2e-3, 1.0)
+    for name in ("contact_force", "tare"):
+        whole, _ = condition(item, Conditioning(**{"contact_force": 2.0, name: stated_n}))
+        same, _ = condition(item, Conditioning(**{"contact_force": 2.0, name: 1.0}))
+        np.testing.assert_array_equal(whole.position_m, same.position_m)
+        np.testing.assert_array_equal(whole.force_n, same.force_n)
+
+
+@pytest.mark.parametrize("word", ["Auto", "", "1", np.nan, np.inf])
+@pytest.mark.parametrize("name", ["contact_force", "tare"])
+def test_other_words_are_no_force(name: str, word: str) -> None:
+    with pytest.raises(UsageError, match=f"{name}=.*give a force in N, or 'auto'"):
+        condition(touched(2e-3, 1.0), Conditioning(**{name: word}))  # type: ignore[arg-type]
+
+
 def test_a_stated_contact_force_and_tare() -> None:
     found, told = condition(touched(2e-3, 1.0), Conditioning(tare=1.0, contact_force=0.9))
     assert found.details["contact_position_m"] == pytest.approx(3e-3, abs=1e-4)

@@ -38,9 +38,10 @@ _OTHER_LABELS: dict[Quantity, set[str]] = {
     "time": {"zeit", "prüfzeit", "temps", "x_value"},
     "position": {
         *("distance", "travel", "crosshead", "weg", "standardweg", "traversenweg", "eindringtiefe"),
-        *("verlängerung", "verformung", "kompressionsweg", "déplacement"),
+        *("verlängerung", "verformung", "verschiebung", "kompressionsweg", "déplacement"),
+        "kompressionsverschiebung",
     },
-    "force": {"kraft", "standardkraft", "prüfkraft", "last"},
+    "force": {"kraft", "standardkraft", "prüfkraft", "kompressionskraft", "last"},
 }
 # Date and time in one column, and German words that may be a strain: taken where no other is found.
 _LAST_LABELS: dict[Quantity, set[str]] = {

@@ -24,6 +24,7 @@ _JITTER = 0.05  # of a step
 _TRAVEL_M = (1e-6, 1.0)
 _FORCE_N = (1e-5, 2e4)
 _RATE_HZ = (0.05, 1e6)
+_LONG_S = 3600.0  # of a test that is logged once a second
 _USUAL_HZ = (5.0, 1e6)  # slower stamps may be sample numbers, read as s
 _QUASI_STATIC_MPS = 1e-3  # such tests are logged slowly
 _SPEED_MPS = (0.0, 3.0)
@@ -110,8 +111,11 @@ def _ratios(recording: Recording) -> Iterator[Finding]:
     stiffness_npm = float(np.ptp(recording.force_n)) / float(np.ptp(recording.position_m))
     # Sample numbers and milliseconds are whole numbers, slow logs have digits behind the point;
     # what was never printed, 0, shows neither.
-    digit_s = recording.details.get("sampling", {}).get("stamp_digit_s", 0.0)
-    numbered = not 0.0 < digit_s < 1.0
+    # Digits that are all 0 (1.000, 2.000) are printed by a format: over hours it is doubted too.
+    sampling = recording.details.get("sampling", {})
+    whole = sampling.get("longest_step_s") == sampling.get("shortest_step_s") == 1.0
+    long = recording.dt_s * len(recording.position_m) > _LONG_S
+    numbered = not 0.0 < sampling.get("stamp_digit_s", 0.0) < 1.0 or (whole and long)
     slow = speed_mps < _QUASI_STATIC_MPS and not numbered
     meant = slow or "resampled_hz" in recording.details
     for value, (low, high), what, units in (

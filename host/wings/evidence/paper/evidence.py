@@ -13,6 +13,7 @@ from springpot.console import say
 from springpot.host.wings.evidence.paper.claims import PAPER_DEPTHS_MM, PAPER_RATES_HZ, check_claims
 from springpot.host.wings.evidence.paper.figures import error_figures, typical_recording
 from springpot.host.wings.evidence.paper.order_claims import check_orders
+from springpot.host.wings.evidence.paper.page import write_paper_page
 from springpot.host.wings.evidence.paper.reproduce import (
     PAPER_KINDS,
     ObjectRecordings,
@@ -100,6 +101,7 @@ def run_reproduce(
     write_study_files(out / "study", out / "models", [item.data.name for item in results])
     text = json.dumps(result, indent=2, allow_nan=False) + "\n"
     write_file(out / EVIDENCE, text.encode())
+    write_paper_page(out, result)
     return result
 
 

@@ -78,6 +78,23 @@ def test_the_doubt_covers_the_surface_of_any_power_law() -> None:
     assert missed <= 9
 
 
+@pytest.mark.parametrize("rate_hz", [20.0, 50.0, 100.0, 1000.0])
+def test_the_doubt_covers_the_surface_at_the_rate_of_a_camera(rate_hz: float) -> None:
+    """Presses of three speeds in any order: the fast ones step over the first contact."""
+    missed = 0
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        way_m = rng.uniform(1e-3, 5e-3) + 5e-3
+        ramps = [np.arange(0.0, way_m, v / rate_hz) for v in rng.permutation([5e-3, 2e-2, 6e-2])]
+        pieces = [[up, np.full(20, way_m), up[::-1], np.zeros(20)] for up in ramps]
+        position_m = np.concatenate([part for piece in pieces for part in piece])
+        force_n = 3.0 * (np.maximum(position_m - way_m + 5e-3, 0.0) / 5e-3) ** rng.uniform(1.0, 2.0)
+        force_n += rng.normal(0.0, 0.01, len(position_m))
+        found = find_contact(Recording(f"{seed:02}", position_m, force_n, 1.0 / rate_hz))
+        missed += abs(found.position_m - way_m + 5e-3) > found.uncertainty_m + 2e-5
+    assert missed <= 3
+
+
 @pytest.mark.parametrize("count", [0.5, 1.0, 2.0])
 def test_resolution_and_noise_make_neither_a_surface_nor_a_preload(count: float) -> None:
     """count: of the sensor, in standard deviations of the noise; the tool rests outside."""

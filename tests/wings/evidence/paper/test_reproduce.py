@@ -1,6 +1,7 @@
 """The paper's tables, figures and claims on one object, with little work."""
 
 import json
+import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -8,6 +9,7 @@ from unittest import mock
 
 import pytest
 from click.testing import CliRunner
+from markupsafe import escape
 from support import small
 
 from springpot.codegen.errors import UsageError
@@ -16,6 +18,7 @@ from springpot.host.wings.evidence.paper import order_claims
 from springpot.host.wings.evidence.paper.claims import Claim, check_claims
 from springpot.host.wings.evidence.paper.evidence import object_names, recorded, run_reproduce
 from springpot.host.wings.evidence.paper.order_claims import check_orders
+from springpot.host.wings.evidence.paper.page import headline
 from springpot.host.wings.evidence.paper.past_positions import HandledModel
 from springpot.host.wings.evidence.paper.reproduce import (
     PAPER_KINDS,
@@ -57,6 +60,14 @@ def test_keys_files_and_captions(tmp_path: Path) -> None:
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
     assert set(result["past_positions"]["ecoflex-00-50"]) == {"rf-history", "rf-fd"}
+    page = (out / "report.html").read_text()
+    assert page.count("<img ") == len(FIGURES)
+    assert all(escape(claim["claim"]) in page for claim in result["claims"])
+    assert "//" not in re.sub(r"base64,[^\"]*", "", page)  # nothing outside it
+    for holds, verdict in ((True, "holds"), (False, "fails")):
+        count = sum(claim["holds"] is holds for claim in result["claims"])
+        assert page.count(f">{verdict}</span>") == count
+        assert f"{count} " in " ".join(headline(result))
 
 
 @cache
@@ -87,10 +98,11 @@ def test_a_failing_claim_is_marked_failing(tmp_path: Path) -> None:
     ten_times = next(c for text, c in judged(result).items() if "ten times cheaper" in text)
     assert ten_times.holds is False
     assert "least-squares RBF is cheap" in ten_times.here
-    printed = rows({"data": ORIGIN, "models": {}, "figures": [],
+    errors = {kind: {"rmse_n": result.rmse_n(kind)} for kind in PAPER_KINDS}
+    printed = rows({"data": ORIGIN, "models": {"fx": errors}, "figures": [],
                     "claims": [ten_times.as_dict()]}, tmp_path)  # fmt: skip
     assert any(key.startswith("FAILS: modelling") for key in printed)
-    assert printed["claims"] == "1 of 1 fail"
+    assert "0 of the paper's 1 claims hold here, 1 fail." in printed["in short"]
     chosen = result.models["rbf-fd"].fit.model.orders
     for offset, holds in ((0.05, True), (0.1, False)):
         told = {"dragon-skin-fx": (chosen[0] + offset, chosen[1])}

@@ -1,0 +1,87 @@
+"""Tables as people have them: with time zones, text, an index, and one name twice."""
+
+from datetime import UTC, datetime, timedelta, timezone
+from types import SimpleNamespace
+from zoneinfo import ZoneInfo
+
+import numpy as np
+import pytest
+from support.messages import refusing
+from support.small import DT_S, press, recording
+
+import springpot
+from springpot import Recording
+from springpot.codegen.errors import DataError, UsageError
+
+ITEM = recording("press", np.concatenate([press(hz) for hz in (0.5, 1.6, 5.0)]))
+COLUMNS = {
+    "time_s": DT_S * np.arange(len(ITEM.force_n)),
+    "position_m": ITEM.position_m,
+    "force_n": ITEM.force_n,
+}
+
+
+class Table(dict):
+    """Columns of a table of pandas, its columns' names and the name of its index."""
+
+    def __init__(self, columns, names, index=None):
+        super().__init__(columns)
+        self.columns, self.index = names, SimpleNamespace(name=index)
+
+
+@pytest.mark.parametrize(
+    "zone", [None, UTC, timezone(timedelta(hours=-5)), ZoneInfo("Europe/Berlin")], ids=str
+)
+def test_dates_are_read_in_every_time_zone(zone):
+    """Half an hour before the clocks go back, and for hours: what is read goes on evenly."""
+    begin = datetime(2026, 10, 25, 0, 30, tzinfo=UTC)
+    stamps = [begin + timedelta(seconds=10.0 * k) for k in range(len(ITEM.force_n))]
+    local = [each.astimezone(zone) if zone else each.replace(tzinfo=None) for each in stamps]
+    for given in (local, np.array(local, "O")):
+        found = Recording.from_frame({**COLUMNS, "time_s": given})
+        assert found.dt_s == pytest.approx(10.0)
+        np.testing.assert_array_equal(found.force_n, ITEM.force_n)
+
+
+@pytest.mark.parametrize("texts", [1, len(ITEM.force_n)])
+@pytest.mark.parametrize("channel", ["position_m", "force_n"])
+def test_text_is_no_number_in_an_array_of_objects_either(texts, channel):
+    values = COLUMNS[channel].astype("O")
+    values[:texts] = [str(each) for each in values[:texts]]
+    with refusing(DataError, channel, "holds text"):
+        Recording.from_frame({**COLUMNS, channel: values})
+    with refusing(DataError, channel, "holds text"):
+        Recording(
+            "a", **{"position_m": ITEM.position_m, "force_n": ITEM.force_n, channel: values},
+            dt_s=DT_S,
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_a_refusal_says_that_a_name_is_there_twice_or_the_index(name):
+    quantity = name.rpartition("_")[0]
+    with refusing(UsageError, f"{quantity}=", f"2 columns have the name '{name}'"):
+        Recording.from_frame(Table(COLUMNS, [*COLUMNS, name]))
+    others = {key: values for key, values in COLUMNS.items() if key != name}
+    with refusing(UsageError, f"{quantity}='{name}'", "index", "reset_index()"):
+        Recording.from_frame(Table(others, list(others), index=name))
+
+
+@pytest.mark.parametrize("surface_m", [0.5e-3, 2e-3])
+def test_a_table_is_conditioned_as_a_file_is(surface_m, tmp_path):
+    """The tool starts in the air, the sensor has an offset."""
+    away = np.linspace(-surface_m, ITEM.position_m[0], 200)
+    position_m = surface_m + np.concatenate([away, ITEM.position_m])
+    force_n = 0.25 + np.concatenate([np.zeros(200), ITEM.force_n])
+    table = {"time_s": DT_S * np.arange(len(force_n)), "position_m": position_m, "force_n": force_n}
+    file = tmp_path / "frame.csv"
+    np.savetxt(file, np.column_stack(list(table.values())), "%.17g", ",", header=",".join(table),
+               comments="")  # fmt: skip
+    asked = springpot.Conditioning(contact_force="auto")
+    found = Recording.from_frame(table, conditioning=asked)
+    options = springpot.ImportOptions(conditioning=asked)
+    (read,) = springpot.import_recordings(file, options=options)
+    np.testing.assert_allclose(found.position_m, read.position_m, atol=1e-12)
+    np.testing.assert_allclose(found.force_n, read.force_n, atol=1e-9)
+    assert abs(found.details["contact_position_m"] - surface_m) < 3e-4
+    assert Recording.from_frame(table).position_m[0] == 0.0
