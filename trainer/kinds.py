@@ -45,6 +45,10 @@ _MODELS = "springpot.trainer.models"
 # Registered in pyproject.toml. A mark and a lightness each: they differ in black and white.
 RF_FD = Kind("rf-fd", "the paper's: a forest on fractional derivatives",
              f"{_MODELS}.rf_fd:fit_rf_fd", "o", "#1b6ca8", 0)  # fmt: skip
+RBF_FD = Kind("rbf-fd", "the paper's: radial basis functions on two fractional derivatives",
+              f"{_MODELS}.rbf:fit_rbf_fd", "s", "#c1121f", 1)  # fmt: skip
+RBF_PV = Kind("rbf-pv", "the paper's baseline: radial basis functions on position and velocity",
+              f"{_MODELS}.rbf:fit_rbf_pv", "^", "#e09f3e", 2)  # fmt: skip
 RF_HISTORY = Kind("rf-history", "the negative control: a forest on past positions",
                   f"{_MODELS}.rf_fd:fit_rf_history", "v", "#8d99ae", 3)  # fmt: skip
 HAMMERSTEIN = Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",

@@ -107,7 +107,6 @@ class Rbf(Regressor):
     centers: NDArray[np.float64]
     weights_n: NDArray[np.float64]
     tail_n: NDArray[np.float64]
-    __repr__ = short_repr
 
     def on_scaled(self, scale: float) -> "Rbf":
         return replace(

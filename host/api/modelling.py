@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from springpot.codegen.model.features import (
         Features as Features,
         FirBank as FirBank,
-        FractionalBank as FractionalBank,
-        PositionVelocity as PositionVelocity,
     )
     from springpot.codegen.model.model import (
         TrainedRange as TrainedRange,
@@ -33,7 +31,6 @@ if TYPE_CHECKING:
     from springpot.codegen.model.regressors import (
         Forest as Forest,
         Quantisation as Quantisation,
-        Rbf as Rbf,
         Regressor as Regressor,
     )
     from springpot.host.wings.evidence.splits import (
@@ -46,7 +43,6 @@ if TYPE_CHECKING:
         Coverage as Coverage,
         find_coverage as find_coverage,
     )
-    from springpot.host.wings.radial.centers import fit_rbf as fit_rbf
     from springpot.trainer.features.exponentials import recursive_bank as recursive_bank
     from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
     from springpot.trainer.features.fractional import (
@@ -86,13 +82,14 @@ if TYPE_CHECKING:
         extrapolation as extrapolation,
         limited_n as limited_n,
     )
-    from springpot.trainer.models.passive.nonnegative import normal_equations as normal_equations
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.predict import (
         predict_each_n as predict_each_n,
         regressor_force as regressor_force,
     )
-    from springpot.trainer.models.radial import Standard as Standard, kernel as kernel
+    from springpot.trainer.models.radial import (
+        fit_rbf as fit_rbf,
+    )
     from springpot.trainer.models.rf_fd import (
         MAX_TAPS as MAX_TAPS,
         PAPER_ORDERS as PAPER_ORDERS,

@@ -8,25 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from springpot import Fit, FitOptions, Recording, UsageError
-from springpot.basics import Samples
-from springpot.host.wings.radial.centers import farthest_points, fit_rbf, standard
-from springpot.modelling import (
-    PAPER_ORDERS,
-    Features,
-    Folds,
-    FractionalBank,
-    PositionVelocity,
-    TrainingSet,
-    assemble,
-    depth_m,
-    feature_values,
-    fit_passive,
-    fold_families,
-    fractional_features,
-    kernel,
-    normal_equations,
-)
+from springpot.codegen.arrays import Samples
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
+from springpot.trainer.features.values import feature_values
+from springpot.trainer.models.contact import depth_m
+from springpot.trainer.models.fit import Fit, FitOptions, assemble
+from springpot.trainer.models.folds import Folds, fold_families
+from springpot.trainer.models.passive.nonnegative import normal_equations
+from springpot.trainer.models.passive.passive_fit import fit_passive
+from springpot.trainer.models.radial import farthest_points, fit_rbf, kernel, standard
+from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
+from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.recording import Recording
 
 FOAW_S = 0.024
 FOAW_BAND_M = 15e-6
