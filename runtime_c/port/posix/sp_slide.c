@@ -4,7 +4,7 @@
 
 typedef int (*step3_function)(void *, const sp_real *, const sp_real *, sp_real *);
 typedef int (*idle3_function)(void *, sp_real, sp_real *);
-typedef void (*reset_function)(void *);
+typedef void (*scene_reset)(void *);
 
 static int leave(sp_slide *self, int notes, const sp_real *given_n, sp_real *force_n)
 {
@@ -41,7 +41,7 @@ int sp_slide_idle(void *slide, sp_real dt_s, sp_real *force_n)
 void sp_slide_reset(void *slide)
 {
     sp_slide *self = slide;
-    reset_function reset;
+    scene_reset reset;
     memcpy(&reset, &self->reset, sizeof reset);
     reset(self->state);
     self->lateral_n[0] = 0.0;

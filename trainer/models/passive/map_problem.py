@@ -119,7 +119,8 @@ class MapProblem:
             matrix += np.kron(np.outer(weight, weight), seen)
             vector += np.kron(weight, materials @ site.vector / site.rows)
         usual = np.diag(np.diag(matrix).reshape(nodes, count).sum(axis=0) / len(inside))
-        rough = _ROUGH * np.kron(self.grid.roughness, usual)
+        # A bend has the same worth on a finer grid: its square, over a step squared.
+        rough = _ROUGH * self.grid.finer**2 * np.kron(self.grid.roughness, usual)
         solved = Normal(matrix + rough, vector, 0.0, len(inside)).solve()
         return solved.reshape(nodes, count)
 

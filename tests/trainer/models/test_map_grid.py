@@ -1,0 +1,54 @@
+"""The grid of a map: its nodes are the sites of a grid, and twice as fine for sites anywhere."""
+
+import numpy as np
+import pytest
+
+from springpot.codegen.model.places import amounts_at
+from springpot.trainer.models.passive.map_grid import Grid, _grid, grid_of
+
+WIDE_M, ROUGH = 0.03, 1e-3
+DENSE_M = np.array([(x, y) for x in np.linspace(0, WIDE_M, 31) for y in np.linspace(0, WIDE_M, 31)])
+
+
+def even(wide: int, high: int) -> list[tuple[float, float]]:
+    return [(x, y) for x in np.linspace(0, WIDE_M, wide) for y in np.linspace(0, WIDE_M, high)]
+
+
+def scattered(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:
+    """Corners, and the others anywhere."""
+    return [*even(2, 2), *map(tuple, rng.uniform(0.0, WIDE_M, (count - 4, 2)).tolist())]
+
+
+def lump(at_m: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    middle_m, radius_m = rng.uniform(0.2, 0.8, 2) * WIDE_M, rng.uniform(0.2, 0.5) * WIDE_M
+    return 1.0 + np.exp(-np.sum((at_m - middle_m) ** 2, axis=1) / radius_m**2)
+
+
+def error(grid: Grid, sites: list[tuple[float, float]], seed: int) -> float:
+    """How far a map of least squares and least bend is off between the sites, RMS."""
+    seen = lump(np.array(sites), np.random.default_rng(seed))
+    true = lump(DENSE_M, np.random.default_rng(seed))
+    rough = ROUGH * grid.finer**2 * grid.roughness
+    nodes = np.linalg.solve(grid.weights.T @ grid.weights + rough, grid.weights.T @ seen)
+    of_nodes = nodes.reshape(*grid.nodes, 1)
+    found = [amounts_at(of_nodes, grid.first_m, 1.0 / grid.step_m, at)[0] for at in DENSE_M]
+    return float(np.sqrt(np.mean((np.array(found) - true) ** 2)))
+
+
+@pytest.mark.parametrize("side", [2, 4, 5, 7])
+def test_the_nodes_of_even_sites_are_the_sites(side: int) -> None:
+    grid = grid_of(even(side, side))
+    assert grid.nodes == (side, side)
+    np.testing.assert_allclose(np.sort(grid.weights, axis=1)[:, -1], 1.0)
+
+
+@pytest.mark.parametrize("count", [20, 25, 40])
+def test_sites_anywhere_make_less_error_with_twice_the_nodes(count: int) -> None:
+    finer, coarse = [], []
+    for seed in range(30):
+        sites = scattered(np.random.default_rng(seed), count)
+        grid = grid_of(sites)
+        assert grid.finer == 2
+        finer.append(error(grid, sites, seed))
+        coarse.append(error(_grid(np.array(sites), 1), sites, seed))
+    assert np.mean(finer) < 0.75 * np.mean(coarse)
