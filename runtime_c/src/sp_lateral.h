@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "sp_map.h"
+#include "sp_notes.h"
 #include "sp_number.h"
 
 typedef struct {
@@ -116,16 +117,24 @@ static inline sp_real sp_lateral_part(sp_real part_n, sp_real length_n)
     return below > (sp_real)-1 ? below : (sp_real)-1;
 }
 
-/* Length of a force, N; keeps its direction. */
-static inline sp_real sp_lateral_length(sp_lateral_state *state, const sp_real *felt_n)
+/* Square of a vector; of sizes, so that each part shows as positive. */
+static inline sp_real sp_lateral_square(const sp_real *vector)
 {
     sp_real square = (sp_real)0;
     for (uint32_t k = 0; k < 3; k++) {
-        state->unit[k] = sp_flushed(sp_bounded(felt_n[k]));
-        const sp_real size_n = sp_abs(state->unit[k]); /* so that its square shows as positive */
-        square += size_n * size_n;
+        const sp_real size = sp_abs(vector[k]);
+        square += size * size;
     }
-    const sp_real length_n = sp_sqrt(square);
+    return square;
+}
+
+/* Length of a force, N; keeps its direction. */
+static inline sp_real sp_lateral_length(sp_lateral_state *state, const sp_real *felt_n)
+{
+    for (uint32_t k = 0; k < 3; k++) {
+        state->unit[k] = sp_flushed(sp_bounded(felt_n[k]));
+    }
+    const sp_real length_n = sp_sqrt(sp_lateral_square(state->unit));
     for (uint32_t k = 0; k < 3; k++) {
         state->unit[k] = sp_lateral_part(state->unit[k], length_n);
     }
@@ -140,6 +149,35 @@ static inline void sp_lateral_give(const sp_lateral_state *state, sp_real given_
         const int sound = part >= (sp_real)-1 && part <= (sp_real)1;
         force_n[k] = sound ? given_n * part : (sp_real)0;
     }
+}
+
+/* The length that a force of given_n in the direction that is kept may have, N. The vector grows by
+ * slew_n at most, whichever way it turns: from what lies nearest to it between 0 and before_n, which
+ * was given last. */
+static inline sp_real sp_lateral_grown(sp_lateral_state *state, const sp_real *before_n,
+                                       sp_real slew_n, sp_real given_n, int *notes)
+{
+    sp_real force_n[3];
+    sp_real more_n[3];
+    sp_lateral_give(state, given_n, force_n);
+    const sp_real square = sp_lateral_square(before_n);
+    const sp_real along =
+        before_n[0] * force_n[0] + before_n[1] * force_n[1] + before_n[2] * force_n[2];
+    const sp_real part = along < square ? along / square : (sp_real)1;
+    const sp_real stays = along > (sp_real)0 ? part : (sp_real)0;
+    for (uint32_t k = 0; k < 3; k++) {
+        more_n[k] = force_n[k] - stays * before_n[k];
+    }
+    const sp_real growth_n = sp_sqrt(sp_lateral_square(more_n));
+    if (!(growth_n > slew_n)) {
+        return given_n;
+    }
+    *notes |= SP_NOTE_LIMITED;
+    for (uint32_t k = 0; k < 3; k++) {
+        force_n[k] = stays * before_n[k] + slew_n / growth_n * more_n[k];
+    }
+    const sp_real length_n = sp_lateral_length(state, force_n);
+    return length_n < given_n ? length_n : given_n;
 }
 
 #endif

@@ -162,14 +162,21 @@ int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocit
         sp_output_restart(&output, &state->output);
 @AGAIN@        left = 0;
     }
+    sp_real before_n[3];
+    sp_lateral_give(&state->lateral, sp_output_clamp(&output, state->output.given_n, &notes),
+                    before_n);
     if (left > 0) {
         make_up3(state, at, ticks, left);
     }
     const sp_real length_n = tick3(state, at, &notes);
     if (state->silence.latched) {
+        (void)sp_lateral_length(&state->lateral, before_n); /* it falls in its own direction */
         (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
     } else {
-        (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, length_n, &notes);
+        const sp_real given_n =
+            sp_output_force(&output, &state->output, left > 0, (sp_real)1, length_n, &notes);
+        state->output.given_n =
+            sp_lateral_grown(&state->lateral, before_n, output.slew_n, given_n, &notes);
 @LIMIT@    }
     sp_lateral_give(&state->lateral, state->output.given_n, force_n);
     return notes;
