@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.formulas import curve_place
-from springpot.codegen.reference.anchor import Anchor, Cell
+from springpot.codegen.reference.anchor import Anchor
 from springpot.codegen.stages.passive.lateral import LateralStage
 from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.passive.stored import RENEWED, stored
@@ -22,7 +22,8 @@ class LateralMotion:
         self.at = [zero, zero, zero]
         self._drawn, self._renewed = [zero, zero], zero
         config = stage.placed.config
-        self._place = Anchor(config, stage.anchor, stage.drag.stiffness_npm, dtype)
+        self._place = Anchor(config, stage.anchor, stage.placed.amounts, dtype)
+        self._stored = [zero] * len(stage.materials)
         self._materials: list[PassiveMotion] = []
         self._u: Any = zero
         self._force_n: Any = zero
@@ -46,7 +47,7 @@ class LateralMotion:
         for motion in self._materials if self._renewed > 0 else ():
             motion.renew(self._renewed)
         cell = self._place.cell()
-        amounts = self._amounts(cell)
+        amounts, self._stored = cell.here(self._stage.placed.amounts), []
         felt, renewal_j = [self._real(0)] * 3, self._real(0)
         bend_npm = self._real(0)
         place = curve_place(np.array([u]), self._stage.of_one.config.n_pieces)
@@ -59,6 +60,7 @@ class LateralMotion:
             m_per_piece = self._stage.m_per_piece
             pieces, renewal = stored(its, areas, place, held, play)
             stored_j = pieces * m_per_piece
+            self._stored.append(stored_j)
             renewal_j = renewal_j + here[0] * (renewal * m_per_piece)
             felt[0] = felt[0] - here[1] * stored_j
             felt[1] = felt[1] - here[2] * stored_j
@@ -72,7 +74,7 @@ class LateralMotion:
 
     def _move(self, at: list[Any], touches: bool) -> None:
         """sp_lateral_move."""
-        moved = self._place.move(self.at, at, touches)
+        moved = self._place.move(self.at, at, touches, self._drawn, self._stored)
         zero = self._real(0)
         self._drawn = [
             bounded(drawn + way) if touches else zero
@@ -106,22 +108,9 @@ class LateralMotion:
         placed, pieces = self._stage.placed, self._stage.of_one.config.n_pieces
         begin = placed.begins["stiffest"]
         of_materials = placed.materials[:, begin : begin + pieces]
-        amounts = self._amounts(self._place.cell())
+        amounts = self._place.cell().here(placed.amounts)
         stiffest = amounts[0][0] * of_materials[0]
         for here, its in zip(amounts[1:], of_materials[1:], strict=True):
             stiffest = stiffest + here[0] * its
         surface = RecoveringSurface(np.maximum(stiffest, placed.least))
         return surface.at(tool, self._u, self._force_n)
-
-    def _amounts(self, cell: Cell) -> list[tuple[Any, Any, Any]]:
-        """Amount of each material and its slopes in x and y, 1/m."""
-        one = self._real(1)
-        (i, j), (x, y), amounts = cell.node, cell.way, self._stage.placed.amounts
-        near, over, far, both = (
-            amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1]
-        )  # fmt: skip
-        left, right = (one - y) * near + y * over, (one - y) * far + y * both
-        low, high = (one - x) * near + x * far, (one - x) * over + x * both
-        amount = (one - x) * left + x * right
-        by_x, by_y = (right - left) * cell.per_m[0], (high - low) * cell.per_m[1]
-        return list(zip(amount, by_x, by_y, strict=True))

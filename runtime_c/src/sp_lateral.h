@@ -66,24 +66,34 @@ static inline sp_real sp_lateral_move(sp_lateral_state *state, const sp_real *at
     return renewed;
 }
 
+/* Of one material in a cell; near, far: its amounts at the nodes before and behind in x, and the
+ * next one in y n_materials further. */
+static inline sp_lateral_amount sp_lateral_amount_of(const sp_lateral_cell *cell,
+                                                     const sp_real *near, const sp_real *far,
+                                                     uint32_t n_materials)
+{
+    const sp_real x = cell->way[0];
+    const sp_real y = cell->way[1];
+    const sp_real left = ((sp_real)1 - y) * near[0] + y * near[n_materials];
+    const sp_real right = ((sp_real)1 - y) * far[0] + y * far[n_materials];
+    const sp_real low = ((sp_real)1 - x) * near[0] + x * far[0];
+    const sp_real high = ((sp_real)1 - x) * near[n_materials] + x * far[n_materials];
+    const sp_lateral_amount here = {((sp_real)1 - x) * left + x * right,
+                                    (right - left) * cell->per_m[0],
+                                    (high - low) * cell->per_m[1]};
+    return here;
+}
+
 /* Of each material in a cell. amounts: as of sp_map_take; here: [n_materials]. Returns whether the
  * place is on the grid. */
 static inline int sp_lateral_amounts(const sp_map_config *config, const sp_lateral_cell *cell,
                                      const sp_real *amounts, sp_lateral_amount *here)
 {
-    const sp_real x = cell->way[0];
-    const sp_real y = cell->way[1];
     const uint32_t n = config->n_materials;
     const sp_real *near = amounts + (cell->node[0] * config->nodes_y + cell->node[1]) * n;
     const sp_real *far = near + config->nodes_y * n;
     for (uint32_t r = 0; r < n; r++) {
-        const sp_real left = ((sp_real)1 - y) * near[r] + y * near[r + n];
-        const sp_real right = ((sp_real)1 - y) * far[r] + y * far[r + n];
-        const sp_real low = ((sp_real)1 - x) * near[r] + x * far[r];
-        const sp_real high = ((sp_real)1 - x) * near[r + n] + x * far[r + n];
-        here[r].amount = ((sp_real)1 - x) * left + x * right;
-        here[r].by_x = (right - left) * cell->per_m[0];
-        here[r].by_y = (high - low) * cell->per_m[1];
+        here[r] = sp_lateral_amount_of(cell, near + r, far + r, n);
     }
     return cell->per_m[0] > (sp_real)0 && cell->per_m[1] > (sp_real)0;
 }

@@ -50,7 +50,8 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const sp_real u = surface3(state, tool);
     const int touches = inside && !(u > tool);
     sp_real moved_m[2];
-    sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, at, touches, moved_m);
+    sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, amounts,
+                   state->lateral_stored, at, touches, moved_m);
     const sp_real renewed = sp_lateral_move(&state->lateral, at, moved_m, touches);
     for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
 @RENEW@    }
@@ -73,8 +74,10 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         sp_real renewal;
         const sp_real stored = sp_stored(&passive, &its, areas + r * @AREAS@, lateral_place,
                                          lateral_branch, held, @PLAY@, &renewal);
-        sp_lateral_add(here[r], force_n, stored * m_per_piece, felt_n);
-        bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored * m_per_piece);
+        const sp_real stored_j = stored * m_per_piece;
+        state->lateral_stored[r] = stored_j;
+        sp_lateral_add(here[r], force_n, stored_j, felt_n);
+        bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored_j);
         renewal_j += here[r].amount * (renewal * m_per_piece);
     }
     state->lateral_surface.u = u;
@@ -87,7 +90,7 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     }
     felt_n[2] = felt_n[2] > (sp_real)0 ? felt_n[2] : (sp_real)0;
     state->lateral.renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
-    sp_anchor_feel(&anchor, &state->anchor, bend_npm, drag.stiffness_npm, felt_n);
+    sp_anchor_feel(&anchor, &state->anchor, bend_npm, felt_n);
     for (uint32_t k = 0; k < 3; k++) {
         felt_n[k] = sp_contact_onset(per_onset, at[2], felt_n[k]);
     }

@@ -1,4 +1,4 @@
-"""What leaves of a slide: finite, within the limit, and no faster up than the slew, however it turns.
+"""What leaves of a slide: finite, within the limit, up no faster than the slew, however it turns.
 
 An adversary slides to and fro over grids of any size and off them, loses samples, jumps along one
 axis or to another place for good.
@@ -103,3 +103,35 @@ def test_a_force_is_bounded_and_grows_no_faster_than_its_limit_whichever_way_it_
             given_n = force_n.astype(np.float64)
             assert np.all(np.linalg.norm(given_n, axis=1) <= (1 + 1e-6) * plan.output.max_n)
             assert np.all(growth_n(given_n) <= (1 + 1e-5) * plan.output.slew_n)
+
+
+def even(step_m: float, friction: float, rate_hz: float) -> Plan:
+    """A map of one amount: its grid is nothing that a hand could feel."""
+    plan = on_grid(step_m, friction, rate_hz, "float64")
+    law = plan.model.hammerstein
+    assert law is not None and law.places is not None
+    places = replace(law.places, amounts=np.full_like(law.places.amounts, 0.2))
+    passive = replace(law, places=None)
+    return make_plan(placed(passive, places), plan.scene)
+
+
+def rubbed(rate_hz: float, mps: float) -> np.ndarray:
+    """x, y and depth of a press, and of straight and oblique ways over and off a fine grid."""
+    time_s = np.arange(0.0, 0.7, 1.0 / rate_hz)
+    depth_m = np.interp(time_s, [0.0, 0.3, 0.6, 0.7], [-1e-4, 4e-3, 5e-3, -1e-4])
+    way_m = mps * np.interp(time_s, [0.3, 0.33, 0.39, 0.6], [0.0, 0.03, -0.03, 0.0])
+    position_m: np.ndarray = np.column_stack([2e-3 + way_m, 2e-3 + 0.7 * np.abs(way_m), depth_m])
+    return position_m
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, 5.0])
+@pytest.mark.parametrize("rate_hz", [100.0, 1000.0, 8000.0])
+def test_the_grid_of_an_even_map_is_not_felt_at_any_speed(friction: float, rate_hz: float) -> None:
+    coarse, mps = even(10.0, friction, rate_hz), 1.0
+    position_m = rubbed(rate_hz, mps)
+    with built(coarse) as library:
+        expected_n, _ = run(library, position_m)
+    with built(even(5e-4, friction, rate_hz)) as library:
+        force_n, _ = run(library, position_m)
+    assert np.abs(expected_n[:, :2]).max() > 0.05
+    np.testing.assert_allclose(force_n, expected_n, atol=0.02 * np.abs(expected_n).max())

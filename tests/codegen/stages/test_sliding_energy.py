@@ -159,7 +159,7 @@ FORGETS = """for (uint32_t i = 0; crosses && i < passive.n_branches; i++) {
         }
         const sp_real *held ="""
 UNPAID = [(f"felt_n[{k}] -= config->stiffness_npm * drawn_m[{k}];", "") for k in (0, 1)]
-UNPAID += [(" + drag_npm);", " + (sp_real)0 * drag_npm);")]
+UNPAID += [("+ config->drag_npm);", ");"), (" - config->drag_npm * drawn_m[k]", "")]
 
 
 @pytest.mark.slow
