@@ -24,6 +24,7 @@ class LateralMotion:
         config = stage.placed.config
         self._place = Anchor(config, stage.anchor, stage.placed.amounts, dtype)
         self._stored = [zero] * len(stage.materials)
+        self._takes, self._paid = list(self._stored), zero
         self._materials: list[PassiveMotion] = []
         self._u: Any = zero
         self._force_n: Any = zero
@@ -44,10 +45,10 @@ class LateralMotion:
         u = self._surface(tool)
         touches = inside and not u > tool
         self._move(at, touches)
-        for motion in self._materials if self._renewed > 0 else ():
-            motion.renew(self._renewed)
         cell = self._place.cell()
-        amounts, self._stored = cell.here(self._stage.placed.amounts), []
+        amounts = cell.here(self._stage.placed.amounts)
+        self._renew(amounts)
+        self._stored, self._takes = [], []
         felt, renewal_j = [self._real(0)] * 3, self._real(0)
         bend_npm = self._real(0)
         place = curve_place(np.array([u]), self._stage.of_one.config.n_pieces)
@@ -61,12 +62,13 @@ class LateralMotion:
             pieces, renewal = stored(its, areas, place, held, play)
             stored_j = pieces * m_per_piece
             self._stored.append(stored_j)
-            renewal_j = renewal_j + here[0] * (renewal * m_per_piece)
+            self._takes.append(renewal * m_per_piece)
+            renewal_j = renewal_j + here[0] * self._takes[-1]
             felt[0] = felt[0] - here[1] * stored_j
             felt[1] = felt[1] - here[2] * stored_j
             felt[2] = felt[2] + here[0] * force_n[0]
             bend_npm = bend_npm + twist * stored_j
-        self._u, self._force_n = u, felt[2]
+        self._u, self._force_n, self._paid = u, felt[2], renewal_j
         felt[2] = felt[2] if felt[2] > 0 else self._real(0)
         self._renewed = self._slip(u, renewal_j, felt) if touches else self._real(0)
         on_grid = bool(cell.per_m[0] > 0 and cell.per_m[1] > 0)
@@ -81,6 +83,17 @@ class LateralMotion:
             for drawn, way in zip(self._drawn, moved, strict=True)
         ]
         self.at = list(at)
+
+    def _renew(self, amounts: list[tuple[Any, Any, Any]]) -> None:
+        """sp_drag_afforded, and what it says."""
+        takes, share = self._real(0), self._renewed
+        for here, its in zip(amounts, self._takes, strict=True):
+            takes = takes + here[0] * its
+        if takes > self._paid:
+            part = self._paid / takes if self._paid > 0 else self._real(0)
+            share = share * part if part < 1 else share
+        for motion in self._materials if share > 0 else ():
+            motion.renew(share)
 
     def _slip(self, u: Any, renewal_j: Any, felt: list[Any]) -> Any:
         """sp_drag_slip."""

@@ -22,6 +22,7 @@ typedef struct {
     sp_real at_m[3];    /* of the tool in the last tick: x, y, depth */
     sp_real drawn_m[2]; /* how far the drag's spring is drawn (sp_drag.h) */
     sp_real renewed;    /* share of branches to renew, which that spring has paid for */
+    sp_real paid_j;     /* what renewing all was taken to take */
     sp_real unit[3];    /* direction of the force that was given */
     uint32_t lost;      /* 1: one axis was taken as true without a history, the others were not */
 } sp_lateral_state;

@@ -52,14 +52,19 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     sp_real moved_m[2];
     sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, amounts,
                    state->lateral_stored, at, touches, moved_m);
-    const sp_real renewed = sp_lateral_move(&state->lateral, at, moved_m, touches);
-    for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
-@RENEW@    }
+    const sp_real share = sp_lateral_move(&state->lateral, at, moved_m, touches);
     const sp_lateral_cell cell = sp_anchor_cell(&place_map, &state->anchor);
     sp_lateral_amount here[@MATERIALS@];
     if (!sp_lateral_amounts(&place_map, &cell, amounts, here)) {
         *notes |= inside ? SP_NOTE_OUTSIDE : 0;
     }
+    sp_real takes_j = (sp_real)0;
+    for (uint32_t r = 0; r < place_map.n_materials; r++) {
+        takes_j += here[r].amount * state->lateral_takes[r];
+    }
+    const sp_real renewed = sp_drag_afforded(share, state->lateral.paid_j, takes_j);
+    for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
+@RENEW@    }
     const sp_curve_place lateral_place = sp_curve_at(u, passive.n_pieces);
     sp_real felt_n[3] = {(sp_real)0, (sp_real)0, (sp_real)0};
     sp_real renewal_j = (sp_real)0;
@@ -78,8 +83,10 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         state->lateral_stored[r] = stored_j;
         sp_lateral_add(here[r], force_n, stored_j, felt_n);
         bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored_j);
-        renewal_j += here[r].amount * (renewal * m_per_piece);
+        state->lateral_takes[r] = renewal * m_per_piece;
+        renewal_j += here[r].amount * state->lateral_takes[r];
     }
+    state->lateral.paid_j = renewal_j;
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = felt_n[2];
     if (!touches) {
