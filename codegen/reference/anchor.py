@@ -93,6 +93,10 @@ class Anchor:
             self._pulled([d + way for d, way in zip(drawn, moved, strict=True)], stored_j)
         return moved
 
+    def let_go(self) -> None:
+        """The object does not push: the spring begins anew where it does."""
+        self._touched = False
+
     def cell(self) -> Cell:
         """sp_anchor_cell."""
         nodes, ways, pers = [], [], []

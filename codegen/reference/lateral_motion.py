@@ -37,7 +37,7 @@ class LateralMotion:
         self._place.rest(at)
 
     def tick(self, at: list[Any]) -> tuple[list[Any], bool, bool]:
-        """Force, N, whether the tool touches, and whether the place is on the grid."""
+        """Force, N, whether the object pushes, and whether the place is on the grid."""
         inside = bool(at[2] > 0)
         if not inside and self._place.left(at):
             self.rest(at)
@@ -69,10 +69,14 @@ class LateralMotion:
             felt[2] = felt[2] + here[0] * force_n[0]
             bend_npm = bend_npm + twist * stored_j
         self._u, self._force_n, self._paid = u, felt[2], renewal_j
-        felt[2] = felt[2] if felt[2] > 0 else self._real(0)
-        self._renewed = self._slip(u, renewal_j, felt) if touches else self._real(0)
+        pushes = touches and bool(felt[2] > 0)
+        self._renewed = self._slip(u, renewal_j, felt) if pushes else self._real(0)
         on_grid = bool(cell.per_m[0] > 0 and cell.per_m[1] > 0)
-        return self._place.feel(bend_npm, felt) if touches else felt, touches, on_grid
+        if pushes:
+            felt = self._place.feel(bend_npm, felt)
+        else:
+            self._place.let_go()
+        return felt, pushes, on_grid
 
     def _move(self, at: list[Any], touches: bool) -> None:
         """sp_lateral_move."""

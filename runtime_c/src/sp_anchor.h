@@ -33,7 +33,7 @@ typedef struct {
     sp_real normal_n;     /* force along the depth then */
     sp_real bend_npm;     /* what bounds how fast object_n changes within the cell */
     uint32_t cell[2];     /* k: before node k; the first and the last are beyond the grid */
-    uint32_t touched;     /* 1: the tool touched in the last tick */
+    uint32_t touched;     /* 1: the object pushed the tool in the last tick */
 } sp_anchor_state;
 
 /* A dent is met again so near to where the tool left it, in steps of the grid. */

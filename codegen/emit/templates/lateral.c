@@ -89,13 +89,13 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     state->lateral.paid_j = renewal_j;
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = felt_n[2];
-    if (!touches) {
+    if (!touches || !(felt_n[2] > (sp_real)0)) {
+        state->anchor.touched = 0u; /* the spring lets go where nothing presses it on */
         if (!inside) {
             sp_output_free(&state->output);
         }
         return (sp_real)0;
     }
-    felt_n[2] = felt_n[2] > (sp_real)0 ? felt_n[2] : (sp_real)0;
     state->lateral.renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
     sp_anchor_feel(&anchor, &state->anchor, bend_npm, felt_n);
     for (uint32_t k = 0; k < 3; k++) {

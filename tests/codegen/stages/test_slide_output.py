@@ -135,3 +135,21 @@ def test_the_grid_of_an_even_map_is_not_felt_at_any_speed(friction: float, rate_
         force_n, _ = run(library, position_m)
     assert np.abs(expected_n[:, :2]).max() > 0.05
     np.testing.assert_allclose(force_n, expected_n, atol=0.02 * np.abs(expected_n).max())
+
+
+@pytest.mark.parametrize("friction", [0.3, 5.0])
+def test_where_nothing_pushes_nothing_pulls_sideways(friction: float) -> None:
+    """Dips of any size, fast and slow, also into a surface that has not yet come back."""
+    plan, ticks = on_grid(5e-3, friction, 1000.0, "float64"), np.arange(600)
+    with built(plan) as library:
+        for seed in range(100):
+            rng = np.random.default_rng(seed)
+            dips = np.sin(2 * np.pi * ticks / rng.uniform(40.0, 300.0))
+            depth_m = rng.choice([1e-4, 1e-3, 4e-3]) * dips + rng.choice([-4e-4, 0.0, 2e-4])
+            turns = np.sign(np.sin(ticks / rng.uniform(5.0, 60.0)))
+            x_m = 0.02 + rng.uniform(0.0, 8e-4) * np.cumsum(turns)
+            position_m = np.column_stack([x_m, np.full(len(ticks), 0.02), depth_m])
+            force_n, _ = run(library, position_m)
+            pushes = force_n[:, 2] > 0
+            assert not np.any(force_n[~pushes])
+            assert np.any(force_n[:, 0])
