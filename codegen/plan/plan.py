@@ -209,7 +209,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         viscous_npm=_viscous_npm(scene, dt_s, dtype),
         silence=silence_config(watchdog_s, dt_s, dtype),
         watchdog_s=float(dtype(watchdog_s)),
-        lateral=lateral_stage(model, placed, scene, dt_s, dtype, limit_npm),
+        lateral=lateral_stage(model, placed, scene, dt_s, dtype, limit_npm, dt_s * max_mps(model)),
         left_out=(
             *unused_orders(model, dtype),
             *_units_left_out(contact, couple is not None, estimates, alpha, dtype),

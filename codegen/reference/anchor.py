@@ -29,14 +29,26 @@ class Cell:
         found: Reals = twist * self.per_m[0] * self.per_m[1]
         return found
 
+    def here(self, amounts: Reals) -> list[tuple[Any, Any, Any]]:
+        """sp_lateral_amounts: of each material its amount, and its slopes in x and y, 1/m."""
+        one = amounts.dtype.type(1)
+        (i, j), (x, y) = self.node, self.way
+        near, over, far, both = (
+            amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1]
+        )  # fmt: skip
+        left, right = (one - y) * near + y * over, (one - y) * far + y * both
+        low, high = (one - x) * near + x * far, (one - x) * over + x * both
+        by_x, by_y = (right - left) * self.per_m[0], (high - low) * self.per_m[1]
+        return list(zip((one - x) * left + x * right, by_x, by_y, strict=True))
+
 
 class Anchor:
-    """sp_anchor_state; drag_npm: stiffness of the drag's spring."""
+    """sp_anchor_state; amounts: of the map."""
 
     def __init__(
-        self, grid: MapConfig, config: AnchorConfig, drag_npm: Any, dtype: type[Any]
+        self, grid: MapConfig, config: AnchorConfig, amounts: Reals, dtype: type[Any]
     ) -> None:
-        self._config, self._drag_npm, self._real = config, drag_npm, dtype
+        self._config, self._amounts, self._real = config, amounts, dtype
         self._first = (grid.first_x_m, grid.first_y_m)
         self._per_m = (grid.per_step_x, grid.per_step_y)
         self._nodes = grid.nodes
@@ -58,15 +70,32 @@ class Anchor:
         steps = self._steps(at)
         return not all(abs(x - its) <= NEAR for x, its in zip(steps, self._at, strict=True))
 
-    def move(self, was: Sequence[Any], at: Sequence[Any], touches: bool) -> list[Any]:
-        """sp_anchor_move."""
+    def move(
+        self,
+        was: Sequence[Any],
+        at: Sequence[Any],
+        touches: bool,
+        drawn: Sequence[Any],
+        stored_j: Sequence[Any],
+    ) -> list[Any]:
+        """sp_anchor_move; drawn: the drag's spring, stored_j: each material, in the last tick."""
         stays, self._touched = not (touches and self._touched), touches
         if stays:
             self._stretch = [self._real(0)] * 2
             return [self._real(0)] * 2
         ways = [at[k] - was[k] for k in range(2)]
         self._stretch = [bounded(e + way) for e, way in zip(self._stretch, ways, strict=True)]
-        return self._slip()
+        moved = [self._real(0)] * 2
+        for _ in range(self._config.ways):
+            moved, came = self._slip(moved)
+            if not came:
+                break
+            self._pulled([d + way for d, way in zip(drawn, moved, strict=True)], stored_j)
+        return moved
+
+    def let_go(self) -> None:
+        """The object does not push: the spring begins anew where it does."""
+        self._touched = False
 
     def cell(self) -> Cell:
         """sp_anchor_cell."""
@@ -80,7 +109,7 @@ class Anchor:
 
     def feel(self, bend_npm: Any, felt_n: list[Any]) -> list[Any]:
         """sp_anchor_feel."""
-        self._bend = bounded(abs(bend_npm) + self._drag_npm)
+        self._bend = bounded(abs(bend_npm) + self._config.drag_npm)
         self._normal = felt_n[2]
         self._object = [bounded(n) for n in felt_n[:2]]
         return [-self._config.stick_npm * e for e in self._stretch] + felt_n[2:]
@@ -88,22 +117,48 @@ class Anchor:
     def _steps(self, at: Sequence[Any]) -> list[Any]:
         return [(at[k] - self._first[k]) * self._per_m[k] for k in range(2)]
 
-    def _slip(self) -> list[Any]:
-        """sp_anchor_slip."""
+    def _pulled(self, drawn: Sequence[Any], stored_j: Sequence[Any]) -> None:
+        """sp_anchor_pulled."""
+        cell, drag_npm, zero = self.cell(), self._config.drag_npm, self._real(0)
+        felt, bend_npm = [zero] * 2, zero
+        here, twists = cell.here(self._amounts), cell.twists(self._amounts)
+        for (_, *slopes), twist, its in zip(here, twists, stored_j, strict=True):
+            felt = [n - slope * its for n, slope in zip(felt, slopes, strict=True)]
+            bend_npm = bend_npm + twist * its
+        self._bend = bounded(abs(bend_npm) + drag_npm)
+        self._object = [bounded(n - drag_npm * d) for n, d in zip(felt, drawn, strict=True)]
+
+    def _slip(self, before: list[Any]) -> tuple[list[Any], bool]:
+        """sp_anchor_slip: the anchor's way with that before, and whether it came to an edge."""
         stick, real = self._config.stick_npm, self._real
         pull = [bounded(stick * e + n) for e, n in zip(self._stretch, self._object, strict=True)]
         x, y = map(abs, pull)
         total = np.sqrt(x * x + y * y)
         excess = total - self._config.friction * self._normal
         if not excess > 0 or not total > real(SMALLEST):
-            return [real(0)] * 2
+            return before, False
         m_per_n = excess / (total * (stick + self._bend))
-        moved = []
-        for k in range(2):
-            way = self._along(k, m_per_n * pull[k] * self._per_m[k])
-            moved.append(way / self._per_m[k])
-            self._stretch[k] = flushed(bounded(self._stretch[k] - moved[k]))
-        return moved
+        ways = [m_per_n * n * per_m for n, per_m in zip(pull, self._per_m, strict=True)]
+        parts = [self._part(k, way) for k, way in enumerate(ways)]
+        moved, came = [], False
+        for k, way in enumerate(ways):
+            cell = self._cell[k]
+            went = self._along(k, way * parts[1 - k])
+            went_m = went / self._per_m[k]
+            self._stretch[k] = flushed(bounded(self._stretch[k] - went_m))
+            moved.append(bounded(before[k] + went_m))
+            came |= self._cell[k] != cell and bool(abs(went) > 0)
+        return moved, came
+
+    def _part(self, k: int, way: Any) -> Any:
+        """sp_anchor_part."""
+        at, cell, real = self._at[k], self._cell[k], self._real
+        to, part, edge = bounded(at + way), real(1), real(cell)
+        if cell < self._nodes[k] and to > edge:
+            part = (edge - at) / way
+        elif cell > 0 and to < edge - real(1):
+            part = (edge - real(1) - at) / way
+        return part if 0 < part < 1 else real(1)
 
     def _along(self, k: int, way: Any) -> Any:
         """sp_anchor_along."""

@@ -10,11 +10,11 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.guarding import SILENCE_WORTH
 from springpot.codegen.reference.lateral_energy import Account3, squared
 from springpot.codegen.reference.lateral_motion import LateralMotion
+from springpot.codegen.reference.lateral_output import Output3
 from springpot.codegen.reference.notes import HELD, OUTSIDE, RESYNC
-from springpot.codegen.reference.output import Output
 from springpot.codegen.reference.run import Run
 from springpot.codegen.stages.model_force import clip
-from springpot.codegen.stages.stage import SMALLEST, bounded, flushed
+from springpot.codegen.stages.stage import flushed
 
 
 def run_lateral(plan: Plan, position_m: Reals) -> Run:
@@ -77,9 +77,8 @@ class _Loop:
         self._motion = LateralMotion(plan.lateral, plan.dtype)
         zero = self._real(0)
         self._account = None if plan.energy is None else Account3(plan.energy, plan.dtype)
-        self._output = Output(plan, self._account)
+        self._output = Output3(plan, self._account)
         self._silent, self._missed, self._latched, self._began = zero, zero, False, False
-        self._unit = [zero, zero, zero]
 
     def step(self, raw: Reals) -> tuple[list[Any], int]:
         """Force, N, and notes."""
@@ -95,7 +94,7 @@ class _Loop:
         self._began |= bool(notes & RESYNC)
         if notes & HELD:
             given_n, notes = self._held(flushed(raw[2]))
-            return self._given(given_n), notes
+            return self._output.vector(given_n), notes
         self._heard()
         step = [(x - was) / ticks for x, was in zip(at, self._motion.at, strict=True)]
         self._pay(at, step, ticks)
@@ -105,11 +104,13 @@ class _Loop:
             self._motion.rest(at)
             self._output.restart(at)
             step = [self._real(0)] * 3
+        before = self._output.vector(self._output.given)
         if left:
             self._make_up(at, ticks, left)
         length_n, note = self._tick(at)
+        self._output.came_from(before, self._latched)
         given_n, more = self._output.force(self._latched, left > 0, step, length_n)
-        return self._given(given_n), notes | note | more
+        return self._output.vector(given_n), notes | note | more
 
     def _pay(self, at: list[Any], step: list[Any], ticks: Any) -> None:
         if self._account is None:
@@ -137,22 +138,7 @@ class _Loop:
         if not touches:
             return zero, note
         share = at[2] * self._plan.per_onset
-        return self._length([n * share if share < 1 else n for n in felt]), note
-
-    def _length(self, felt: list[Any]) -> Any:
-        unit, square = [flushed(bounded(n)) for n in felt], self._real(0)
-        for n in unit:
-            square = square + n * n
-        length = np.sqrt(square)
-        known = length > self._real(SMALLEST)
-        one = self._real(1)
-        self._unit = [max(min(n / length, one), -one) if known else self._real(0) for n in unit]
-        if self._account is not None:
-            self._account.unit = self._unit
-        return length
-
-    def _given(self, given_n: Any) -> list[Any]:
-        return [given_n * each for each in self._unit]
+        return self._output.turn([n * share if share < 1 else n for n in felt]), note
 
     def _heard(self) -> None:
         self._silent = self._real(0)

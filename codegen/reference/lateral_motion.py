@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.formulas import curve_place
-from springpot.codegen.reference.anchor import Anchor, Cell
+from springpot.codegen.reference.anchor import Anchor
 from springpot.codegen.stages.passive.lateral import LateralStage
 from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.passive.stored import RENEWED, stored
@@ -22,7 +22,9 @@ class LateralMotion:
         self.at = [zero, zero, zero]
         self._drawn, self._renewed = [zero, zero], zero
         config = stage.placed.config
-        self._place = Anchor(config, stage.anchor, stage.drag.stiffness_npm, dtype)
+        self._place = Anchor(config, stage.anchor, stage.placed.amounts, dtype)
+        self._stored = [zero] * len(stage.materials)
+        self._takes, self._paid = list(self._stored), zero
         self._materials: list[PassiveMotion] = []
         self._u: Any = zero
         self._force_n: Any = zero
@@ -35,7 +37,7 @@ class LateralMotion:
         self._place.rest(at)
 
     def tick(self, at: list[Any]) -> tuple[list[Any], bool, bool]:
-        """Force, N, whether the tool touches, and whether the place is on the grid."""
+        """Force, N, whether the object pushes, and whether the place is on the grid."""
         inside = bool(at[2] > 0)
         if not inside and self._place.left(at):
             self.rest(at)
@@ -43,10 +45,10 @@ class LateralMotion:
         u = self._surface(tool)
         touches = inside and not u > tool
         self._move(at, touches)
-        for motion in self._materials if self._renewed > 0 else ():
-            motion.renew(self._renewed)
         cell = self._place.cell()
-        amounts = self._amounts(cell)
+        amounts = cell.here(self._stage.placed.amounts)
+        self._renew(amounts)
+        self._stored, self._takes = [], []
         felt, renewal_j = [self._real(0)] * 3, self._real(0)
         bend_npm = self._real(0)
         place = curve_place(np.array([u]), self._stage.of_one.config.n_pieces)
@@ -59,26 +61,43 @@ class LateralMotion:
             m_per_piece = self._stage.m_per_piece
             pieces, renewal = stored(its, areas, place, held, play)
             stored_j = pieces * m_per_piece
-            renewal_j = renewal_j + here[0] * (renewal * m_per_piece)
+            self._stored.append(stored_j)
+            self._takes.append(renewal * m_per_piece)
+            renewal_j = renewal_j + here[0] * self._takes[-1]
             felt[0] = felt[0] - here[1] * stored_j
             felt[1] = felt[1] - here[2] * stored_j
             felt[2] = felt[2] + here[0] * force_n[0]
             bend_npm = bend_npm + twist * stored_j
-        self._u, self._force_n = u, felt[2]
-        felt[2] = felt[2] if felt[2] > 0 else self._real(0)
-        self._renewed = self._slip(u, renewal_j, felt) if touches else self._real(0)
+        self._u, self._force_n, self._paid = u, felt[2], renewal_j
+        pushes = touches and bool(felt[2] > 0)
+        self._renewed = self._slip(u, renewal_j, felt) if pushes else self._real(0)
         on_grid = bool(cell.per_m[0] > 0 and cell.per_m[1] > 0)
-        return self._place.feel(bend_npm, felt) if touches else felt, touches, on_grid
+        if pushes:
+            felt = self._place.feel(bend_npm, felt)
+        else:
+            self._place.let_go()
+        return felt, pushes, on_grid
 
     def _move(self, at: list[Any], touches: bool) -> None:
         """sp_lateral_move."""
-        moved = self._place.move(self.at, at, touches)
+        moved = self._place.move(self.at, at, touches, self._drawn, self._stored)
         zero = self._real(0)
         self._drawn = [
             bounded(drawn + way) if touches else zero
             for drawn, way in zip(self._drawn, moved, strict=True)
         ]
         self.at = list(at)
+
+    def _renew(self, amounts: list[tuple[Any, Any, Any]]) -> None:
+        """sp_drag_afforded, and what it says."""
+        takes, share = self._real(0), self._renewed
+        for here, its in zip(amounts, self._takes, strict=True):
+            takes = takes + here[0] * its
+        if takes > self._paid:
+            part = self._paid / takes if self._paid > 0 else self._real(0)
+            share = share * part if part < 1 else share
+        for motion in self._materials if share > 0 else ():
+            motion.renew(share)
 
     def _slip(self, u: Any, renewal_j: Any, felt: list[Any]) -> Any:
         """sp_drag_slip."""
@@ -106,22 +125,9 @@ class LateralMotion:
         placed, pieces = self._stage.placed, self._stage.of_one.config.n_pieces
         begin = placed.begins["stiffest"]
         of_materials = placed.materials[:, begin : begin + pieces]
-        amounts = self._amounts(self._place.cell())
+        amounts = self._place.cell().here(placed.amounts)
         stiffest = amounts[0][0] * of_materials[0]
         for here, its in zip(amounts[1:], of_materials[1:], strict=True):
             stiffest = stiffest + here[0] * its
         surface = RecoveringSurface(np.maximum(stiffest, placed.least))
         return surface.at(tool, self._u, self._force_n)
-
-    def _amounts(self, cell: Cell) -> list[tuple[Any, Any, Any]]:
-        """Amount of each material and its slopes in x and y, 1/m."""
-        one = self._real(1)
-        (i, j), (x, y), amounts = cell.node, cell.way, self._stage.placed.amounts
-        near, over, far, both = (
-            amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1]
-        )  # fmt: skip
-        left, right = (one - y) * near + y * over, (one - y) * far + y * both
-        low, high = (one - x) * near + x * far, (one - x) * over + x * both
-        amount = (one - x) * left + x * right
-        by_x, by_y = (right - left) * cell.per_m[0], (high - low) * cell.per_m[1]
-        return list(zip(amount, by_x, by_y, strict=True))

@@ -44,6 +44,17 @@ static inline sp_real sp_drag_slip(const sp_drag_config *config, sp_real *drawn_
     return renewed;
 }
 
+/* Of a share that was paid for where renewing all takes paid_j, that which may be renewed where it
+ * takes takes_j: the place has moved since. */
+static inline sp_real sp_drag_afforded(sp_real share, sp_real paid_j, sp_real takes_j)
+{
+    if (!(takes_j > paid_j)) {
+        return share;
+    }
+    const sp_real part = paid_j > (sp_real)0 ? paid_j / takes_j : (sp_real)0;
+    return part < (sp_real)1 ? share * part : share;
+}
+
 /* Renew a share of n branches, of which g is the curve; slow: their states in double, or none. */
 static inline void sp_drag_renew(sp_real share, uint32_t n, const sp_real *g, sp_real *held,
                                  double *slow)

@@ -50,15 +50,21 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
     const sp_real u = surface3(state, tool);
     const int touches = inside && !(u > tool);
     sp_real moved_m[2];
-    sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, at, touches, moved_m);
-    const sp_real renewed = sp_lateral_move(&state->lateral, at, moved_m, touches);
-    for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
-@RENEW@    }
+    sp_anchor_move(&place_map, &anchor, &state->anchor, &state->lateral, amounts,
+                   state->lateral_stored, at, touches, moved_m);
+    const sp_real share = sp_lateral_move(&state->lateral, at, moved_m, touches);
     const sp_lateral_cell cell = sp_anchor_cell(&place_map, &state->anchor);
     sp_lateral_amount here[@MATERIALS@];
     if (!sp_lateral_amounts(&place_map, &cell, amounts, here)) {
         *notes |= inside ? SP_NOTE_OUTSIDE : 0;
     }
+    sp_real takes_j = (sp_real)0;
+    for (uint32_t r = 0; r < place_map.n_materials; r++) {
+        takes_j += here[r].amount * state->lateral_takes[r];
+    }
+    const sp_real renewed = sp_drag_afforded(share, state->lateral.paid_j, takes_j);
+    for (uint32_t r = 0; r < place_map.n_materials && renewed > (sp_real)0; r++) {
+@RENEW@    }
     const sp_curve_place lateral_place = sp_curve_at(u, passive.n_pieces);
     sp_real felt_n[3] = {(sp_real)0, (sp_real)0, (sp_real)0};
     sp_real renewal_j = (sp_real)0;
@@ -73,21 +79,25 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         sp_real renewal;
         const sp_real stored = sp_stored(&passive, &its, areas + r * @AREAS@, lateral_place,
                                          lateral_branch, held, @PLAY@, &renewal);
-        sp_lateral_add(here[r], force_n, stored * m_per_piece, felt_n);
-        bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored * m_per_piece);
-        renewal_j += here[r].amount * (renewal * m_per_piece);
+        const sp_real stored_j = stored * m_per_piece;
+        state->lateral_stored[r] = stored_j;
+        sp_lateral_add(here[r], force_n, stored_j, felt_n);
+        bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored_j);
+        state->lateral_takes[r] = renewal * m_per_piece;
+        renewal_j += here[r].amount * state->lateral_takes[r];
     }
+    state->lateral.paid_j = renewal_j;
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = felt_n[2];
-    if (!touches) {
+    if (!touches || !(felt_n[2] > (sp_real)0)) {
+        state->anchor.touched = 0u; /* the spring lets go where nothing presses it on */
         if (!inside) {
             sp_output_free(&state->output);
         }
         return (sp_real)0;
     }
-    felt_n[2] = felt_n[2] > (sp_real)0 ? felt_n[2] : (sp_real)0;
     state->lateral.renewed = sp_drag_slip(&drag, state->lateral.drawn_m, u, renewal_j, felt_n);
-    sp_anchor_feel(&anchor, &state->anchor, bend_npm, drag.stiffness_npm, felt_n);
+    sp_anchor_feel(&anchor, &state->anchor, bend_npm, felt_n);
     for (uint32_t k = 0; k < 3; k++) {
         felt_n[k] = sp_contact_onset(per_onset, at[2], felt_n[k]);
     }
@@ -162,14 +172,21 @@ int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocit
         sp_output_restart(&output, &state->output);
 @AGAIN@        left = 0;
     }
+    sp_real before_n[3];
+    sp_lateral_give(&state->lateral, sp_output_clamp(&output, state->output.given_n, &notes),
+                    before_n);
     if (left > 0) {
         make_up3(state, at, ticks, left);
     }
     const sp_real length_n = tick3(state, at, &notes);
     if (state->silence.latched) {
+        (void)sp_lateral_length(&state->lateral, before_n); /* it falls in its own direction */
         (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
     } else {
-        (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, length_n, &notes);
+        const sp_real given_n =
+            sp_output_force(&output, &state->output, left > 0, (sp_real)1, length_n, &notes);
+        state->output.given_n =
+            sp_lateral_grown(&state->lateral, before_n, output.slew_n, given_n, &notes);
 @LIMIT@    }
     sp_lateral_give(&state->lateral, state->output.given_n, force_n);
     return notes;

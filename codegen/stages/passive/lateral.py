@@ -1,5 +1,6 @@
 """Materials side by side for a tool that slides on their map: sp_lateral.h."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,7 @@ from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_wid
 # (Mindlin 1949, Compliance of elastic bodies in contact).
 _SIDEWAYS = 2.0 / 3.0
 _OF_LIMIT = 0.5  # of the stiffest spring that a device bears with every hand
+_MOST_WAYS = 64
 _DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at the trained depth
 
 
@@ -37,6 +39,8 @@ class AnchorConfig:
 
     friction: Real
     stick_npm: Real
+    drag_npm: Real
+    ways: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +81,10 @@ class LateralStage:
             Member(f"sp_real lateral_before[{branches}]", (REAL,) * branches),
             Member(f"sp_real lateral_held[{branches}]", (REAL,) * branches),
             *play,
+            Member(f"sp_real lateral_stored[{count}]", (REAL,) * count),
+            Member(f"sp_real lateral_takes[{count}]", (REAL,) * count),
             Member("sp_surface_state lateral_surface", (REAL, REAL)),
-            Member("sp_lateral_state lateral", (REAL,) * 9 + (U32,)),
+            Member("sp_lateral_state lateral", (REAL,) * 10 + (U32,)),
             Member("sp_anchor_state anchor", (REAL,) * 8 + (U32,) * 3),
             Member("sp_guard_state guard_x", (REAL, REAL, U32, U32)),
             Member("sp_guard_state guard_y", (REAL, REAL, U32, U32)),
@@ -102,10 +108,12 @@ def lateral_stage(
     dt_s: float,
     dtype: type[Any],
     limit_npm: float,
+    jump_m: float,
 ) -> LateralStage | None:
     """Resolve `[places] mode`. None in the mode "held".
 
-    placed: the model's map. limit_npm: of the stiffest spring that the device bears.
+    placed: the model's map. limit_npm: of the stiffest spring that the device bears. jump_m: way of
+    a hand in a tick at most.
 
     Raises UsageError if this model, or this scene, has no lateral force.
     """
@@ -151,7 +159,11 @@ def lateral_stage(
     deepest = np.array([_deepest_n(its) for its in materials])
     stick_npm = _SIDEWAYS * float(np.max(places.amounts @ deepest)) / hammerstein.span_m
     stick_npm = max(min(stick_npm, _OF_LIMIT * limit_npm), 1.0)
-    anchor = AnchorConfig(dtype(scene.places.friction), dtype(stick_npm))
+    crossed = sum(math.ceil(jump_m / step_m) for step_m in places.step_m)
+    anchor = AnchorConfig(
+        dtype(scene.places.friction), dtype(stick_npm), drag.stiffness_npm,
+        min(1 + crossed, _MOST_WAYS),
+    )  # fmt: skip
     return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag, anchor)
 
 

@@ -165,10 +165,10 @@ static int send_force(sp_loop *self, int behind, int *put)
     const double force_n = silent ? 0.0 : self->row.returned_n;
     *put = 1;
     if (self->link != NULL && (silent || !behind)) {
-        const double way = silent ? 0.0 : self->config.reversed ? -1.0 : 1.0;
+        const double way = self->config.reversed ? -1.0 : 1.0;
         self->link->released = silent || self->latched;
-        self->link->lateral_n[0] = way * self->row.x_n;
-        self->link->lateral_n[1] = way * self->row.y_n;
+        self->link->lateral_n[0] = silent ? 0.0 : way * self->row.x_n; /* which may be no number */
+        self->link->lateral_n[1] = silent ? 0.0 : way * self->row.y_n;
         *put = self->link->write(self->link, sp_loop_now(),
                                  self->config.reversed ? -force_n : force_n);
         if (*put == 0) {

@@ -151,12 +151,14 @@ def test_no_slide_on_a_thousand_random_maps_gives_energy_back(
         assert least(emitted, range(1000, 1085), shape) > -BOUND
 
 
+PULLED = "sp_anchor_pulled(map, config, state, amounts, stored_j, drawn_m);"
 PLANTED: dict[str, Sequence[Fault]] = {
     "the object's pull the wrong way": [("+ state->object_n[k]", "- state->object_n[k]")],
     "the object's pull left out": [("+ state->object_n[k]", "")],
     "a way of more than twice": [("m_per_n = excess_n", "m_per_n = (sp_real)2.5 * excess_n")],
     "over the edge of a cell": [("*at = edge;", "*at = to;"),
-                                ("*at = edge - (sp_real)1;", "*at = to;")],
+                                ("*at = edge - (sp_real)1;", "*at = to;"),
+                                (PULLED, "(void)amounts, (void)stored_j, (void)drawn_m;")],
     "the object's force added": [("felt_n[k] = -config", "felt_n[k] = felt_n[k] - config")],
 }  # fmt: skip
 

@@ -143,7 +143,8 @@ def test_the_adversary_finds_an_amount_below_0() -> None:
     model = random_model(0)
     assert model.hammerstein is not None and model.hammerstein.places is not None
     amounts = model.hammerstein.places.amounts.copy()
-    amounts[1, 1] = -amounts.max()
+    amounts[1:3, 1:3, 0] = -0.5 * amounts.max()  # of one material: the other one pushes on
+    amounts[:, :, 1] = amounts.max()
     wrong = replace(model.hammerstein.places, amounts=amounts)
     with sliding(plan_of(random_model(0))) as built:
         built.take(plan_of(replace(model, hammerstein=replace(model.hammerstein, places=wrong))))
@@ -152,14 +153,14 @@ def test_the_adversary_finds_an_amount_below_0() -> None:
 
 
 FAR = ("const int crosses = (at[0] > m_per_cell) != (state->lateral.at_m[0] > m_per_cell);\n"
-       "    const sp_real renewed = sp_lateral_move(")  # fmt: skip
+       "    const sp_real share = sp_lateral_move(")  # fmt: skip
 FAR = FAR.replace("m_per_cell", "(sp_real)0.005")
 FORGETS = """for (uint32_t i = 0; crosses && i < passive.n_branches; i++) {
             state->lateral_held[r * passive.n_branches + i] = lateral_branch[i];
         }
         const sp_real *held ="""
 UNPAID = [(f"felt_n[{k}] -= config->stiffness_npm * drawn_m[{k}];", "") for k in (0, 1)]
-UNPAID += [(" + drag_npm);", " + (sp_real)0 * drag_npm);")]
+UNPAID += [("+ config->drag_npm);", ");"), (" - config->drag_npm * drawn_m[k]", "")]
 
 
 @pytest.mark.slow
@@ -194,7 +195,7 @@ GOES = """for (uint32_t k = 0; k < 2 && !touches; k++) {
     }
     """
 MOVES, RESTS = (
-    "const sp_real renewed = sp_lateral_move(&state->lateral, at, ",
+    "const sp_real share = sp_lateral_move(&state->lateral, at, ",
     "        restart3(state, at);\n    }\n    const",
 )
 # Seconds and depth of each way: the tool slides, from soft to stiff, in the one that is None.
@@ -209,7 +210,7 @@ DIRECTED: dict[str, tuple[Sequence[Fault], Ways]] = {
         [(0.3, 0.8), (2.0, 0.8), (0.05, -0.01), (0.05, None), (0.05, 0.4), (20.0, -0.01)],
     ),
     "pressed, while what branches hold is made new": (
-        [(MOVES, FAR + MOVES.removeprefix("const sp_real renewed = sp_lateral_move(")),
+        [(MOVES, FAR + MOVES.removeprefix("const sp_real share = sp_lateral_move(")),
          ("const sp_real *held =", FORGETS)],
         [(20.0, 0.8), (0.05, None), (0.05, -0.01)],
     ),

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from springpot.codegen.scene import ScenePlaces
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.emission.emission import emit
+from springpot.host.native.loop_library import COLUMNS, Stop
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
@@ -45,6 +47,36 @@ def test_a_link_that_does_not_slide_gives_no_lateral_force() -> None:
     sdk.tick(1, 2.0)
     sdk.link.write(sdk.link, 2 * MS, 2.0)
     assert sdk.forces[-1] == (0.0, 0.0, 2.0)
+
+
+@pytest.mark.parametrize("wrong_n", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("beside", [0, 1])
+def test_a_force_that_is_no_number_ends_the_loop_and_reaches_no_motor(
+    wrong_n: float, beside: int
+) -> None:
+    sdk = Sdk(slides=1)
+    ffi, c = sdk.library.ffi, sdk.library.c
+    slide, ticks = ffi.new("sp_slide *"), []
+
+    def step(_state: object, _position_m: float, _velocity_mps: float, force_n: Any) -> int:
+        ticks.append(slide.lateral_n[beside])
+        slide.lateral_n[beside] = 0.3 if len(ticks) < 5 else wrong_n
+        force_n[0] = 2.0
+        return 0
+
+    called = ffi.callback("int(void *, double, double, double *)", step)
+    loop, state = sdk.library.memory(c.sp_loop_size(), "sp_loop"), ffi.new("sp_loop_state *")
+    rows = np.zeros((1024, len(COLUMNS)))
+    config = {"step": called, "period_s": 0.005, "seconds": 2.0, "max_force_n": 8.0,
+              "max_depth_m": 1.0, "slide": slide, "state": slide, "cpu": -1, "capacity": 1024,
+              "rows": ffi.cast("sp_row *", rows.ctypes.data)}  # fmt: skip
+    assert c.sp_loop_start(loop, ffi.new("sp_loop_config *", config), sdk.link) == 0
+    c.sp_loop_join(loop)
+    c.sp_loop_get_status(loop, state)
+    assert state.reason == Stop.FORCE
+    assert max(abs(force_n[beside]) for force_n in sdk.forces) == 0.3
+    assert np.all(np.isfinite(sdk.forces))
+    assert not np.any(sdk.forces[-1])
 
 
 def test_walls_and_slides_exclude_each_other() -> None:
