@@ -137,8 +137,8 @@ class Anchor:
         excess = total - self._config.friction * self._normal
         if not excess > 0 or not total > real(SMALLEST):
             return before, False
-        m_per_n = excess / (total * (stick + self._bend))
-        ways = [m_per_n * n * per_m for n, per_m in zip(pull, self._per_m, strict=True)]
+        m_per_n = min(excess / total, real(1)) / (stick + self._bend)
+        ways = [bounded(m_per_n * n * per_m) for n, per_m in zip(pull, self._per_m, strict=True)]
         parts = [self._part(k, way) for k, way in enumerate(ways)]
         moved, came = [], False
         for k, way in enumerate(ways):
@@ -154,9 +154,10 @@ class Anchor:
         """sp_anchor_part."""
         at, cell, real = self._at[k], self._cell[k], self._real
         to, part, edge = bounded(at + way), real(1), real(cell)
-        if cell < self._nodes[k] and to > edge:
+        small = real(SMALLEST)
+        if cell < self._nodes[k] and to > edge and way > small:
             part = (edge - at) / way
-        elif cell > 0 and to < edge - real(1):
+        elif cell > 0 and to < edge - real(1) and way < -small:
             part = (edge - real(1) - at) / way
         return part if 0 < part < 1 else real(1)
 

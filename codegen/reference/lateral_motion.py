@@ -60,15 +60,15 @@ class LateralMotion:
             held, play = motion.memory
             m_per_piece = self._stage.m_per_piece
             pieces, renewal = stored(its, areas, place, held, play)
-            stored_j = pieces * m_per_piece
+            stored_j = bounded(pieces * m_per_piece)
             self._stored.append(stored_j)
-            self._takes.append(renewal * m_per_piece)
+            self._takes.append(bounded(renewal * m_per_piece))
             renewal_j = renewal_j + here[0] * self._takes[-1]
             felt[0] = felt[0] - here[1] * stored_j
             felt[1] = felt[1] - here[2] * stored_j
             felt[2] = felt[2] + here[0] * force_n[0]
             bend_npm = bend_npm + twist * stored_j
-        self._u, self._force_n, self._paid = u, felt[2], renewal_j
+        self._u, self._force_n, self._paid = u, felt[2], bounded(renewal_j)
         pushes = touches and bool(felt[2] > 0)
         self._renewed = self._slip(u, renewal_j, felt) if pushes else self._real(0)
         on_grid = bool(cell.per_m[0] > 0 and cell.per_m[1] > 0)
@@ -94,7 +94,8 @@ class LateralMotion:
         for here, its in zip(amounts, self._takes, strict=True):
             takes = takes + here[0] * its
         if takes > self._paid:
-            part = self._paid / takes if self._paid > 0 else self._real(0)
+            some = self._paid > 0 and takes > self._real(SMALLEST)
+            part = self._paid / takes if some else self._real(0)
             share = share * part if part < 1 else share
         for motion in self._materials if share > 0 else ():
             motion.renew(share)

@@ -46,8 +46,8 @@ class Output3(Output):
         ahead, was, zero = self.vector(given), self._was, self._real(0)
         square = squared(was, self._real)
         along = was[0] * ahead[0] + was[1] * ahead[1] + was[2] * ahead[2]
-        part = along / square if along < square else self._real(1)
-        stays = part if along > 0 else zero
+        part = along / square if square > self._real(SMALLEST) else zero
+        stays = max(min(part, self._real(1)), zero)
         more = [n - stays * its for n, its in zip(ahead, was, strict=True)]
         growth, slew = np.sqrt(squared(more, self._real)), self._config.slew_n
         if not growth > slew:

@@ -77,9 +77,9 @@ static inline sp_real sp_anchor_part(sp_real at, uint32_t cell, uint32_t n, sp_r
     const sp_real edge = (sp_real)last;
     const sp_real to = sp_bounded(at + way);
     sp_real part = (sp_real)1;
-    if (last < n && to > edge) {
+    if (last < n && to > edge && way > SP_SMALLEST) {
         part = (edge - at) / way;
-    } else if (last > 0u && to < edge - (sp_real)1) {
+    } else if (last > 0u && to < edge - (sp_real)1 && way < -SP_SMALLEST) {
         part = (edge - (sp_real)1 - at) / way;
     }
     return part > (sp_real)0 && part < (sp_real)1 ? part : (sp_real)1;
@@ -152,13 +152,15 @@ static inline int sp_anchor_slip(const sp_map_config *map, const sp_anchor_confi
     if (!(excess_n > (sp_real)0) || !(total_n > SP_SMALLEST)) {
         return 0;
     }
-    const sp_real m_per_n = excess_n / (total_n * (config->stick_npm + state->bend_npm));
+    const sp_real excess = excess_n / total_n;
+    const sp_real share = excess < (sp_real)1 ? excess : (sp_real)1;
+    const sp_real m_per_n = share / (config->stick_npm + state->bend_npm);
     const sp_real per_m[2] = {map->per_step_x, map->per_step_y};
     const uint32_t nodes[2] = {map->nodes_x, map->nodes_y};
     sp_real ways[2];
     sp_real parts[2];
     for (uint32_t k = 0; k < 2; k++) {
-        ways[k] = m_per_n * pull_n[k] * per_m[k];
+        ways[k] = sp_bounded(m_per_n * pull_n[k] * per_m[k]);
         parts[k] = sp_anchor_part(state->at[k], state->cell[k], nodes[k], ways[k]);
     }
     int came = 0;

@@ -51,7 +51,8 @@ static inline sp_real sp_drag_afforded(sp_real share, sp_real paid_j, sp_real ta
     if (!(takes_j > paid_j)) {
         return share;
     }
-    const sp_real part = paid_j > (sp_real)0 ? paid_j / takes_j : (sp_real)0;
+    const int some = paid_j > (sp_real)0 && takes_j > SP_SMALLEST;
+    const sp_real part = some ? paid_j / takes_j : (sp_real)0;
     return part < (sp_real)1 ? share * part : share;
 }
 

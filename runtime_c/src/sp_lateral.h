@@ -174,8 +174,9 @@ static inline sp_real sp_lateral_grown(sp_lateral_state *state, const sp_real *b
     const sp_real square = sp_lateral_square(before_n);
     const sp_real along =
         before_n[0] * force_n[0] + before_n[1] * force_n[1] + before_n[2] * force_n[2];
-    const sp_real part = along < square ? along / square : (sp_real)1;
-    const sp_real stays = along > (sp_real)0 ? part : (sp_real)0;
+    const sp_real part = square > SP_SMALLEST ? along / square : (sp_real)0;
+    const sp_real below = part < (sp_real)1 ? part : (sp_real)1;
+    const sp_real stays = below > (sp_real)0 ? below : (sp_real)0;
     for (uint32_t k = 0; k < 3; k++) {
         more_n[k] = force_n[k] - stays * before_n[k];
     }

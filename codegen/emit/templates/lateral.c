@@ -79,14 +79,14 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
         sp_real renewal;
         const sp_real stored = sp_stored(&passive, &its, areas + r * @AREAS@, lateral_place,
                                          lateral_branch, held, @PLAY@, &renewal);
-        const sp_real stored_j = stored * m_per_piece;
+        const sp_real stored_j = sp_bounded(stored * m_per_piece);
         state->lateral_stored[r] = stored_j;
         sp_lateral_add(here[r], force_n, stored_j, felt_n);
         bend_npm += sp_anchor_bend(&place_map, &cell, amounts, r, stored_j);
-        state->lateral_takes[r] = renewal * m_per_piece;
+        state->lateral_takes[r] = sp_bounded(renewal * m_per_piece);
         renewal_j += here[r].amount * state->lateral_takes[r];
     }
-    state->lateral.paid_j = renewal_j;
+    state->lateral.paid_j = sp_bounded(renewal_j);
     state->lateral_surface.u = u;
     state->lateral_surface.force_n = felt_n[2];
     if (!touches || !(felt_n[2] > (sp_real)0)) {
