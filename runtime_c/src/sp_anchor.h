@@ -2,14 +2,14 @@
  *
  *     H = stick |e|^2 / 2 + S(u, a),   e: what the spring is stretched by,   on the tool: -stick e
  *
- * The anchor stays while its pull p = stick e - dS/da lies within the cone of friction; else it goes
- * along p, by at most
+ * The anchor stays while its pull p = stick e - dS/da lies within the cone of friction; else it
+ * goes along p, by at most
  *
- *     (|p| - friction f) / (stick + bend),   f: normal force,   bend: |d2S/dx dy| and the drag's spring
+ *     (|p| - friction f) / (stick + bend),   f: normal force,   bend: |d2S/dx dy| + drag's spring
  *
- * in all, and by no more than to the edge of its cell in each axis. Within a cell S is bilinear, so that
- * a part s_k along p_k of that way lowers H by |s_k| |p_k| / 2 at least. At an edge it changes the cell
- * and goes on from there: S is the same on both sides, its slope is not. Loaded, the
+ * in all, and by no more than to the edge of its cell in each axis. Within a cell S is bilinear, so
+ * that a part s_k along p_k of that way lowers H by |s_k| |p_k| / 2 at least. At an edge it changes
+ * the cell and goes on from there: S is the same on both sides, its slope is not. Loaded, the
  * spring is the lateral stiffness of the contact, and what lies between a device and the slopes of
  * the map. (docs/explanation/passivity.md) */
 #ifndef SP_ANCHOR_H
@@ -137,9 +137,10 @@ static inline sp_real sp_anchor_bend(const sp_map_config *map, const sp_lateral_
     return twist * cell->per_m[0] * cell->per_m[1] * stored_j;
 }
 
-/* Let the anchor slip out of the cone; adds its way to moved_m. Returns whether it came to an edge. */
+/* Let the anchor slip out of the cone; adds its way to moved_m. Returns whether it came to an edge.
+ */
 static inline int sp_anchor_slip(const sp_map_config *map, const sp_anchor_config *config,
-                                  sp_anchor_state *state, sp_real *moved_m)
+                                 sp_anchor_state *state, sp_real *moved_m)
 {
     sp_real pull_n[2];
     for (uint32_t k = 0; k < 2; k++) {

@@ -80,8 +80,7 @@ static inline sp_lateral_amount sp_lateral_amount_of(const sp_lateral_cell *cell
     const sp_real low = ((sp_real)1 - x) * near[0] + x * far[0];
     const sp_real high = ((sp_real)1 - x) * near[n_materials] + x * far[n_materials];
     const sp_lateral_amount here = {((sp_real)1 - x) * left + x * right,
-                                    (right - left) * cell->per_m[0],
-                                    (high - low) * cell->per_m[1]};
+                                    (right - left) * cell->per_m[0], (high - low) * cell->per_m[1]};
     return here;
 }
 
@@ -163,8 +162,8 @@ static inline void sp_lateral_give(const sp_lateral_state *state, sp_real given_
 }
 
 /* The length that a force of given_n in the direction that is kept may have, N. The vector grows by
- * slew_n at most, whichever way it turns: from what lies nearest to it between 0 and before_n, which
- * was given last. */
+ * slew_n at most, whichever way it turns: from what lies nearest to it between 0 and before_n,
+ * which was given last. */
 static inline sp_real sp_lateral_grown(sp_lateral_state *state, const sp_real *before_n,
                                        sp_real slew_n, sp_real given_n, int *notes)
 {

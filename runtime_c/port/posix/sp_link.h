@@ -26,9 +26,9 @@ typedef struct {
 
 typedef struct sp_link sp_link;
 struct sp_link {
-    int fd;       /* to wait on, or -1: a sample is there whenever it is asked for */
-    int ready;    /* takes forces; 0 until the device has answered a reset */
-    int released; /* set by the loop: nothing holds the tool, no force acts on any axis */
+    int fd;              /* to wait on, or -1: a sample is there whenever it is asked for */
+    int ready;           /* takes forces; 0 until the device has answered a reset */
+    int released;        /* set by the loop: nothing holds the tool, no force acts on any axis */
     double lateral_n[2]; /* likewise, before a write: force on the tool along x and y */
 
     /* Take all that has come: how many samples were new, the newest `capacity` of them at

@@ -8,10 +8,10 @@
 /* springpot declarations begin */
 /* A Force Dimension device through the functions of its SDK, which one thread calls at a time.
  * position = sign * p[axis] - surface_m. The other axes are free, or drawn to a line by springs of
- * wall_npm, each of max_n at most; or, where slides is 1, they are x and y: the next axis and the one
- * after it, of which the device's zero is at middle_m. weight_n acts upwards, along the last axis, beside all else.
- * Both rise within a second, from zero after each reset or pause. A call that takes longer than
- * max_call_s trips the link: meanwhile the last force stayed. */
+ * wall_npm, each of max_n at most; or, where slides is 1, they are x and y: the next axis and the
+ * one after it, of which the device's zero is at middle_m. weight_n acts upwards, along the last
+ * axis, beside all else. Both rise within a second, from zero after each reset or pause. A call
+ * that takes longer than max_call_s trips the link: meanwhile the last force stayed. */
 typedef struct {
     int (*get_position)(double *, double *, double *, char);
     int (*get_linear_velocity)(double *, double *, double *, char);
