@@ -18,7 +18,7 @@ _NUDGE_M, _NUDGE_S = 5e-4, 0.02  # along x, as a hold begins: what rings, begins
 
 @dataclass(frozen=True, eq=False)
 class SlideCase:
-    """Where the tool shall be, (n, 3), m; ticks in which it holds; those at which rounds begin."""
+    """Name a path of the tool, (n, 3), m, the ticks of its holds, and those that begin rounds."""
 
     name: str
     path_m: Samples

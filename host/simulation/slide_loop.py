@@ -20,7 +20,7 @@ AGAINST = np.array([-1.0, -1.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class SlideTrace:
-    """What came of it; arrays of shape (n, 3): x, y and depth at each tick's start, without noise.
+    """Hold a motion and its forces, (n, 3): x, y and depth at each tick's start, without noise.
 
     force_n: what the scene returned then. felt_n: what acted on the tool during the tick. notes:
     (n,).

@@ -47,16 +47,16 @@ class SlideOutcome:
 
     @property
     def gives(self) -> bool:
-        """Whether a round gives energy."""
+        """Tell whether a round gives energy."""
         return self.returned_j > RETURNED * self.stored_j
 
     @property
     def unbounded(self) -> bool:
-        """Whether it is not to be held."""
+        """Tell whether a hand must not hold the device in this case."""
         return not self.bounded or self.vibration.grows or self.gives
 
     def loud(self, quiet_mps: float) -> bool:
-        """Whether it vibrates faster than that on a hold."""
+        """Tell whether it vibrates faster than that on a hold."""
         return max(self.hf_speed_mps, self.vibration.lf_speed_mps or 0.0) > quiet_mps
 
 
@@ -99,7 +99,7 @@ def _outcome(
 
 
 def _intended_m(library: SceneLibrary, case: SlideCase, hand: Hand) -> Samples:
-    """Where the hand has to want to be, (n, 3), so that the tool is pressed as deep as it shall."""
+    """Add to a path, (n, 3), m, what stretches the hand's spring by the force of the depth."""
     intended_m = case.path_m.copy()
     depth_m = case.path_m[:, 2]
     presses = np.flatnonzero(np.diff((depth_m > 0.0).astype(int)) == 1)
@@ -112,7 +112,7 @@ def _intended_m(library: SceneLibrary, case: SlideCase, hand: Hand) -> Samples:
 
 
 def _bounded(plan: Plan, trace: SlideTrace, case: SlideCase, hand: Hand) -> bool:
-    """Whether force, depth and distance from the path are."""
+    """Tell whether force, depth and distance from the path stay within their bounds."""
     max_n = float(plan.output.max_n)
     length_n = np.linalg.norm(trace.force_n, axis=1)
     off_m = np.linalg.norm((trace.position_m - case.path_m)[:, :2], axis=1)

@@ -11,6 +11,8 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text, literal, struct_text
 from springpot.codegen.model.formulas import curve_place, curve_values, pieces_of_one
 from springpot.codegen.model.model import Model
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.places import Places
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.placed import PlacedCurves
@@ -22,6 +24,7 @@ from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_wid
 _SIDEWAYS = 2.0 / 3.0
 _OF_LIMIT = 0.5  # of the stiffest spring that a device bears with every hand
 _MOST_WAYS = 64
+_NO_MAP = "the model has no map: train on recordings of places"
 _DRAWN = 0.05  # of the contact's width: how far the drag's spring is drawn at the trained depth
 
 
@@ -121,25 +124,10 @@ def lateral_stage(
         if scene.places.friction:
             raise UsageError('[places] friction: only of the mode "lateral"; or leave it out')
         return None
-    hammerstein = model.hammerstein
-    if hammerstein is None or hammerstein.places is None or placed is None:
-        raise _refused("the model has no map: train on recordings of places")
-    if hammerstein.flow is not None or hammerstein.damage is not None:
-        raise _refused("what a law with flow or damage has stored is not known")
-    at_rest = hammerstein.bias_n == 0.0 and hammerstein.origin_m >= 0.0
-    if (scene.guard.contact or model.contact) != "surface" or not at_rest:
-        raise _refused("the object has no surface to slide on")
-    for key, value, only in (
-        ("coupling.mode", scene.coupling.mode, "off"),
-        ("smoothing.time_constant_s", scene.smoothing.time_constant_s, 0.0),
-        ("guard.outside", scene.guard.outside, "fallback"),
-    ):
-        if value != only:
-            raise _refused(f"{key} is {value!r}, and has to be {only!r} for three axes")
-    radius_mm = scene.places.tip_radius_mm
-    if radius_mm is None:
-        raise _refused("give tip_radius_mm, of the tip that pressed the object")
-    places, vector_width = hammerstein.places, vector_width_of(scene.runtime)
+    if placed is None:
+        raise _refused(_NO_MAP)
+    hammerstein, places, radius_mm = _slid(model, scene)
+    vector_width = vector_width_of(scene.runtime)
     materials = tuple(
         hammerstein_stage(
             hammerstein.with_slopes(its), dt_s, dtype, "lateral", vector_width, surface=False
@@ -165,6 +153,29 @@ def lateral_stage(
         min(1 + crossed, _MOST_WAYS),
     )  # fmt: skip
     return LateralStage(placed, materials, areas.astype(dtype), dtype(m_per_piece), drag, anchor)
+
+
+def _slid(model: Model, scene: Scene) -> tuple[Hammerstein, Places, float]:
+    """Return a model's law and map, and the radius of the tip, mm, if a tool may slide on them."""
+    hammerstein = model.hammerstein
+    if hammerstein is None or hammerstein.places is None:
+        raise _refused(_NO_MAP)
+    if hammerstein.flow is not None or hammerstein.damage is not None:
+        raise _refused("what a law with flow or damage has stored is not known")
+    at_rest = hammerstein.bias_n == 0.0 and hammerstein.origin_m >= 0.0
+    if (scene.guard.contact or model.contact) != "surface" or not at_rest:
+        raise _refused("the object has no surface to slide on")
+    for key, value, only in (
+        ("coupling.mode", scene.coupling.mode, "off"),
+        ("smoothing.time_constant_s", scene.smoothing.time_constant_s, 0.0),
+        ("guard.outside", scene.guard.outside, "fallback"),
+    ):
+        if value != only:
+            raise _refused(f"{key} is {value!r}, and has to be {only!r} for three axes")
+    radius_mm = scene.places.tip_radius_mm
+    if radius_mm is None:
+        raise _refused("give tip_radius_mm, of the tip that pressed the object")
+    return hammerstein, hammerstein.places, radius_mm
 
 
 def _deepest_n(stage: HammersteinStage) -> float:

@@ -1,6 +1,6 @@
 """Places to press next: they tell more of a lump than as many even ones, and are a protocol."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -26,24 +26,33 @@ def even(count: int) -> np.ndarray:
     return np.array([(x, y) for x in side for y in side])
 
 
+@dataclass(frozen=True)
+class Lump:
+    """Three times as stiff as the ground in its middle."""
+
+    middle_m: np.ndarray
+    radius_m: float
+
+    def worth(self, at_m: np.ndarray) -> np.ndarray:
+        far = np.sum((at_m - self.middle_m) ** 2, axis=1)
+        return np.asarray(1.0 + 2.0 * np.exp(-far / self.radius_m**2))
+
+    def error(self, sites_m: np.ndarray, grid_m: np.ndarray) -> float:
+        """How far a map through sites is off between them, RMS."""
+        found = LinearNDInterpolator(sites_m, self.worth(sites_m))(grid_m)
+        return float(np.sqrt(np.mean((found - self.worth(grid_m)) ** 2)))
+
+
 @pytest.mark.parametrize("radius_mm", [3.0, 4.0, 6.0])
 def test_they_tell_more_of_a_lump_than_as_many_even_ones(radius_mm: float) -> None:
     """Nine after sixteen, or twenty-five at once; the lump is anywhere."""
     grid, chosen, spread = even(41), [], []
     for seed in range(30):
-        lump_m = np.random.default_rng(seed).uniform(0.2 * WIDE_M, 0.8 * WIDE_M, 2)
-
-        def worth(at_m: np.ndarray, lump_m: np.ndarray = lump_m) -> np.ndarray:
-            far = np.sum((at_m - lump_m) ** 2, axis=1)
-            return 1.0 + 2.0 * np.exp(-far / (1e-3 * radius_mm) ** 2)
-
-        def error(sites_m: np.ndarray, worth=worth) -> float:  # type: ignore[no-untyped-def]
-            found = LinearNDInterpolator(sites_m, worth(sites_m))(grid)
-            return float(np.sqrt(np.mean((found - worth(grid)) ** 2)))
-
+        lump = Lump(np.random.default_rng(seed).uniform(0.2, 0.8, 2) * WIDE_M, 1e-3 * radius_mm)
         first = even(4)
-        chosen.append(error(np.vstack([first, next_places(first, worth(first), 9)])))
-        spread.append(error(even(5)))
+        nine = next_places(first, lump.worth(first), 9)
+        chosen.append(lump.error(np.vstack([first, nine]), grid))
+        spread.append(lump.error(even(5), grid))
     assert np.mean(chosen) < 0.8 * np.mean(spread)
 
 

@@ -40,7 +40,7 @@ def headline(result: Mapping[str, Any]) -> list[str]:
     ratios = [each["rf-fd"]["rmse_n"] / each["rbf-pv"]["rmse_n"] for each in models.values()]
     mean = float(np.exp(np.mean(np.log(ratios))))
     objects = f"{len(models)} objects" if len(models) > 1 else next(iter(models))
-    open_too = f", {claims.count(None)} cannot be told" if None in claims else ""
+    open_too = f", {claims.count(None)} not decided by these data" if None in claims else ""
     return [
         f"A forest on fractional derivatives (rf-fd) has {plain(mean, 2)} times the error of "
         f"radial basis functions on position and velocity (rbf-pv), {objects}.",
