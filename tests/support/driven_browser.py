@@ -55,7 +55,10 @@ class DrivenBrowser:
     def open(self, address: str, width: int = 1600, height: int = 1200) -> None:
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
                   deviceScaleFactor=1, mobile=False)  # fmt: skip
+        began = "performance.timeOrigin"
+        before = self.value(began)  # until the new page answers, the one before it does
         self.call("Page.navigate", url=address)
+        self.until(f"{began} !== {before}")
 
     def value(self, expression: str) -> Any:
         found = self.call("Runtime.evaluate", expression=expression, returnByValue=True,

@@ -1,6 +1,6 @@
 // Find the lump: with the colours off, by the force alone.
 
-let map = null, map_view, placed_ms = 0; // map: null if the object is the same everywhere
+let map = null, map_view, placed_ms = -READ_MS; // map: null if the object is the same everywhere
 const found = { colours: true, searches: false, mark_m: null };
 
 // For a scene that was loaded: its map, if it has one.
