@@ -37,21 +37,20 @@ def to_recording(
         raw = without_odd_first(raw, _slack_s(raw, 1))
     _check_gaps(raw)
     details = {**raw.details, "sampling": _sampling(raw)}
+    given = {"position_m": raw.position_m, "force_n": raw.force_n, **raw.beside}
     last_even = None if resample_hz else _last_even(raw)
     if last_even is not None:
         grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
         details["sampling"]["tail"]["from_row"] = raw.line_of(last_even + 1)
-        position_m = on_grid(raw.time_s, raw.position_m, grid_s, last_even)
-        force_n = on_grid(raw.time_s, raw.force_n, grid_s, last_even)
+        channels = {k: on_grid(raw.time_s, its, grid_s, last_even) for k, its in given.items()}
         dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
     elif resample_hz is None:
         _check_even(raw)
-        position_m, force_n = raw.position_m, raw.force_n
+        channels = given
         dt_s = float(raw.time_s[-1] - raw.time_s[0]) / (len(raw.time_s) - 1)
     else:
         grid_s = _grid(raw, resample_hz)
-        position_m = np.interp(grid_s, raw.time_s, raw.position_m)
-        force_n = np.interp(grid_s, raw.time_s, raw.force_n)
+        channels = {k: np.interp(grid_s, raw.time_s, its) for k, its in given.items()}
         dt_s = 1.0 / resample_hz
         details |= {
             "resampled_hz": resample_hz,
@@ -59,6 +58,7 @@ def to_recording(
             "source_rows": len(raw.time_s),
             "source_median_step_s": float(np.median(np.diff(raw.time_s))),
         }
+    position_m, force_n = channels.pop("position_m"), channels.pop("force_n")
     zero = zero_word(zero)
     if zero != "none":
         pick = np.min if zero == "min" else lambda samples: samples[0]
@@ -70,7 +70,7 @@ def to_recording(
     place_x_m, place_y_m = raw.place_m or (None, None)
     return Recording(
         name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
-        place_x_m=place_x_m, place_y_m=place_y_m,
+        channels=channels, place_x_m=place_x_m, place_y_m=place_y_m,
     )  # fmt: skip
 
 
@@ -112,7 +112,7 @@ def _check_shapes(raw: RawChannels) -> None:
 
 def _check_finite(raw: RawChannels) -> None:
     channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
-    for channel, samples in channels.items():
+    for channel, samples in {**channels, **raw.beside}.items():
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):
             raise DataError(
