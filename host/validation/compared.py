@@ -67,7 +67,8 @@ def compared_all(
             along_n, notes, differs = _slid(plan, replay, slide_path(ticked[number]))
             ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
             sampled = [at_samples(its, first, plan.dt_s) for its in along_n.astype(float).T]
-            slides[number] = slide_error(first, np.column_stack(sampled), ramps[number])
+            of_scene = 0.0 if plan.lateral is None else float(plan.lateral.anchor.friction)
+            slides[number] = slide_error(first, np.column_stack(sampled), ramps[number], of_scene)
             force = along_n[:, 2]
         else:
             position = motion.depth_m.astype(plan.dtype)

@@ -31,11 +31,15 @@ HEADER = "time_s,position_m,force_N,place_x_mm,place_y_mm,lateral_x_N,lateral_y_
 def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     where = tmp_path_factory.mktemp("slides")
     write_model(where / "model.spm", slow())
-    for mode in ("lateral", "held"):
-        places = ScenePlaces("lateral", 8.0) if mode == "lateral" else ScenePlaces()
+    modes = {
+        "lateral": ScenePlaces("lateral", 8.0),
+        "rubbing": ScenePlaces("lateral", 8.0, friction=0.3),
+        "held": ScenePlaces(),
+    }
+    for mode, places in modes.items():
         its = replace(scene(energy="off"), places=places)
         emit(its, where / "model.spm", where / mode, accept_unsafe=True)
-    return {mode: where / mode for mode in ("lateral", "held")}
+    return {mode: where / mode for mode in modes}
 
 
 def path_m(seed: int) -> np.ndarray:
@@ -91,6 +95,23 @@ def test_whatever_is_not_the_object_is_an_error_of_its_axis(
     assert error.lateral_rmse_n is not None
     sideways, along = error.lateral_rmse_n > 1e-3, error.rmse_percent_of_peak > 1.0
     assert (sideways, along) == (axis != "force_n", axis in ("force_n", "x_m"))
+
+
+@pytest.mark.parametrize("scenes", ["lateral", "rubbing"])
+@pytest.mark.parametrize(("objects", "friction"), [("lateral", 0.0), ("rubbing", 0.3)])
+@pytest.mark.parametrize("seed", range(2))
+def test_the_friction_of_the_object_is_found_whatever_the_scene_has(
+    folders: dict[str, Path], scenes: str, objects: str, friction: float, seed: int
+) -> None:
+    slide = rendered(folders[objects], seed)
+    noise = np.random.default_rng(seed)
+    noisy = {
+        name: samples + noise.normal(0.0, 2e-6 if name[2] == "m" else 0.01, samples.shape)
+        for name, samples in slide.channels.items()
+    }
+    found = compared(folders[scenes], [replace(slide, channels=noisy)])
+    assert found.slides[0].friction == pytest.approx(friction, abs=0.03)
+    assert "places.friction = " in validation_rows(found)["slides"]
 
 
 def test_a_slower_slide_without_a_lateral_force_is_compared_along_the_depth(
