@@ -107,7 +107,7 @@ def run_reproduce(
 
 
 def _results(data: Iterable[ObjectRecordings], folder: Path, work: Work) -> list[ObjectResult]:
-    """Return the results of all objects; fitted with nothing beside: figure 10 is of those times."""
+    """Return all results. Objects are fitted with nothing beside: figure 10 is of those times."""
     fitted = []
     for item in data:
         fitted.append((item, fit_object(item, work)))
