@@ -149,7 +149,10 @@ def _check_gaps(raw: RawChannels) -> None:
     # along: where there are many, the mean is the better measure of what is usual.
     if len(steps_s) >= _MANY_STEPS:
         usual_s = max(usual_s, float(np.mean(steps_s)))
-    bad = np.flatnonzero(steps_s > GAP_STEPS * usual_s + _rounding_s(raw))
+    # A logger that slows down, as for a relaxation, has long steps; no step is much longer than the
+    # one before.
+    long_s = GAP_STEPS * np.maximum(usual_s, np.append(usual_s, steps_s[:-1])) + _rounding_s(raw)
+    bad = np.flatnonzero(steps_s > long_s)
     if len(bad):
         raise DataError(
             f"{_at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "
@@ -159,8 +162,9 @@ def _check_gaps(raw: RawChannels) -> None:
 
 def _check_even(raw: RawChannels) -> None:
     median_s = float(np.median(np.diff(raw.time_s)))
-    mean_hz = (len(raw.time_s) - 1) / float(raw.time_s[-1] - raw.time_s[0])
-    remedy = f"nothing is resampled unasked, pass {_option(raw, _round_hz(mean_hz))}"
+    mean_hz, fine_hz = _rates_hz(raw)
+    hz = fine_hz if fine_hz > GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
+    remedy = f"nothing is resampled unasked, pass {_option(raw, _round_hz(hz))}"
     for span in (1, _DRIFT_STEPS):
         if span >= len(raw.time_s):
             continue
@@ -176,6 +180,12 @@ def _check_even(raw: RawChannels) -> None:
             )
 
 
+def _rates_hz(raw: RawChannels) -> tuple[float, float]:
+    """Mean rate of the samples, and that of the tenth of the steps that is finest."""
+    steps_s = np.diff(raw.time_s)
+    return 1.0 / float(np.mean(steps_s)), 1.0 / float(np.quantile(steps_s, 0.1))
+
+
 def _rounding_s(raw: RawChannels) -> float:
     """Return what the last bits of a double can add to a difference of two time stamps."""
     return 4.0 * float(np.spacing(np.abs(raw.time_s[[0, -1]]).max()))
@@ -183,7 +193,7 @@ def _rounding_s(raw: RawChannels) -> float:
 
 def _grid(raw: RawChannels, rate_hz: float) -> Samples:
     span_s = float(raw.time_s[-1] - raw.time_s[0])
-    source_hz = (len(raw.time_s) - 1) / span_s
+    source_hz = max(_rates_hz(raw))
     if rate_hz > MAX_UPSAMPLING * source_hz:
         raise DataError(
             f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "

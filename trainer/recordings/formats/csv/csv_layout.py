@@ -125,7 +125,10 @@ def _layout_by_numbers(path: Path, head: Sequence[str], request: FileRequest, be
             if len(row) <= max(chosen.values()):
                 continue
             if all(is_value(row[i]) for i in chosen.values()):
-                return _layout(path, head, delimiter, index - 1, chosen, columns, request)
+                header = index - 1
+                while header > begin and not head[header].strip():
+                    header -= 1
+                return _layout(path, head, delimiter, header, chosen, columns, request)
     numbers = ", ".join(str(i + 1) for i in chosen.values())
     raise DataError(
         f"{path}: no row has numbers in columns {numbers} (first {len(head)} rows read): "
