@@ -16,7 +16,12 @@ from springpot.host.commands.scenes.validate import validation_rows
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.stability.judgement import Grade
+from springpot.host.validation.slides import SlideError
+from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import Validation, validate
+from springpot.host.wings.report.findings import slide_findings
+from springpot.host.wings.report.relaxation import recorded_hold
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.formats.importing import import_file
@@ -157,6 +162,22 @@ def test_what_takes_presses_alone_says_so(folders: dict[str, Path]) -> None:
         fit_model("auto", "m", [slide], FitOptions())
     with pytest.raises(DataError, match=r"emit it with \[places\] mode"):
         validate(folders["held"], [slide], paced_s=0.01)
+
+
+def test_the_page_has_slides_and_takes_no_slide_for_a_hold(folders: dict[str, Path]) -> None:
+    path = path_m(4)
+    path[400:, 2] = path[400, 2]  # held at a depth, and slid
+    force_n, _ = Replay(SceneLibrary(folders["lateral"])).slide(path)
+    slide = recorded(path, force_n.astype(float))
+    store_validation(folders["lateral"], compared(folders["lateral"], [slide]))
+    stored = read_validation(folders["lateral"])
+    assert [item.slides for item in stored.series] == [True]
+    assert recorded_hold(stored.series) is None
+    errors = [SlideError(**each) for each in stored.metadata["result"]["slides"]]
+    (found,) = slide_findings(errors)
+    assert (found.grade, found.todo) == (Grade.GOOD, "")
+    (off,) = slide_findings([replace(errors[0], rmse_percent_of_peak=11.0)])
+    assert off.grade == Grade.LOOK and "places.friction" in off.todo
 
 
 def test_a_slide_is_not_judged_as_a_press(folders: dict[str, Path]) -> None:
