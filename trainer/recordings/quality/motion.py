@@ -92,7 +92,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
             if abs(rest_n) > _PRELOAD * float(recording.force_n.max()):
                 loaded.append((recording, rest_n))
             else:
-                met.append((recording, ContactPoint(lowest_m, 0.0, rest_n, np.inf)))
+                doubt_m = _pressed_from_m(recording, rest_n) - lowest_m
+                met.append((recording, ContactPoint(lowest_m, doubt_m, rest_n, np.inf)))
     yield from _loaded_findings(loaded)
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
@@ -122,9 +123,14 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
     else:
         where = f"{len(off)} of {len(met)} recordings"
     if _is_off(fresh, begins):
+        # Where a recording has no sample outside, import cannot find the surface in it either.
+        outside = all(np.isfinite(contact.threshold_n) for _, contact in off)
         yield warning(
             "contact", where, f"force begins at {span}, not at 0",
-            "the surface is not where position is 0", "import with --contact-force auto",
+            "the surface is not where position is 0",
+            "import with --contact-force auto"
+            if outside
+            else "record from above the object, or take its place off the position in the source",
         )  # fmt: skip
     else:
         yield warning(
@@ -138,6 +144,12 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
 def _is_off(recording: Recording, contact: ContactPoint) -> bool:
     allowed_m = _SURFACE_OFF * float(np.ptp(recording.position_m)) + 2 * contact.uncertainty_m
     return abs(contact.position_m) > allowed_m
+
+
+def _pressed_from_m(recording: Recording, rest_n: float) -> float:
+    """Lowest position, m, above which the object is pressed for sure: the surface is not above."""
+    pressed = recording.force_n > rest_n + _PRELOAD * float(np.ptp(recording.force_n))
+    return float(recording.position_m[pressed].min())
 
 
 def _at_rest(recording: Recording) -> tuple[float, float]:
@@ -162,8 +174,9 @@ def _loaded_findings(loaded: Sequence[tuple[Recording, float]]) -> Iterator[Find
         yield warning(
             "contact", _where([recording for recording, _ in pressed]),
             f"never leaves the object, {_forces(pressed)} at its lowest position",
-            "position 0 is no surface, and the model would fall to 0 N there",
-            "import with --zero first or min",
+            "the model pushes there too, and has no surface",
+            "record from above the object, or, if position 0 means nothing, import with --zero "
+            "first or min",
         )  # fmt: skip
 
 
