@@ -92,7 +92,7 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
             if abs(rest_n) > _PRELOAD * float(recording.force_n.max()):
                 loaded.append((recording, rest_n))
             else:
-                doubt_m = _pressed_from_m(recording, rest_n) - lowest_m
+                doubt_m = _doubt_m(recording, lowest_m, rest_n)
                 met.append((recording, ContactPoint(lowest_m, doubt_m, rest_n, np.inf)))
     yield from _loaded_findings(loaded)
     # An object that remembers its last press is met where that left it.
@@ -123,15 +123,8 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
     else:
         where = f"{len(off)} of {len(met)} recordings"
     if _is_off(fresh, begins):
-        # Where a recording has no sample outside, import cannot find the surface in it either.
-        outside = all(np.isfinite(contact.threshold_n) for _, contact in off)
-        yield warning(
-            "contact", where, f"force begins at {span}, not at 0",
-            "the surface is not where position is 0",
-            "import with --contact-force auto"
-            if outside
-            else "record from above the object, or take its place off the position in the source",
-        )  # fmt: skip
+        so_what, to_do = _elsewhere(off)
+        yield warning("contact", where, f"force begins at {span}, not at 0", so_what, to_do)
     else:
         yield warning(
             "contact", where, f"force begins at {span}, in {fresh.name} at 0",
@@ -141,15 +134,34 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
         )  # fmt: skip
 
 
+def _elsewhere(off: Sequence[Met]) -> tuple[str, str]:
+    """Say what follows if force begins elsewhere than at position 0, and what to do about it."""
+    so_what, to_do = "the surface is not where position is 0", "import with --contact-force auto"
+    if any(contact.threshold_n == np.inf for _, contact in off):  # nor would import find it
+        return so_what, "record from above the object, or take its place off the position"
+    if all(item.force_n[0] > found.tare_n + found.threshold_n for item, found in off):
+        # Pressed before it was met, an object may be dented.
+        return f"{so_what}, or the object had not recovered", f"if its zero is wrong, {to_do}"
+    return so_what, to_do
+
+
 def _is_off(recording: Recording, contact: ContactPoint) -> bool:
     allowed_m = _SURFACE_OFF * float(np.ptp(recording.position_m)) + 2 * contact.uncertainty_m
     return abs(contact.position_m) > allowed_m
 
 
-def _pressed_from_m(recording: Recording, rest_n: float) -> float:
-    """Lowest position, m, above which the object is pressed for sure: the surface is not above."""
-    pressed = recording.force_n > rest_n + _PRELOAD * float(np.ptp(recording.force_n))
-    return float(recording.position_m[pressed].min())
+def _doubt_m(recording: Recording, lowest_m: float, rest_n: float) -> float:
+    """How far above the lowest position the surface may be, m, of a tool that rests on it.
+
+    No higher than where force passes 5 % of its range; and the line through that and 15 % leads
+    back to the lowest position, if force is the object's: friction jumps where the tool sets off.
+    """
+    risen_n = recording.force_n - rest_n
+    first_m, then_m = (
+        float(recording.position_m[risen_n > share * float(risen_n.max())].min())
+        for share in (_PRELOAD, 3.0 * _PRELOAD)
+    )
+    return max(first_m - lowest_m, abs(first_m - (then_m - first_m) / 2.0 - lowest_m))
 
 
 def _at_rest(recording: Recording) -> tuple[float, float]:

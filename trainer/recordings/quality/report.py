@@ -29,6 +29,7 @@ from springpot.trainer.recordings.quality.motion import (
 from springpot.trainer.recordings.quality.noise_floor import noise_floor
 from springpot.trainer.recordings.quality.places import place_findings
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
+from springpot.trainer.recordings.quality.scales import scale_findings
 from springpot.trainer.recordings.quality.signs import (
     Signs,
     find_signs,
@@ -137,17 +138,18 @@ def check_recordings(given: Recordings) -> QualityReport:
     rig_findings: Any = part("rig-findings")
     for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
-        of_signs = list(sign_findings(recording, own_signs))
+        # One cause, one line: a wrap turns signs, a turned sign moves the contact, a hum hides it.
+        wraps = any(finding.kind == "wrap" for finding in of_channels)
+        of_signs = [] if wraps else list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
-        # One cause, one line: a turned sign moves the contact, a hum hides it.
-        if not any(finding.severity == "refusal" for finding in of_signs):
+        if not wraps and not any(finding.severity == "refusal" for finding in of_signs):
             of_rig: list[Finding] = rig_findings(recording) if rig_findings else []
             if not any(finding.kind == "hum" for finding in of_rig):
                 touched.append(recording)
             findings += of_rig
     findings += contact_findings(touched)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
-    findings += [] if refused else snap_findings(recordings)
+    findings += [] if refused else [*snap_findings(recordings), *scale_findings(recordings)]
     findings += speed_findings(recordings)
     repeats = find_repeats(recordings)
     findings += place_findings(recordings, repeats)
