@@ -28,6 +28,7 @@ from springpot.trainer.recordings.quality.motion import (
 )
 from springpot.trainer.recordings.quality.noise_floor import noise_floor
 from springpot.trainer.recordings.quality.places import place_findings
+from springpot.trainer.recordings.quality.play import play_findings
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
 from springpot.trainer.recordings.quality.scales import scale_findings
 from springpot.trainer.recordings.quality.signs import (
@@ -142,6 +143,7 @@ def check_recordings(given: Recordings) -> QualityReport:
         wraps = any(finding.kind == "wrap" for finding in of_channels)
         of_signs = [] if wraps else list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
+        findings += [] if of_signs else play_findings(recording)
         if not wraps and not any(finding.severity == "refusal" for finding in of_signs):
             of_rig: list[Finding] = rig_findings(recording) if rig_findings else []
             if not any(finding.kind == "hum" for finding in of_rig):
