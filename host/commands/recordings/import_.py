@@ -81,14 +81,8 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     metavar="N/M",
     help="Stiffness of the machine's frame, N/m: its give is taken off the position.",
 )
-@click.option("--area", "area_m2", type=NOT_NEGATIVE, metavar="M2", help="Of stress: specimen's.")
-@click.option(
-    "--height",
-    "height_m",
-    type=NOT_NEGATIVE,
-    metavar="M",
-    help="Of strain: specimen's before the test.",
-)
+@click.option("--area", metavar="M2", help="Of stress: specimen's; 18mm2 too.")
+@click.option("--height", metavar="M", help="Of strain: specimen's before the test; 33mm too.")
 @click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
@@ -113,8 +107,8 @@ def import_(
     decimal: DecimalMark | None,
     dbc: Path | None,
     block: str | None,
-    area_m2: float | None,
-    height_m: float | None,
+    area: str | None,
+    height: str | None,
     rest_s: float | None,
     place: str | None,
     out: Path,
@@ -132,7 +126,7 @@ def import_(
 
     mapping = parse_map(map_text) if map_text else None
     options = ImportOptions(
-        dbc, block, decimal, Conditioning(**of_rig), _specimen(area_m2, height_m),
+        dbc, block, decimal, Conditioning(**of_rig), _specimen(area, height),
         place_m=parse_place(place) if place else None,
     )  # fmt: skip
     if out.exists() and not out.is_dir():
@@ -169,14 +163,14 @@ def _read(
     return recordings if rest_s is None else one_session(recordings, rest_s), guesses
 
 
-def _specimen(area_m2: float | None, height_m: float | None) -> Specimen | None:
-    from springpot.trainer.recordings.formats.specimen import Specimen
+def _specimen(area: str | None, height: str | None) -> Specimen | None:
+    from springpot.trainer.recordings.formats.specimen import Specimen, size_in_si
 
-    if area_m2 is None and height_m is None:
+    if area is None and height is None:
         return None
-    if area_m2 is None or height_m is None:
+    if area is None or height is None:
         raise UsageError("--area, --height: stress needs the area, strain the height: pass both")
-    return Specimen(area_m2, height_m)
+    return Specimen(size_in_si(area, 2), size_in_si(height, 1))
 
 
 def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:

@@ -16,6 +16,7 @@ from springpot.trainer.recordings.formats.column_map import (
 from springpot.trainer.recordings.formats.units import (
     OF_SPECIMEN,
     Quantity,
+    factor_to_si,
     is_unit,
     parts_of,
 )
@@ -24,6 +25,7 @@ _WORDS: dict[Quantity, str] = {
     "position": "strain|dehnung|stauchung|déformation",
     "force": "stress|spannung|contrainte",
 }
+_SIZE: Quantity = "position"
 _MAX_SIZE = 1.0  # m2 or m: what is more is in mm2 or mm
 _SI: dict[Quantity, str] = {"position": "m", "force": "N"}
 
@@ -94,6 +96,23 @@ class Specimen:
             for q in _WORDS
             for by in OF_SPECIMEN[q].values()
         )
+
+
+def size_in_si(text: str, power: int) -> float:
+    """Read a specimen's size as a person writes it, in m2 or m where it has no unit.
+
+    power: 1 of a length, 2 of an area. Raises UsageError for anything else.
+
+    >>> size_in_si("33mm", 1), size_in_si("2 cm2", 2)
+    (0.033, 0.0002)
+    """
+    factor, unit = parts_of(text)
+    length = unit.rstrip("^2²") if power == 2 else unit
+    squared = power == 1 or length != unit or not unit
+    if not re.match(r"\s*[+-]?\.?\d", text) or not squared or (unit and not is_unit(length, _SIZE)):
+        example = "18mm2" if power == 2 else "33mm"
+        raise UsageError(f"{text!r} is not a size of a specimen: give it with a unit, {example}")
+    return factor * (factor_to_si(length, _SIZE, text) if unit else 1.0) ** power
 
 
 def stress_and_strain(row: Sequence[str]) -> dict[Quantity, int]:
