@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from springpot.trainer.recordings.quality.channels import quantisation_step
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.quality.motion import find_strokes
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
@@ -21,6 +22,9 @@ def play_findings(recording: Recording) -> Iterator[Finding]:
 
     An object that is held relaxes too, ever more slowly; here force falls ever faster.
     """
+    grain_m = quantisation_step(recording.position_m) or 0.0
+    if grain_m > _STANDS / 2.0 * float(np.ptp(recording.position_m)):
+        return  # a coarse sensor stands at each turn
     inwards = [
         end
         for begin, end, _ in find_strokes(recording)

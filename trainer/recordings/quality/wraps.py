@@ -26,7 +26,12 @@ def wrap_findings(recording: Recording) -> Iterator[Finding]:
         ("position", position_m, force_n, 1e3, "mm"),
         ("force", force_n, position_m, 1.0, "N"),
     ):
-        jumps = [jump for jump in _jumps(samples) if _goes_on(other, *jump)]
+        # What chatters for long says nothing of its motion.
+        jumps = [
+            jump
+            for jump in _jumps(samples)
+            if _goes_on(other, *jump) and jump[1] - jump[0] <= _CHATTER
+        ]
         wraps = [begin for begin, end in jumps if _against(samples, begin, end)]
         if len(jumps) >= _FEWEST and len(wraps) > _MOST * len(jumps):
             yield refusal(

@@ -164,8 +164,8 @@ def test_stress_and_strain_are_of_a_specimen(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "power", "size"),
     [
-        ("5e-4", 2, 5e-4), ("18mm2", 2, 18e-6), ("0.18 cm²", 2, 18e-6), ("18 mm^2", 2, 18e-6), ("0.033", 1, 0.033),
-        ("33 mm", 1, 0.033), ("1in", 1, 0.0254), ("2e-2m", 1, 0.02),
+        ("5e-4", 2, 5e-4), ("18mm2", 2, 18e-6), ("0.18 cm²", 2, 18e-6), ("18 mm^2", 2, 18e-6),
+        ("0.033", 1, 0.033), ("33 mm", 1, 0.033), ("1in", 1, 0.0254), ("2e-2m", 1, 0.02),
     ],
 )  # fmt: skip
 def test_sizes_of_a_specimen(text: str, power: int, size: float) -> None:
