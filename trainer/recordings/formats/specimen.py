@@ -25,6 +25,7 @@ _WORDS: dict[Quantity, str] = {
     "position": "strain|dehnung|stauchung|déformation",
     "force": "stress|spannung|contrainte",
 }
+_TRUE = "true|wahr"  # of the specimen's present size
 _SIZE: Quantity = "position"
 _MAX_SIZE = 1.0  # m2 or m: what is more is in mm2 or mm
 _SI: dict[Quantity, str] = {"position": "m", "force": "N"}
@@ -78,6 +79,7 @@ class Specimen:
             factor, unit = parts_of(text) if text else (1.0, "-" if quantity == "position" else "")
             to_si = OF_SPECIMEN[quantity].get(unit.casefold() or "1")
             if to_si is not None:
+                _require_engineering(label)
                 unit = f"{factor * to_si * size!r}{_SI[quantity]}"
                 found[quantity] = Column(label or column.header_or_number, unit)
             elif named and not column.unit:
@@ -95,6 +97,16 @@ class Specimen:
             isclose(abs(parts_of(str(units.get(q, {}).get("unit", "")))[0]), by * sizes[q])
             for q in _WORDS
             for by in OF_SPECIMEN[q].values()
+        )
+
+
+def _require_engineering(label: str) -> None:
+    """Raise UsageError for true stress or strain: the sizes are those before the test."""
+    if re.search(_TRUE, label, re.I):
+        raise UsageError(
+            f"--area, --height: column {label!r} is of the specimen's present size, and these are "
+            "its sizes before the test: export engineering stress and strain, or make them: strain "
+            "e = exp(true) - 1, stress = true / (1 + e) in tension"
         )
 
 
@@ -122,7 +134,7 @@ def stress_and_strain(row: Sequence[str]) -> dict[Quantity, int]:
         named = [
             i
             for i, cell in enumerate(row)
-            if re.search(words, cell, re.I) and not re.search("rate|true|wahr", cell, re.I)
+            if re.search(words, cell, re.I) and not re.search(f"rate|{_TRUE}", cell, re.I)
         ]
         if len(named) == 1:
             found[quantity] = named[0]

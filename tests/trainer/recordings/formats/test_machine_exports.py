@@ -161,6 +161,15 @@ def test_stress_and_strain_are_of_a_specimen(tmp_path: Path) -> None:
         Specimen(314.0, 15.0)
 
 
+@pytest.mark.parametrize("header", ["True Strain,Stress (MPa)", "Strain,Wahre Spannung (MPa)"])
+def test_true_stress_and_strain_are_not_taken_for_engineering(header: str, tmp_path: Path) -> None:
+    file = tmp_path / "press.csv"
+    file.write_text(table(f"Time (s),{header}", (1.0, 2e-4, 500.0)))
+    specimen = ImportOptions(specimen=Specimen(area_m2=5e-4, height_m=0.02))
+    with pytest.raises(UsageError, match="export engineering stress and strain"):
+        import_file(file, parse_map("position=2,force=3"), "none", None, specimen)
+
+
 @pytest.mark.parametrize(
     ("text", "power", "size"),
     [
