@@ -18,19 +18,22 @@ from springpot.trainer.recordings.quality.alignment import (
     filter_findings,
     skew_findings,
 )
-from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
+from springpot.trainer.recordings.quality.contact import contact_findings
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.motion import (
-    contact_findings,
     distinct_speeds,
     speed_findings,
 )
 from springpot.trainer.recordings.quality.noise_floor import noise_floor
 from springpot.trainer.recordings.quality.places import place_findings
-from springpot.trainer.recordings.quality.play import play_findings
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
 from springpot.trainer.recordings.quality.scales import scale_findings
+from springpot.trainer.recordings.quality.sensors.channels import (
+    channel_findings,
+    quantisation_step,
+)
+from springpot.trainer.recordings.quality.sensors.play import play_findings
 from springpot.trainer.recordings.quality.signs import (
     Signs,
     find_signs,

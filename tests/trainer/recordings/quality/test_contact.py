@@ -11,8 +11,8 @@ from support.files.recording_files import PressedObject
 import springpot
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality.contact import contact_findings
 from springpot.trainer.recordings.quality.finding import Finding
-from springpot.trainer.recordings.quality.motion import contact_findings
 from springpot.trainer.recordings.recording import Recording
 
 TIME_S = np.arange(4000) * 1e-3

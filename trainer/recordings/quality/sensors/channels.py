@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.formats.units import FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
-from springpot.trainer.recordings.quality.wraps import wrap_findings
+from springpot.trainer.recordings.quality.sensors.wraps import wrap_findings
 from springpot.trainer.recordings.recording import Recording
 
 _CLIPPED_RUN = 5  # samples in a row exactly at the extreme

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.files.recording_files import PressedObject, motion
 
-from springpot.trainer.recordings.quality.play import play_findings
+from springpot.trainer.recordings.quality.sensors.play import play_findings
 from springpot.trainer.recordings.recording import Recording
 
 

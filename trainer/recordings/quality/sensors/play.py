@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from springpot.trainer.recordings.quality.channels import quantisation_step
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.quality.motion import find_strokes
+from springpot.trainer.recordings.quality.sensors.channels import quantisation_step
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
