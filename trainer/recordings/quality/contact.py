@@ -85,7 +85,7 @@ def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
     if at_zero and begins_n > least_n:
         yield warning(
             "contact", recording.name, f"begins at position 0 with {begins_n:.3g} N",
-            "a trigger's force, perhaps: the surface is farther out, and the force would jump there",
+            "perhaps a trigger's: the surface is farther out, and the force would jump there",
             "record from above the object, or with a lower trigger",
         )  # fmt: skip
 
