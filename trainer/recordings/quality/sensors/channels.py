@@ -9,11 +9,13 @@ from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.formats.units import FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.sensors.wraps import wrap_findings
+from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
 _CLIPPED_RUN = 5  # samples in a row exactly at the extreme
 _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
+_NOISES = 6.0  # of that mean
 _HELD_S = 0.02
 _RAMP_CHANGES = 0.1  # of moves: fewer changes of the step come from a ramp's begin and end
 _COARSE = 0.01  # quantisation step over the signal's range
@@ -162,9 +164,11 @@ def _excursion(other: Samples, channel: str) -> float:
     if channel == "force":
         return float(np.ptp(other))
     averaged = max(1, len(other) // _AVERAGED_SHARE)
+    noise = noise_n(other)
     other = np.convolve(other, np.full(averaged, 1.0 / averaged), "valid")
     ends = float(max(other[0], other[-1])), float(min(other[0], other[-1]))
-    return max(float(other.max()) - ends[0], ends[1] - float(other.min()))
+    by_noise = _NOISES * noise / float(np.sqrt(averaged))
+    return max(float(other.max()) - ends[0], ends[1] - float(other.min())) - by_noise
 
 
 def _held(recording: Recording) -> Iterator[Finding]:
