@@ -161,5 +161,5 @@ def _pulls_too(recording: Recording, rest_n: float) -> bool:
     if not near.any() or position_m.min() >= 0.0 or rest_n >= 0.0:
         return False
     peak_n = float(force_n.max())
-    at_zero_n = float(np.median(force_n[near]))
+    at_zero_n = float(np.mean(force_n[near]))  # of a damper, the way in and the way out
     return -rest_n > _PULLED * peak_n and abs(at_zero_n) < _PULLED * (peak_n - rest_n)
