@@ -25,5 +25,9 @@ if TYPE_CHECKING:
     )
     from springpot.codegen.scene import Number as Number, Target as Target
     from springpot.codegen.short_repr import short_repr as short_repr
+    from springpot.host.console.in_python import (
+        errors_in_python as errors_in_python,
+        in_python as in_python,
+    )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -60,12 +60,14 @@ def import_recordings(
     >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name
     'press'
     """
+    from springpot.host.console.in_python import errors_in_python
     from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_file
 
-    mapping = parse_map(columns) if columns else None
-    found = import_file(Path(path), mapping, zero, resample_hz, options)
+    with errors_in_python():
+        mapping = parse_map(columns) if columns else None
+        found = import_file(Path(path), mapping, zero, resample_hz, options)
     notice(found.guess)
     warn_of_quality(found.recordings)
     return found.recordings

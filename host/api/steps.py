@@ -110,15 +110,17 @@ def train(
     'rf-fd'
     """
     options = _fit_options(locals())
+    from springpot.host.console.in_python import errors_in_python, in_python
     from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.kinds import fit_model
 
     training = _some(recordings)
     said = {finding.text for finding in warn_of_quality(training).findings}
-    fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
+    with errors_in_python():
+        fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
     for line in fit.warnings:
         if line not in said:
-            warnings.warn(line, UserWarning, stacklevel=2)
+            warnings.warn(in_python(line), UserWarning, stacklevel=2)
     return fit
 
 
@@ -135,6 +137,7 @@ def predict(
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
     """
+    from springpot.host.console.in_python import in_python
     from springpot.trainer.models.compatibility import require_compatible, zero_of
     from springpot.trainer.models.limited import extrapolation, limited_n
     from springpot.trainer.recordings.quality.signs import sign_doubts
@@ -155,7 +158,7 @@ def predict(
     force_n = limited_n(model, recording)
     for doubt in (*doubts, extrapolation(model, recording)):
         if doubt:
-            warnings.warn(doubt, UserWarning, stacklevel=2)
+            warnings.warn(in_python(doubt), UserWarning, stacklevel=2)
     return force_n
 
 

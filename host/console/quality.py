@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Callable, Sequence
 
+from springpot.host.console.in_python import errors_in_python, in_python
 from springpot.host.console.output import say
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
@@ -33,8 +34,9 @@ def report_quality(
 
 def warn_of_quality(recordings: Sequence[Recording]) -> QualityReport:
     """Warn in Python's way, and log which way is in. Raises DataError at a refusal."""
-    return report_quality(recordings, _warn, notice)
+    with errors_in_python():
+        return report_quality(recordings, _warn, notice)
 
 
 def _warn(line: str) -> None:
-    warnings.warn(line.removeprefix("warning: "), UserWarning, stacklevel=_CALLER)
+    warnings.warn(in_python(line.removeprefix("warning: ")), UserWarning, stacklevel=_CALLER)

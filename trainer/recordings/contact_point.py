@@ -14,6 +14,8 @@ _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is lev
 _MIN_FREE_SHARE = 0.02
 _SAME = 1e-9  # of the range: the same value, converted twice
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
+_RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
+_RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
 _NOISES = 5.0
 _DEVIATIONS = 2.0  # of a slope, by the noise around it
 _MIN_SHARE_OF_PEAK = 0.002
@@ -40,11 +42,15 @@ class _Press:
     """Where a press passes the levels, m.
 
     before_m, step_m: the last sample before the first level, and how far the next one is from it.
+    rest_n, midway_n: mean force before the tool moves, and midway to the first level; nan without
+    a sample.
     """
 
     passes_m: list[float]
     before_m: float
     step_m: float
+    rest_n: float
+    midway_n: float
 
 
 def find_contact(
@@ -81,11 +87,14 @@ def find_contact(
     if (
         not presses
         or pressed > _LEVEL * peak_n / travel_m
+        or _rise_midway(presses, base_n, threshold_n) > _RISES
         or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
+        or _meets_first(presses).before_m - low_m < _MIN_FREE_SHARE * travel_m
     ):
         raise DataError(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
-            "position), so the surface cannot be found: import with --zero first or min"
+            "position), so the surface cannot be found: record from above the object, or, if "
+            "position 0 means nothing, import with --zero first or min"
         )
     met = _meets_first(presses)
     # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
@@ -152,10 +161,23 @@ def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
     return slope_npm - _DEVIATIONS * noise_n(force_n) / float(np.sqrt(spread))
 
 
+def _rise_midway(presses: list[_Press], base_n: float, threshold_n: float) -> float:
+    """Share of the threshold that force has risen midway there: 1/2 of a preload, 0 of air.
+
+    A tool that rests on an object leaves no level: force rises with the way from the first move on.
+    Each press counts from its own rest, for the object relaxes and recovers between them.
+    """
+    seen = [press for press in presses if np.isfinite(press.midway_n)]
+    whole_n = sum(base_n + threshold_n - press.rest_n for press in seen)
+    risen_n = sum(press.midway_n - press.rest_n for press in seen)
+    return risen_n / whole_n if whole_n > 0.0 else 0.0
+
+
 def _passes(position_m: Samples, force_n: Samples, levels_n: Samples) -> _Press:
     """Positions at which a press passes each level for good, up to the first that it does not."""
     found: list[float] = []
     before_m = step_m = 0.0
+    rest_n = midway_n = np.nan
     for level_n in levels_n:
         above = force_n > level_n
         stays = above[:-2] & above[1:-1] & above[2:]  # a crossing by noise does not
@@ -166,8 +188,19 @@ def _passes(position_m: Samples, force_n: Samples, levels_n: Samples) -> _Press:
         low_m, high_m = float(position_m[at - 1]), float(position_m[at])
         if not found:
             before_m, step_m = min(low_m, high_m), abs(high_m - low_m)
+            rest_n, midway_n = _on_the_way(position_m[: at + 1], force_n[: at + 1])
         found.append(low_m + float(share) * (high_m - low_m))
-    return _Press(found, before_m, step_m)
+    return _Press(found, before_m, step_m, rest_n, midway_n)
+
+
+def _on_the_way(position_m: Samples, force_n: Samples) -> tuple[float, float]:
+    """Mean force just before the tool leaves its rest, and midway to the last sample; nan: none."""
+    way = (position_m - position_m[0]) / max(position_m[-1] - position_m[0], 1e-300)
+    leaves = int(np.flatnonzero(way <= _RESTS)[-1]) + 1
+    after = way[leaves:]
+    midway = force_n[leaves:][(after > _MIDWAY[0]) & (after < _MIDWAY[1])]
+    rest = force_n[max(0, leaves - max(len(midway), 1)) : leaves]
+    return float(np.mean(rest)), float(np.mean(midway)) if len(midway) else np.nan
 
 
 def _ways_in(position_m: Samples) -> Iterator[slice]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence, Set
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +18,7 @@ from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, parse_m
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 
 if TYPE_CHECKING:
-    from springpot.trainer.recordings.formats.column_map import ColumnMap
-    from springpot.trainer.recordings.formats.importing import ImportOptions
+    from springpot.trainer.recordings.formats.importing import ImportResult
     from springpot.trainer.recordings.formats.specimen import Specimen
     from springpot.trainer.recordings.quality.report import QualityReport
     from springpot.trainer.recordings.recording import Recording, Zero
@@ -81,14 +81,8 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     metavar="N/M",
     help="Stiffness of the machine's frame, N/m: its give is taken off the position.",
 )
-@click.option("--area", "area_m2", type=NOT_NEGATIVE, metavar="M2", help="Of stress: specimen's.")
-@click.option(
-    "--height",
-    "height_m",
-    type=NOT_NEGATIVE,
-    metavar="M",
-    help="Of strain: specimen's before the test.",
-)
+@click.option("--area", metavar="M2", help="Of stress: specimen's; 18mm2 too.")
+@click.option("--height", metavar="M", help="Of strain: specimen's before the test; 33mm too.")
 @click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
@@ -113,8 +107,8 @@ def import_(
     decimal: DecimalMark | None,
     dbc: Path | None,
     block: str | None,
-    area_m2: float | None,
-    height_m: float | None,
+    area: str | None,
+    height: str | None,
     rest_s: float | None,
     place: str | None,
     out: Path,
@@ -128,19 +122,31 @@ def import_(
     """
     from springpot.host.console.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
-    from springpot.trainer.recordings.formats.importing import ImportOptions, parse_place
+    from springpot.trainer.recordings.formats.importing import (
+        ImportOptions,
+        import_file,
+        one_session,
+        parse_place,
+    )
 
     mapping = parse_map(map_text) if map_text else None
     options = ImportOptions(
-        dbc, block, decimal, Conditioning(**of_rig), _specimen(area_m2, height_m),
+        dbc, block, decimal, Conditioning(**of_rig), _specimen(area, height),
         place_m=parse_place(place) if place else None,
     )  # fmt: skip
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
     listed = _listed(files)
+    read = partial(
+        import_file, mapping=mapping, zero=zero, resample_hz=resample_hz, options=options
+    )
     with progress_bar("import"):
-        recordings, guesses = _read(listed, mapping, zero, resample_hz, options, rest_s)
-    _say_guesses(listed, guesses)
+        results = _read(listed, set(files), read)
+    recordings = [recording for result in results.values() for recording in result.recordings]
+    if rest_s is not None:
+        recordings = one_session(recordings, rest_s)
+    guesses = [result.guess for result in results.values()]
+    _say_guesses(list(results), guesses)
     report = report_quality(recordings)
     rows = _rows(_write(out, recordings), report)
     if not as_json:
@@ -151,32 +157,38 @@ def import_(
 
 
 def _read(
-    files: Sequence[Path],
-    mapping: ColumnMap | None,
-    zero: Zero,
-    resample_hz: float | None,
-    options: ImportOptions,
-    rest_s: float | None,
-) -> tuple[list[Recording], list[str]]:
-    """Recordings of all files, and how each file was understood."""
-    from springpot.trainer.recordings.formats.importing import import_file, one_session
+    files: Sequence[Path], named: Set[Path], read: Callable[[Path], ImportResult]
+) -> dict[Path, ImportResult]:
+    """What each file gave; a table beside recordings, in a folder, that is none is left out.
 
-    results = [
-        import_file(file, mapping, zero, resample_hz, options) for file in counted(files, "reading")
-    ]
-    recordings = [recording for result in results for recording in result.recordings]
-    guesses = [result.guess for result in results]
-    return recordings if rest_s is None else one_session(recordings, rest_s), guesses
+    named: files that a person has given one by one: each is a recording, or refused.
+    """
+    from springpot.trainer.recordings.formats.csv.csv_missing import OtherTableError
+
+    results: dict[Path, ImportResult] = {}
+    others: list[OtherTableError] = []
+    for file in counted(files, "reading"):
+        try:
+            results[file] = read(file)
+        except OtherTableError as error:
+            if file in named:
+                raise
+            others.append(error)
+    if others and not results:
+        raise others[0]
+    for other in others:
+        say(f"left out, no recording: {other}")
+    return results
 
 
-def _specimen(area_m2: float | None, height_m: float | None) -> Specimen | None:
-    from springpot.trainer.recordings.formats.specimen import Specimen
+def _specimen(area: str | None, height: str | None) -> Specimen | None:
+    from springpot.trainer.recordings.formats.specimen import Specimen, size_in_si
 
-    if area_m2 is None and height_m is None:
+    if area is None and height is None:
         return None
-    if area_m2 is None or height_m is None:
+    if area is None or height is None:
         raise UsageError("--area, --height: stress needs the area, strain the height: pass both")
-    return Specimen(area_m2, height_m)
+    return Specimen(size_in_si(area, 2), size_in_si(height, 1))
 
 
 def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:

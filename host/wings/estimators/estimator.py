@@ -20,7 +20,7 @@ from springpot import (
     check_recordings,
     kind_names,
 )
-from springpot.basics import Samples, given_numbers
+from springpot.basics import Samples, errors_in_python, given_numbers, in_python
 from springpot.modelling import Zero, extrapolation, fit_model, limited_n, zero_word
 
 Sequences = Sequence[ArrayLike | Recording]
@@ -93,7 +93,8 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             for i, (position_m, force_n) in enumerate(zip(positions, forces, strict=True))
         ]
         quality = check_recordings(recordings)
-        quality.refuse()
+        with errors_in_python():
+            quality.refuse()
         said = dict.fromkeys(finding.text for finding in quality.findings)
         options = FitOptions(
             seed=self.random_state,
@@ -109,7 +110,7 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         self.fit_ = fit_model(self.kind, self.kind, recordings, options)
         self.model_ = self.fit_.model
         for line in dict.fromkeys((*said, *self.fit_.warnings)):
-            warnings.warn(line, UserWarning, stacklevel=2)
+            warnings.warn(in_python(line), UserWarning, stacklevel=2)
         return self
 
     def predict(self, X: Sequences) -> list[Samples]:

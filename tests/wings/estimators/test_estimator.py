@@ -149,7 +149,7 @@ def test_ensembles_of_something_else_are_refused() -> None:
 
 
 def test_sequences_are_checked_as_recordings_are() -> None:
-    with pytest.raises(ValueError, match="--map position=COL:-1mm,force=COL:-1N"):
+    with pytest.raises(ValueError, match="columns='position=COL:-1mm,force=COL:-1N'"):
         small("hammerstein").fit([-x for x in X], [-f for f in Y])
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")

@@ -141,7 +141,7 @@ def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChann
     try:
         return chosen.read(path, request)
     except DataError as error:
-        raise DataError(f"{error}{absent('formats', formats)}") from None
+        raise type(error)(f"{error}{absent('formats', formats)}") from None
 
 
 def _import_journal(path: Path, options: ImportOptions) -> ImportResult:

@@ -16,6 +16,7 @@ from springpot.trainer.recordings.formats.column_map import (
 from springpot.trainer.recordings.formats.units import (
     OF_SPECIMEN,
     Quantity,
+    factor_to_si,
     is_unit,
     parts_of,
 )
@@ -24,6 +25,8 @@ _WORDS: dict[Quantity, str] = {
     "position": "strain|dehnung|stauchung|déformation",
     "force": "stress|spannung|contrainte",
 }
+_TRUE = "true|wahr"  # of the specimen's present size
+_SIZE: Quantity = "position"
 _MAX_SIZE = 1.0  # m2 or m: what is more is in mm2 or mm
 _SI: dict[Quantity, str] = {"position": "m", "force": "N"}
 
@@ -76,6 +79,7 @@ class Specimen:
             factor, unit = parts_of(text) if text else (1.0, "-" if quantity == "position" else "")
             to_si = OF_SPECIMEN[quantity].get(unit.casefold() or "1")
             if to_si is not None:
+                _require_engineering(label)
                 unit = f"{factor * to_si * size!r}{_SI[quantity]}"
                 found[quantity] = Column(label or column.header_or_number, unit)
             elif named and not column.unit:
@@ -96,6 +100,33 @@ class Specimen:
         )
 
 
+def _require_engineering(label: str) -> None:
+    """Raise UsageError for true stress or strain: the sizes are those before the test."""
+    if re.search(_TRUE, label, re.I):
+        raise UsageError(
+            f"--area, --height: column {label!r} is of the specimen's present size, and these are "
+            "its sizes before the test: export engineering stress and strain, or make them: strain "
+            "e = exp(true) - 1, stress = true / (1 + e) in tension"
+        )
+
+
+def size_in_si(text: str, power: int) -> float:
+    """Read a specimen's size as a person writes it, in m2 or m where it has no unit.
+
+    power: 1 of a length, 2 of an area. Raises UsageError for anything else.
+
+    >>> size_in_si("33mm", 1), size_in_si("2 cm2", 2)
+    (0.033, 0.0002)
+    """
+    factor, unit = parts_of(text)
+    length = unit.rstrip("^2²") if power == 2 else unit
+    squared = power == 1 or length != unit or not unit
+    if not re.match(r"\s*[+-]?\.?\d", text) or not squared or (unit and not is_unit(length, _SIZE)):
+        example = "18mm2" if power == 2 else "33mm"
+        raise UsageError(f"{text!r} is not a size of a specimen: give it with a unit, {example}")
+    return factor * (factor_to_si(length, _SIZE, text) if unit else 1.0) ** power
+
+
 def stress_and_strain(row: Sequence[str]) -> dict[Quantity, int]:
     """The one column of strain and the one of stress, from 0; empty where a header has not both."""
     found: dict[Quantity, int] = {}
@@ -103,7 +134,7 @@ def stress_and_strain(row: Sequence[str]) -> dict[Quantity, int]:
         named = [
             i
             for i, cell in enumerate(row)
-            if re.search(words, cell, re.I) and not re.search("rate|true|wahr", cell, re.I)
+            if re.search(words, cell, re.I) and not re.search(f"rate|{_TRUE}", cell, re.I)
         ]
         if len(named) == 1:
             found[quantity] = named[0]

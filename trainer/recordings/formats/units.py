@@ -90,6 +90,16 @@ def is_weight(text: str, quantity: Quantity) -> bool:
     return quantity == "force" and text.casefold() in _WEIGHTS and text.casefold() != "mn"
 
 
+def units_near(to_si: float, quantity: Quantity) -> str:
+    """Return the units that are within a fifth of a size, as "kgf"; "" where none is.
+
+    >>> units_near(9.5, "force"), units_near(2.0, "force")
+    ('kgf', '')
+    """
+    sizes = _FACTORS[quantity].items()
+    return " or ".join(unit for unit, size in sizes if abs(math.log(size / to_si)) < math.log(1.2))
+
+
 def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     """Return what a number in the unit `text` is multiplied by to be in s, m or N.
 

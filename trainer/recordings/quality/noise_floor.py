@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.quality.channels import quantisation_step
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats
+from springpot.trainer.recordings.quality.sensors.channels import quantisation_step
 from springpot.trainer.recordings.recording import Recording
 
 _ORDER = 4  # of differences: they keep white noise, and leave next to nothing of a press

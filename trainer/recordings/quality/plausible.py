@@ -10,6 +10,7 @@ from springpot.trainer.recordings.recording import Recording
 # Stiffness under a tip of a finger's size, 2 a E / (1 - nu^2) for a = 5 mm, from soft gels (1 kPa)
 # to rubber of Shore A 80 (10 MPa); Johnson, Contact Mechanics, 1985, section 3.4.
 USUAL_NPM = (10.0, 1e5)
+_ARM_N, _MACHINE_MPS = 500.0, 1e-3  # an arm pushes with less; only machines are so slow
 USUAL_MPS = 0.3  # a hand presses at up to this; a testing machine is slower
 _LIKELY_NPM = (100.0, 3e4)
 _STRAIN = 1.0  # numbers of position up to here may be a strain
@@ -79,17 +80,22 @@ def _doubt(recording: Recording, stiffness_npm: float, speed_mps: float) -> str:
     low_npm, high_npm = USUAL_NPM
     if speed_mps > USUAL_MPS:
         return "faster than a hand presses, if time and position have their right units"
-    if low_npm <= stiffness_npm <= high_npm or stiffness_npm == 0.0:
-        return ""
     stiff = stiffness_npm > high_npm
-    what = (
-        "stiffer than rubber under a fingertip, as bone, cartilage and thin layers are"
-        if stiff
-        else "softer than a gel under a fingertip, as foam and tissue under a needle are"
-    )
+    peak_n = float(np.abs(recording.force_n).max())
+    hard = not stiff and peak_n > _ARM_N and speed_mps > _MACHINE_MPS
+    if stiffness_npm == 0.0 or (low_npm <= stiffness_npm <= high_npm and not hard):
+        return ""
+    if stiff:
+        what = "stiffer than rubber under a fingertip, as bone, cartilage and thin layers are"
+    elif hard:
+        what = "harder than an arm pushes, as a testing machine does"
+    else:
+        what = "softer than a gel under a fingertip, as foam and tissue under a needle are"
     stored = recording.details.get("units", {})
     meant = []
-    for channel, unit in _STIFF if stiff else _SOFT:
+    for channel, unit in _STIFF if stiff or hard else _SOFT:
+        if hard and channel == "position":
+            continue
         taken = stored.get(channel, {}).get("to_si") or factor_to_si(_PLAIN[channel], channel, "")
         times = factor_to_si(unit, channel, "") / abs(taken)
         other_npm = stiffness_npm * (times if channel == "force" else 1.0 / times)

@@ -18,17 +18,22 @@ from springpot.trainer.recordings.quality.alignment import (
     filter_findings,
     skew_findings,
 )
-from springpot.trainer.recordings.quality.channels import channel_findings, quantisation_step
+from springpot.trainer.recordings.quality.contact import contact_findings
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.motion import (
-    contact_findings,
     distinct_speeds,
     speed_findings,
 )
 from springpot.trainer.recordings.quality.noise_floor import noise_floor
 from springpot.trainer.recordings.quality.places import place_findings
 from springpot.trainer.recordings.quality.repeats import Repeats, find_repeats, repeat_findings
+from springpot.trainer.recordings.quality.scales import scale_findings
+from springpot.trainer.recordings.quality.sensors.channels import (
+    channel_findings,
+    quantisation_step,
+)
+from springpot.trainer.recordings.quality.sensors.play import play_findings
 from springpot.trainer.recordings.quality.signs import (
     Signs,
     find_signs,
@@ -147,10 +152,12 @@ def check_recordings(given: Recordings) -> QualityReport:
         if is_slide(recording):  # its force changes with the place too, at any depth
             findings += [finding for finding in of_channels if finding.kind != "clipping"]
             continue
-        of_signs = list(sign_findings(recording, own_signs))
+        # One cause, one line: a wrap turns signs, a turned sign moves the contact, a hum hides it.
+        wraps = any(finding.kind == "wrap" for finding in of_channels)
+        of_signs = [] if wraps else list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
-        # One cause, one line: a turned sign moves the contact, a hum hides it.
-        if not any(finding.severity == "refusal" for finding in of_signs):
+        findings += [] if of_signs else play_findings(recording)
+        if not wraps and not any(finding.severity == "refusal" for finding in of_signs):
             of_rig: list[Finding] = rig_findings(recording) if rig_findings else []
             if not any(finding.kind == "hum" for finding in of_rig):
                 touched.append(recording)
@@ -158,7 +165,7 @@ def check_recordings(given: Recordings) -> QualityReport:
     presses = presses_of(recordings)
     findings += contact_findings(touched)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
-    findings += [] if refused else snap_findings(presses)
+    findings += [] if refused else [*snap_findings(presses), *scale_findings(presses)]
     findings += speed_findings(presses) if presses else []
     repeats = find_repeats(presses)
     findings += place_findings(recordings, repeats)

@@ -167,8 +167,8 @@ def _sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
         yield refusal(
             "energy", recording.name, f"{signs.words.partition(': ')[2]}, and no object gives any",
             "the model would drive the hand",
-            "take the right columns (--map), or state how late force is sampled "
-            "(--force-delay-s with --align)",
+            "take the right columns (--map), state how late force is sampled (--force-delay-s "
+            "with --align), or take out play between the sensor of position and the tool",
         )  # fmt: skip
     elif not signs.right and signs.by_force:
         yield refusal(

@@ -16,7 +16,7 @@ from springpot.trainer.recordings.formats.column_map import (
     split_unit,
 )
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-from springpot.trainer.recordings.formats.specimen import Specimen
+from springpot.trainer.recordings.formats.specimen import Specimen, size_in_si
 from springpot.trainer.recordings.recording import Recording
 
 POSITION_M = press(1.0)
@@ -189,6 +189,32 @@ def test_stress_and_strain_are_of_a_specimen(tmp_path: Path) -> None:
         Specimen(0.0, 0.02)
     with pytest.raises(UsageError, match=r"314 mm2 are --area 0\.000314; .*15 mm are .* 0\.015"):
         Specimen(314.0, 15.0)
+
+
+@pytest.mark.parametrize("header", ["True Strain,Stress (MPa)", "Strain,Wahre Spannung (MPa)"])
+def test_true_stress_and_strain_are_not_taken_for_engineering(header: str, tmp_path: Path) -> None:
+    file = tmp_path / "press.csv"
+    file.write_text(table(f"Time (s),{header}", (1.0, 2e-4, 500.0)))
+    specimen = ImportOptions(specimen=Specimen(area_m2=5e-4, height_m=0.02))
+    with pytest.raises(UsageError, match="export engineering stress and strain"):
+        import_file(file, parse_map("position=2,force=3"), "none", None, specimen)
+
+
+@pytest.mark.parametrize(
+    ("text", "power", "size"),
+    [
+        ("5e-4", 2, 5e-4), ("18mm2", 2, 18e-6), ("0.18 cm²", 2, 18e-6), ("18 mm^2", 2, 18e-6),
+        ("0.033", 1, 0.033), ("33 mm", 1, 0.033), ("1in", 1, 0.0254), ("2e-2m", 1, 0.02),
+    ],
+)  # fmt: skip
+def test_sizes_of_a_specimen(text: str, power: int, size: float) -> None:
+    assert size_in_si(text, power) == pytest.approx(size)
+
+
+@pytest.mark.parametrize(("text", "power"), [("18mm", 2), ("18N", 1), ("mm", 1), ("", 2), ("a", 2)])
+def test_no_size_of_a_specimen(text: str, power: int) -> None:
+    with pytest.raises(UsageError, match="give it with a unit"):
+        size_in_si(text, power)
 
 
 @pytest.mark.parametrize(

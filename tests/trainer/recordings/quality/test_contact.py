@@ -1,16 +1,18 @@
 """Where force begins: a zero that is not the surface, and an object that has not recovered."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.files.recording_files import PressedObject
 
 import springpot
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality.contact import contact_findings
 from springpot.trainer.recordings.quality.finding import Finding
-from springpot.trainer.recordings.quality.motion import contact_findings
 from springpot.trainer.recordings.recording import Recording
 
 TIME_S = np.arange(4000) * 1e-3
@@ -118,3 +120,60 @@ def test_a_light_first_press_does_not_put_the_surface_deeper() -> None:
         force_n = (np.maximum(position_m, 0.0) / 9e-3) ** rng.uniform(2.4, 2.7)
         force_n += rng.normal(0.0, 0.003, 3000)
         assert contacts([Recording(f"{seed:02}", position_m, force_n, 1e-3)]) == []
+
+
+def held_on_top_of(low: float, seed: int) -> Recording:
+    """Presses and long holds between `low`, of the depth, and the depth, by any law and noise."""
+    rng = np.random.default_rng(seed)
+    rate_hz, depth_m = float(rng.choice([10.0, 25.0, 100.0])), 10.0 ** rng.uniform(-3.0, -1.8)
+    time_s, path_m = [0.0], [low * depth_m]
+    for _ in range(int(rng.integers(2, 6))):
+        hold_s, rise_s = 10.0 ** rng.uniform(0.0, 1.7), 10.0 ** rng.uniform(-0.5, 1.0)
+        time_s += [time_s[-1] + hold_s, time_s[-1] + hold_s + rise_s]
+        time_s += [time_s[-1] + rng.uniform(0.1, 1.0) * hold_s, time_s[-1] + hold_s + rise_s]
+        path_m += [low * depth_m, *[rng.uniform(0.6, 1.0) * depth_m] * 2, low * depth_m]
+    position_m = np.interp(np.arange(0.0, time_s[-1], 1.0 / rate_hz), time_s, path_m)
+    law = PressedObject(depth_m, 10.0, rng.uniform(1.0, 2.2), rng.uniform(0.1, 0.5))
+    force_n = law.force(position_m, 1.0 / rate_hz)
+    force_n += 10.0 ** rng.uniform(-2.3, -1.2) * rng.normal(0.0, 1.0, len(force_n))
+    return Recording(f"{seed:02}", position_m, force_n, 1.0 / rate_hz)
+
+
+@pytest.mark.slow
+def test_a_preload_is_no_free_air() -> None:
+    """Its zero is right: no tare and no contact point may be taken off."""
+    wrong = 0
+    for seed in range(120):
+        low = np.random.default_rng(seed).uniform(0.3, 0.6)
+        told = contact_findings([held_on_top_of(low, seed)])
+        wrong += any(re.match("import with --(tare|contact)", found.to_do) for found in told)
+    assert wrong <= 1
+
+
+@pytest.mark.slow
+def test_free_air_before_a_hold_shows_its_tare() -> None:
+    missed = 0
+    for seed in range(60):
+        held = held_on_top_of(-0.3, seed)
+        told = contact_findings([replace(held, force_n=held.force_n + 2.0)])
+        missed += not any("--tare auto" in found.to_do for found in told)
+    assert missed <= 3
+
+
+def test_friction_of_a_guide_is_no_surface() -> None:
+    for seed in range(10):
+        rubbed = press(0.0, seed)
+        way = np.sign(np.gradient(rubbed.position_m))
+        rubbed = replace(rubbed, force_n=rubbed.force_n + 0.03 * 12.0 * way)
+        assert contacts([rubbed]) == []
+
+
+@pytest.mark.parametrize("way_m", [2e-3, 5e-3])
+def test_a_remedy_is_one_that_import_takes(way_m: float) -> None:
+    """Without a sample outside, import finds no surface either: it is not sent there."""
+    position_m = way_m + 4e-3 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
+    on_surface = Recording("a", position_m, 900.0 * (position_m - way_m), 1e-3)
+    (found,) = contacts([on_surface])
+    assert "--contact-force" not in found.to_do
+    with pytest.raises(DataError, match="never leaves the object"):
+        find_contact(on_surface)

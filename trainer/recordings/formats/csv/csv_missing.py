@@ -34,6 +34,10 @@ class MissingColumnsError(DataError):
     """No line of a file names all columns."""
 
 
+class OtherTableError(MissingColumnsError):
+    """A file has a header, with neither a position nor a force."""
+
+
 def which_column(path: Path, index: int, row: Cells, found: Candidates) -> DataError:
     """Say which columns may be a channel, or that there are several tests, and what to pass."""
     sets = list(zip(*map(sorted, found.values()), strict=False))
@@ -79,7 +83,8 @@ def missing_columns(
             "--map time=RATEHz, RATE how many in a second; without it nobody knows how fast the "
             "object was pressed"
         )
-    return MissingColumnsError(
+    kind = OtherTableError if row and found.keys() <= {"time"} else MissingColumnsError
+    return kind(
         f"{path}: found no column of {' or of '.join(missing)}{header}: pass --map {MAP_EXAMPLE}, "
         "where COL is a header or a column's number"
     )

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.formats.units import FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.quality.sensors.wraps import wrap_findings
+from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
 _CLIPPED_RUN = 5  # samples in a row exactly at the extreme
 _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
+_NOISES = 6.0  # of that mean
 _HELD_S = 0.02
-_WRAPPED, _FEWEST_WRAPS, _MOST = 0.4, 2, 0.8  # of the travel; jumps; of them against the motion
-_USUAL_STEPS = 4.0  # a jump is longer than so many steps of 95 in 100
-_GOES_ON = 0.2  # of the range of force
 _RAMP_CHANGES = 0.1  # of moves: fewer changes of the step come from a ramp's begin and end
 _COARSE = 0.01  # quantisation step over the signal's range
 _JITTER = 0.05  # of a step
@@ -39,7 +39,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
         return
     yield from _units(recording)
     yield from _clipping(recording)
-    yield from _wraps(recording)
+    yield from wrap_findings(recording)
     yield from _held(recording)
     yield from _quantisation(recording)
     yield from _clock(recording)
@@ -164,35 +164,11 @@ def _excursion(other: Samples, channel: str) -> float:
     if channel == "force":
         return float(np.ptp(other))
     averaged = max(1, len(other) // _AVERAGED_SHARE)
+    noise = noise_n(other)
     other = np.convolve(other, np.full(averaged, 1.0 / averaged), "valid")
     ends = float(max(other[0], other[-1])), float(min(other[0], other[-1]))
-    return max(float(other.max()) - ends[0], ends[1] - float(other.min()))
-
-
-def _wraps(recording: Recording) -> Iterator[Finding]:
-    """Find positions that jump back against the motion before and after: a counter that wraps.
-
-    The force goes on meanwhile, as it does not where the tool is drawn back within a sample.
-    """
-    position_m = recording.position_m
-    steps = np.diff(position_m)
-    # In a hold alone, noise jumps over much of the travel and back: it does so all the time.
-    usual_m = _USUAL_STEPS * float(np.quantile(np.abs(steps), 0.95))
-    jumps = np.flatnonzero(np.abs(steps) > max(_WRAPPED * float(np.ptp(position_m)), usual_m))
-    jumps = jumps[(jumps > 0) & (jumps < len(steps) - 1)]
-    way = np.sign(steps[jumps])
-    against = (way * steps[jumps - 1] < 0.0) & (way * steps[jumps + 1] < 0.0)
-    changes_n = np.abs(np.diff(recording.force_n)[jumps])
-    against &= changes_n < _GOES_ON * np.ptp(recording.force_n)
-    if len(jumps) >= _FEWEST_WRAPS and against.mean() > _MOST:
-        size_m = float(np.median(np.abs(steps[jumps])))
-        yield refusal(
-            "wrap", recording.name,
-            f"position jumps {len(jumps)} times by {1e3 * size_m:.3g} mm against its own motion, "
-            f"first at {(jumps[0] + 1) * recording.dt_s:.3f} s",
-            "a counter wraps there, and no object is pressed so",
-            "unwrap it in the source, as numpy.unwrap does",
-        )  # fmt: skip
+    by_noise = _NOISES * noise / float(np.sqrt(averaged))
+    return max(float(other.max()) - ends[0], ends[1] - float(other.min())) - by_noise
 
 
 def _held(recording: Recording) -> Iterator[Finding]:

@@ -1,0 +1,59 @@
+"""What Python says names arguments, and no options of the command line."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot import Recording
+from springpot.basics import in_python
+from springpot.host.console.quality import warn_of_quality
+
+TIME_S = np.arange(1000) * 1e-2
+DEPTH_M = 2e-3 - 3e-3 * np.cos(TIME_S)
+
+
+def refused_or_warned(recording: Recording) -> list[str]:
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        try:
+            warn_of_quality([recording])  # as train and import_recordings do
+        except springpot.SpringpotError as error:
+            return [str(error)]
+    return [str(each.message) for each in said]
+
+
+@pytest.mark.parametrize(
+    ("position_m", "force_n", "argument"),
+    [
+        (DEPTH_M, 3.0 - 500.0 * DEPTH_M, "columns="),
+        (DEPTH_M, 1.0 + 500.0 * np.maximum(DEPTH_M, 0.0), "tare='auto'"),
+        (DEPTH_M + 9e-3, 500.0 * np.maximum(DEPTH_M, 0.0), "contact_force='auto'"),
+    ],
+    ids=["sign", "tare", "surface"],
+)
+def test_a_remedy_is_an_argument(
+    position_m: np.ndarray, force_n: np.ndarray, argument: str
+) -> None:
+    said = refused_or_warned(Recording("a", position_m, force_n, 1e-2))
+    assert any(argument in line for line in said)
+    assert not any(re.search(r"--[a-z]", line) for line in said)
+
+
+@pytest.mark.parametrize(
+    ("shell", "python"),
+    [
+        ("--map 'force=Load (N):-1N'.", "columns='force=Load (N):-1N'."),
+        (
+            "take a column (--map), or --resample-hz 100",
+            "take a column (columns), or resample_hz=100",
+        ),
+        ("--zero first or min", "zero='first' or min"),
+        ("pass --area M2, --place X,Y and --align", "pass area=M2, place_m=X,Y and align=True"),
+        ("--smooth-s 0.025: lasts", "smooth_s=0.025: lasts"),
+    ],
+)
+def test_words(shell: str, python: str) -> None:
+    assert in_python(shell) == python

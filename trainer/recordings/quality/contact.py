@@ -1,0 +1,165 @@
+"""Checks of the contact: where position 0 should be the surface, and is not."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
+from springpot.trainer.recordings.quality.finding import Finding, warning
+from springpot.trainer.recordings.quality.motion import where_of
+from springpot.trainer.recordings.quality.sign_evidence import noise_n
+from springpot.trainer.recordings.recording import Recording
+
+_PRELOAD = 0.05  # of the peak force, at the lowest position
+_LOWEST = 0.005  # of the travel: where a motion seldom comes, the force there is the least
+_NEAR, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
+_SURFACE_OFF = 0.05  # of the travel
+_FIRST, _NOISES = 5, 8.0  # samples; of the force's noise
+
+Met = tuple[Recording, ContactPoint]
+
+
+def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
+    """Yield findings where position 0 should be the surface and is not, of all together."""
+    met: list[Met] = []
+    loaded: list[tuple[Recording, float]] = []
+    for recording in recordings:
+        if recording.zero != "none" or np.ptp(recording.force_n) == 0.0:
+            continue
+        try:
+            met.append((recording, find_contact(recording)))
+        except DataError:  # at its lowest position it touches the surface, or is pressed already
+            lowest_m, rest_n = _at_rest(recording)
+            if abs(rest_n) > _PRELOAD * float(recording.force_n.max()):
+                loaded.append((recording, rest_n))
+            else:
+                yield from _trigger_findings(recording, rest_n)
+                doubt_m = _doubt_m(recording, lowest_m, rest_n)
+                met.append((recording, ContactPoint(lowest_m, doubt_m, rest_n, np.inf)))
+    yield from _loaded_findings(loaded)
+    # An object that remembers its last press is met where that left it.
+    yield from _surface_findings([item for item in met if not item[0].start_s])
+    for recording, contact in met:
+        if abs(contact.tare_n) > max(3 * contact.threshold_n, 0.02 * recording.force_n.max()):
+            yield warning(
+                "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
+                "the model would push where nothing is touched", "import with --tare auto",
+            )  # fmt: skip
+
+
+def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
+    """Distinguish a zero that is not the surface from an object that is still dented.
+
+    An object that has not recovered is met deeper, never less deep: where one recording begins at
+    position 0, others that begin deeper do not say that the surface is elsewhere. To put each of
+    them at 0 would take away what the object remembers.
+    """
+    off = [(recording, contact) for recording, contact in met if _is_off(recording, contact)]
+    if not off:
+        return
+    fresh, begins = min(met, key=lambda item: item[1].position_m)
+    places_mm = [1e3 * contact.position_m for _, contact in off]
+    where, span = off[0][0].name, f"{min(places_mm):.3g} to {max(places_mm):.3g} mm"
+    if len(off) == 1:
+        span = f"{places_mm[0]:.3g} +- {1e3 * off[0][1].uncertainty_m:.2g} mm"
+    else:
+        where = f"{len(off)} of {len(met)} recordings"
+    if _is_off(fresh, begins):
+        so_what, to_do = _elsewhere(off)
+        yield warning("contact", where, f"force begins at {span}, not at 0", so_what, to_do)
+    else:
+        yield warning(
+            "contact", where, f"force begins at {span}, in {fresh.name} at 0",
+            "the object had not recovered there, or its zero was another",
+            "import with --rest-s if one object was pressed in this order, with --contact-force "
+            "auto if each recording has a zero of its own",
+        )  # fmt: skip
+
+
+def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
+    """Yield a finding if a test begins at position 0 with a force already, and ends without."""
+    begins_n = float(np.median(recording.force_n[:_FIRST])) - rest_n
+    at_zero = abs(recording.position_m[0]) <= _NEAR * float(np.ptp(recording.position_m))
+    least_n = max(_PRELOAD * float(recording.force_n.max()), _NOISES * noise_n(recording.force_n))
+    if at_zero and begins_n > least_n:
+        yield warning(
+            "contact", recording.name, f"begins at position 0 with {begins_n:.3g} N",
+            "perhaps a trigger's: the surface is farther out, and the force would jump there",
+            "record from above the object, or with a lower trigger",
+        )  # fmt: skip
+
+
+def _elsewhere(off: Sequence[Met]) -> tuple[str, str]:
+    """Say what follows if force begins elsewhere than at position 0, and what to do about it."""
+    so_what, to_do = "the surface is not where position is 0", "import with --contact-force auto"
+    if any(contact.threshold_n == np.inf for _, contact in off):  # nor would import find it
+        return so_what, "record from above the object, or take its place off the position"
+    if all(item.force_n[0] > found.tare_n + found.threshold_n for item, found in off):
+        # Pressed before it was met, an object may be dented.
+        return f"{so_what}, or the object had not recovered", f"if its zero is wrong, {to_do}"
+    return so_what, to_do
+
+
+def _is_off(recording: Recording, contact: ContactPoint) -> bool:
+    allowed_m = _SURFACE_OFF * float(np.ptp(recording.position_m)) + 2 * contact.uncertainty_m
+    return abs(contact.position_m) > allowed_m
+
+
+def _doubt_m(recording: Recording, lowest_m: float, rest_n: float) -> float:
+    """How far above the lowest position the surface may be, m, of a tool that rests on it.
+
+    No higher than where force passes 5 % of its range; and the line through that and 15 % leads
+    back to the lowest position, if force is the object's: friction jumps where the tool sets off.
+    """
+    risen_n = recording.force_n - rest_n
+    first_m, then_m = (
+        float(recording.position_m[risen_n > share * float(risen_n.max())].min())
+        for share in (_PRELOAD, 3.0 * _PRELOAD)
+    )
+    return max(first_m - lowest_m, abs(first_m - (then_m - first_m) / 2.0 - lowest_m))
+
+
+def _at_rest(recording: Recording) -> tuple[float, float]:
+    """Lowest position, m, and the median force about there, N."""
+    lowest_m = float(recording.position_m.min())
+    near = recording.position_m <= lowest_m + _LOWEST * float(np.ptp(recording.position_m))
+    return lowest_m, float(np.median(recording.force_n[near]))
+
+
+def _loaded_findings(loaded: Sequence[tuple[Recording, float]]) -> Iterator[Finding]:
+    """Yield a finding for recordings that are pulled too, and one for those under preload."""
+    pulled = [item for item in loaded if _pulls_too(*item)]
+    pressed = [item for item in loaded if item not in pulled]
+    if pulled:
+        yield warning(
+            "contact", where_of([recording for recording, _ in pulled]),
+            f"is pulled too, {_forces(pulled)} at its lowest position",
+            "the model pulls there as well, and has no surface",
+            "leave --zero out: force is 0 where position is",
+        )  # fmt: skip
+    if pressed:
+        yield warning(
+            "contact", where_of([recording for recording, _ in pressed]),
+            f"never leaves the object, {_forces(pressed)} at its lowest position",
+            "the model pushes there too, and has no surface",
+            "record from above the object, or, if position 0 means nothing, import with --zero "
+            "first or min",
+        )  # fmt: skip
+
+
+def _forces(loaded: Sequence[tuple[Recording, float]]) -> str:
+    low_n, high_n = min(force_n for _, force_n in loaded), max(force_n for _, force_n in loaded)
+    low, high = f"{low_n:.3g}", f"{high_n:.3g}"
+    return f"{low} N" if low == high else f"{low} to {high} N"
+
+
+def _pulls_too(recording: Recording, rest_n: float) -> bool:
+    """Whether an object is pulled below position 0 and pressed above it."""
+    position_m, force_n = recording.position_m, recording.force_n
+    near = np.abs(position_m) <= _NEAR * float(np.ptp(position_m))
+    if not near.any() or position_m.min() >= 0.0 or rest_n >= 0.0:
+        return False
+    peak_n = float(force_n.max())
+    at_zero_n = float(np.mean(force_n[near]))  # of a damper, the way in and the way out
+    return -rest_n > _PULLED * peak_n and abs(at_zero_n) < _PULLED * (peak_n - rest_n)

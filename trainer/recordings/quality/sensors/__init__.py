@@ -1,0 +1,1 @@
+"""Faults of one recording: of a channel, of a counter, of what is between tool and sensor."""
