@@ -12,6 +12,7 @@ from springpot.codegen.arrays import given_numbers
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
 from springpot.files import File
+from springpot.trainer.models.limited import stiffest_words
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -45,13 +46,14 @@ class LoadedScene:
 
     def __init__(self, folder: Path, accept_edited: bool = False) -> None:
         from springpot.host.emission.checksums import require_as_emitted
-        from springpot.host.emission.emission import require_emission
+        from springpot.host.emission.emission import read_manifest, require_emission
         from springpot.host.native.scene_library import SceneLibrary
 
         require_emission(folder)
         self.edited = require_as_emitted(folder, accept_edited)
         self._folder, self._library = folder, SceneLibrary(folder)
-        self.manifest: dict[str, Any] = self._library.manifest
+        # What the library says of itself is true of what runs, whatever was edited in the file.
+        self.manifest: dict[str, Any] = read_manifest(folder) | self._library.manifest
 
     def __repr__(self) -> str:
         return f"LoadedScene({str(self._folder)!r}, {1.0 / self.dt_s:.6g} Hz)"
@@ -62,16 +64,25 @@ class LoadedScene:
         return float(self.manifest["dt_s"])
 
     def run(
-        self, position_m: ArrayLike | Recording, velocity_mps: ArrayLike | None = None
+        self,
+        position_m: ArrayLike | Recording,
+        velocity_mps: ArrayLike | None = None,
+        *,
+        place_m: tuple[float, float] | None = None,
     ) -> tuple[NDArray[Any], NDArray[np.int32]]:
         """Forces (n,), N, and notes (n,) of a tick for each position (n,), m, from a fresh state.
 
         position_m: also a `Recording` at the scene's rate. velocity_mps: (n,), m/s; by default
         backward differences of the positions. Inputs are rounded to the scene's number type, which
-        the forces have. Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates;
-        a UserWarning says that positions go ten times deeper than the trained presses, as in mm.
+        the forces have. place_m: x and y, m, of a scene with a map; by default the recording's.
+        Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates, and for a place
+        where there is no map; a UserWarning says that positions go ten times deeper than the
+        trained presses, as in mm, and that a map was given no place.
         """
+        places = self.manifest.get("places")
         if isinstance(position_m, Recording):
+            if places is not None and place_m is None:
+                place_m = position_m.place_m
             if not np.isclose(position_m.dt_s, self.dt_s, rtol=1e-3):
                 raise UsageError(
                     f"{position_m.name} is sampled at {position_m.rate_hz:g} Hz, the scene ticks "
@@ -86,6 +97,9 @@ class LoadedScene:
             doubt = f"position_m goes to {deepest_m:.4g} m, {deepest_m / trained_m:.3g} times the"
             doubt += f" trained {trained_m:.4g} m: give positions in metres"
             warnings.warn(doubt, UserWarning, stacklevel=2)
+        if places is not None and place_m is None:
+            x_m, y_m = places["start_m"]
+            warnings.warn(f"no place: {stiffest_words((x_m, y_m))}", UserWarning, stacklevel=2)
         if velocity_mps is None:
             velocity = backward_velocity(position, self.dt_s)
         else:
@@ -94,7 +108,7 @@ class LoadedScene:
             raise UsageError(
                 f"velocities of shape {velocity.shape}, positions of {position.shape}: give as many"
             )
-        return self._replay.run(position, velocity)
+        return self._replay.run(position, velocity, place_m=place_m)
 
     def new_state(self) -> "SceneState":
         """Memory of one object, for single ticks: `step(position_m)` gives force, N, and notes."""

@@ -81,6 +81,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.limited import (
         extrapolation as extrapolation,
         limited_n as limited_n,
+        unplaced as unplaced,
     )
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.predict import (
