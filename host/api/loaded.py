@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from springpot.host.native.replay import Replay
     from springpot.host.native.scene_library import SceneState
 
+_FARTHEST_M = 1.0  # of a place, as in a `Recording`
 _TOO_DEEP = 10.0  # times the trained depth, as for `predict`: another unit
 
 
@@ -75,14 +76,12 @@ class LoadedScene:
         position_m: also a `Recording` at the scene's rate. velocity_mps: (n,), m/s; by default
         backward differences of the positions. Inputs are rounded to the scene's number type, which
         the forces have. place_m: x and y, m, of a scene with a map; by default the recording's.
-        Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates, and for a place
-        where there is no map; a UserWarning says that positions go ten times deeper than the
-        trained presses, as in mm, and that a map was given no place.
+        Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates, for a place in
+        millimetres, and for one where there is no map; a UserWarning says that positions go ten
+        times deeper than the trained presses, as in mm, and that a map was given no place.
         """
-        places = self.manifest.get("places")
+        place_m = self._chosen_m(place_m, position_m)
         if isinstance(position_m, Recording):
-            if places is not None and place_m is None:
-                place_m = position_m.place_m
             if not np.isclose(position_m.dt_s, self.dt_s, rtol=1e-3):
                 raise UsageError(
                     f"{position_m.name} is sampled at {position_m.rate_hz:g} Hz, the scene ticks "
@@ -97,9 +96,6 @@ class LoadedScene:
             doubt = f"position_m goes to {deepest_m:.4g} m, {deepest_m / trained_m:.3g} times the"
             doubt += f" trained {trained_m:.4g} m: give positions in metres"
             warnings.warn(doubt, UserWarning, stacklevel=2)
-        if places is not None and place_m is None:
-            x_m, y_m = places["start_m"]
-            warnings.warn(f"no place: {stiffest_words((x_m, y_m))}", UserWarning, stacklevel=2)
         if velocity_mps is None:
             velocity = backward_velocity(position, self.dt_s)
         else:
@@ -109,6 +105,23 @@ class LoadedScene:
                 f"velocities of shape {velocity.shape}, positions of {position.shape}: give as many"
             )
         return self._replay.run(position, velocity, place_m=place_m)
+
+    def _chosen_m(
+        self, place_m: tuple[float, float] | None, given: ArrayLike | Recording
+    ) -> tuple[float, float] | None:
+        """Place to render: the stated one, else that of a recording if there is a map."""
+        places = self.manifest.get("places")
+        if place_m is not None:
+            if not all(abs(at_m) <= _FARTHEST_M for at_m in place_m):
+                raise UsageError(f"place_m = {place_m}: give x and y in metres, from -1 to 1 m")
+            return place_m
+        if places is None:
+            return None
+        if isinstance(given, Recording) and given.place_m is not None:
+            return given.place_m
+        x_m, y_m = places["start_m"]
+        warnings.warn(f"no place: {stiffest_words((x_m, y_m))}", UserWarning, stacklevel=3)
+        return None
 
     def new_state(self) -> "SceneState":
         """Memory of one object, for single ticks: `step(position_m)` gives force, N, and notes."""

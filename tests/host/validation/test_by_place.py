@@ -79,6 +79,17 @@ def test_python_renders_what_has_a_place_at_it(folder: Path, seed: int) -> None:
         np.testing.assert_array_equal(force_n, placed.force_n)
 
 
+@pytest.mark.parametrize("place", [(6.0, 3.0), (0.0, float("nan")), (-float("inf"), 0.0)])
+def test_a_place_in_millimetres_is_refused(folder: Path, place: tuple[float, float]) -> None:
+    bare = pressed(None).position_m
+    for render in (
+        springpot.load(folder).run,
+        lambda position_m, place_m: springpot.predict(placed_model(), position_m, place_m=place_m),
+    ):
+        with pytest.raises(ValueError, match="from -1 to 1 m"):
+            render(bare, place_m=place)
+
+
 def test_a_map_without_a_place_says_which_one_it_renders(folder: Path) -> None:
     bare, stiffest = pressed(None), pressed((0.01, 0.01))
     scene, model = springpot.load(folder), placed_model()
