@@ -144,6 +144,10 @@ if TYPE_CHECKING:
         require_signs as require_signs,
         sign_doubts as sign_doubts,
     )
+    from springpot.trainer.recordings.quality.spikes import (
+        LONGEST_SPIKE as LONGEST_SPIKE,
+        hold_spikes as hold_spikes,
+    )
     from springpot.trainer.recordings.reader_limits import (
         read_apart as read_apart,
         require_unpacked as require_unpacked,
@@ -158,10 +162,6 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.recording_file import (
         Recordings as Recordings,
         given_recordings as given_recordings,
-    )
-    from springpot.trainer.recordings.spikes import (
-        LONGEST_SPIKE as LONGEST_SPIKE,
-        hold_spikes as hold_spikes,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

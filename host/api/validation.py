@@ -31,7 +31,9 @@ if TYPE_CHECKING:
         PlaceError as PlaceError,
         place_line as place_line,
     )
+    from springpot.host.validation.compared import bits_differ as bits_differ
     from springpot.host.validation.seen import known_among as known_among, seen_line as seen_line
+    from springpot.host.validation.slides import SlideError as SlideError, slide_line as slide_line
     from springpot.host.validation.store import (
         Series as Series,
         Stored as Stored,
@@ -39,10 +41,7 @@ if TYPE_CHECKING:
         series_of as series_of,
         store_validation as store_validation,
     )
-    from springpot.host.validation.validation import (
-        bits_differ as bits_differ,
-        fail_on_mismatch as fail_on_mismatch,
-    )
+    from springpot.host.validation.validation import fail_on_mismatch as fail_on_mismatch
     from springpot.trainer.models.folds import geometric_mean as geometric_mean
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

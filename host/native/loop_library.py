@@ -20,7 +20,6 @@ _ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_ro
 # Columns of a table of rows: the members of sp_row, in order.
 COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
 COLUMN = {name: k for k, name in enumerate(COLUMNS)}
-LATERAL = ("x_m", "y_m", "x_n", "y_n")  # of a scene that slides; else 0
 INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
 GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8

@@ -14,11 +14,12 @@ from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import CLibrary, load_c
-from springpot.host.native.loop_library import IDLE, INPUT, LATERAL, NONE, RESET
+from springpot.host.native.loop_library import IDLE, INPUT, NONE, RESET
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
 from springpot.trainer.models.motion import DepthMotion, in_ticks, motions
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.slides import LATERAL, PLACE
 
 COLD_BYTES = 8 << 20
 _HOT_TICKS = 500
@@ -76,6 +77,15 @@ class Replay:
         )  # fmt: skip
         return force, notes
 
+    def slide(self, path_m: Reals) -> tuple[Reals, Reals]:
+        """Forces along x, y and depth (N), (n, 3), and notes of each tick from a fresh state.
+
+        path_m: x, y and depth of each tick, (n, 3). Raises UsageError if the scene cannot slide.
+        """
+        state = self._library.new_state()
+        force_n, notes = zip(*(state.step3(at_m) for at_m in path_m), strict=True)
+        return np.array(force_n, dtype=self.dtype), np.array(notes, dtype=np.int32)
+
     def repeat(
         self, calls: Mapping[str, Reals], place_m: tuple[float, float] | None = None
     ) -> tuple[Reals, Reals]:
@@ -103,7 +113,7 @@ class Replay:
 
     def _repeat_slide(self, calls: Mapping[str, Reals]) -> tuple[Reals, Reals]:
         state, made = self._library.new_state(), calls["call"].astype(int)
-        at_m = np.column_stack([calls[name] for name in (*LATERAL[:2], INPUT)])
+        at_m = np.column_stack([calls[name] for name in (*PLACE, INPUT)])
         force = np.zeros((len(made), 3), dtype=self._library.dtype)
         notes = np.zeros(len(made), dtype=np.int32)
         for i, call in enumerate(made.tolist()):

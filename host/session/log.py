@@ -13,9 +13,10 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
-from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LATERAL, LoopRows
+from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Zero
+from springpot.trainer.recordings.slides import LATERAL
 
 _KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n", *LATERAL))
 CHANNELS = (INPUT, *_KEPT)

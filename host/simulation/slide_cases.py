@@ -1,29 +1,36 @@
-"""Cases of three axes: slides over the steepest edge of a map, holds on its flank, rounds."""
+"""Cases of three axes: slides over the steepest edge of a map, holds, rounds, lost samples."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.short_repr import short_repr
+from springpot.host.simulation.losses import loss_ticks
 from springpot.host.simulation.scenarios import RISE_S, Workspace, smooth
 
 _SHARES, _HOLD_S = (0.3, 0.9), 7.0  # of the trained depth, on each place
 _SPEEDS_MPS, _WAYS, _DEPTH = (0.02, 0.08), 6, 0.5
 _ROUNDS, _ROUND_S = 10, 1.0
+_LOST = 10  # ticks of a silence
 _AIR_S, _SETTLE_S = 0.3, 1.0
 _NUDGE_M, _NUDGE_S = 5e-4, 0.02  # along x, as a hold begins: what rings, begins to
 
 
 @dataclass(frozen=True, eq=False)
 class SlideCase:
-    """Name a path of the tool, (n, 3), m, the ticks of its holds, and those that begin rounds."""
+    """Name a path of the tool, (n, 3), m, the ticks of its holds, and those that begin rounds.
+
+    lost: ticks that get no sample.
+    """
 
     name: str
     path_m: Samples
     holds: tuple[slice, ...] = ()
     rounds: tuple[int, ...] = ()
+    lost: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     __repr__ = short_repr
 
 
@@ -33,10 +40,14 @@ def slide_cases(plan: Plan) -> list[SlideCase]:
     space, middle_m = Workspace.of(plan), 0.5 * (soft_m + stiff_m)
     places_m = (soft_m, middle_m, stiff_m)
     radius_m = 0.5 * float(np.linalg.norm(stiff_m - soft_m))
+    orbit = _orbit(space, middle_m, radius_m)
+    per_round, longest = round(_ROUND_S / space.dt_s), round(plan.watchdog_s / plan.dt_s) - 1
+    lost = loss_ticks(len(orbit.path_m), per_round, max(1, min(_LOST, longest)), space.dt_s)
     return [
         _slides(space, soft_m, stiff_m),
         _edges(space, places_m),
-        _orbit(space, middle_m, radius_m),
+        orbit,
+        replace(orbit, name="orbit-lost", lost=lost),
     ]
 
 

@@ -1,5 +1,6 @@
 """A scene that slides, in closed loop with a simulated hand of three axes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,20 +42,25 @@ class SlideTrace:
 
 
 def run_slide(
-    scene: SceneLibrary, operator: Operator, dt_s: float, intended_m: Samples
+    scene: SceneLibrary,
+    operator: Operator,
+    dt_s: float,
+    intended_m: Samples,
+    lost: Sequence[int] | NDArray[np.int64] = (),
 ) -> SlideTrace:
     """Run sp_step3 from a fresh state under a hand that intends to be at intended_m, (n, 3), m.
 
-    It starts there at rest. Sensors are noisy.
+    It starts there at rest. Sensors are noisy. lost: ticks that get no sample: sp_idle3.
     """
     tools = _Tools(operator, intended_m[0])
     state, seen_m = scene.new_state(), np.array(intended_m[0])
     n = len(intended_m)
     position_m, velocity_mps, force_n = np.empty((3, n, 3))
     notes = np.empty(n, dtype=np.int32)
+    idle = set(np.asarray(lost).tolist())
     for i, intended in enumerate(intended_m):
         position_m[i], velocity_mps[i] = tools.truth()
-        force_n[i], notes[i] = state.step3(seen_m)
+        force_n[i], notes[i] = state.idle3(dt_s) if i in idle else state.step3(seen_m)
         seen_m = tools.step(dt_s, intended, force_n[i])
     late = operator.device.delay_samples
     felt_n = np.concatenate([np.zeros((late, 3)), force_n])[:n]

@@ -77,7 +77,7 @@ def _outcome(
 ) -> SlideOutcome:
     device = plan.loop_device.later(later)
     intended_m = _intended_m(library, case, hand)
-    trace = run_slide(library, Operator(hand.name, device), plan.dt_s, intended_m)
+    trace = run_slide(library, Operator(hand.name, device), plan.dt_s, intended_m, case.lost)
     still = [trace.velocity_mps[part, k] for part in case.holds for k in range(3)]
     # What the device's friction takes counts as paid: it takes what a late force gives.
     braked_j = device.viscous_nspm * plan.dt_s * np.sum(trace.velocity_mps**2, axis=1)

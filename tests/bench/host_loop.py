@@ -29,7 +29,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.session import Session
-from springpot.host.validation.validation import repeat_session
+from springpot.host.validation.compared import repeat_session
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording

@@ -18,9 +18,9 @@ from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
 from springpot.trainer.models.motion import DepthMotion, motions, rows_in
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import smoothed
-from springpot.trainer.recordings.spikes import hold_spikes
 
 PAPER_FRACTION = 0.2  # of the rows, section IV-B
 ALL_BELOW = 20_000

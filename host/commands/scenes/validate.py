@@ -85,6 +85,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     from springpot.host.stiffness import slope_keys, slope_words
     from springpot.host.validation.by_place import place_line
     from springpot.host.validation.seen import accepted_words, seen_line
+    from springpot.host.validation.slides import slide_line
 
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
     told = seen_line(validation.seen, len(validation.predicted_n))
@@ -103,7 +104,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     }
     rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
     differ = f"{validation.mismatches} ticks differ"
-    by_place = place_line(validation.places)
+    by_place, slides = place_line(validation.places), slide_line(validation.slides)
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
@@ -111,6 +112,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
             **({"by place": by_place} if by_place else {}),
+            **({"slides": slides} if slides else {}),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",

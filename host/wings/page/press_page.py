@@ -23,7 +23,7 @@ from springpot.native import Replay, SceneLibrary, missing_node, run_in_node
 _SCRIPTS = ("scene.js", "intent.js", "trace.js", "canvas.js", "object_view.js", "plots.js",
             "sources.js", "readout.js", "controls.js", "main.js")  # fmt: skip
 _MAP_SCRIPTS = ("map/place.js", "map/object_map.js", "map/stiffness.js", "map/view.js",
-                "map/search.js", "map/controls.js")  # fmt: skip
+                "map/search.js", "map/trials.js", "map/controls.js")  # fmt: skip
 
 
 def write_press_page(

@@ -10,10 +10,19 @@ from springpot.emission import Plan
 from springpot.figures import plain
 from springpot.host.wings.report.error_parts import SpeedError
 from springpot.host.wings.report.relaxation import Hold, relaxed_share, settled_after_s
-from springpot.validation import SCORED_ABOVE_N, PlaceError, floor_words, geometric_mean, place_line
+from springpot.validation import (
+    SCORED_ABOVE_N,
+    PlaceError,
+    SlideError,
+    floor_words,
+    geometric_mean,
+    place_line,
+    slide_line,
+)
 
 _MOSTLY = 0.9  # of samples nearer than a hand can tell: good; below half: bad
 _ACCURATE_PERCENT = 5.0  # RMSE, of the peak, where no sample is above the scored force
+_SLID_PERCENT = 10.0  # of the peak, along the depth
 _WORST_PLACE = 2.0  # times the mean of all places
 _ONE_SIDED = 0.5  # mean error, of the RMSE
 _SHORT_S = 1.0  # of memory: a soft object remembers longer
@@ -79,6 +88,16 @@ def by_place_findings(errors: Sequence[PlaceError]) -> Iterator[SceneFinding]:
     todo = "record sites nearer to each other there, as far apart as the smallest lump's radius"
     grade = Grade.LOOK if apart else Grade.GOOD
     yield SceneFinding("Places", grade, place_line(errors), todo if apart else "")
+
+
+def slide_findings(errors: Sequence[SlideError]) -> Iterator[SceneFinding]:
+    """Yield how far off slides are; nothing without one."""
+    if not errors:
+        return
+    off = max(error.rmse_percent_of_peak for error in errors) > _SLID_PERCENT
+    todo = "record sites nearer to each other on their way, and set places.friction to theirs"
+    grade = Grade.LOOK if off else Grade.GOOD
+    yield SceneFinding("Slides", grade, slide_line(errors), todo if off else "")
 
 
 def relaxation_finding(plan: Plan, hold: Hold, recorded: Hold | None) -> SceneFinding:

@@ -30,7 +30,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built
-from springpot.host.validation.validation import proxy_positions
+from springpot.host.validation.compared import proxy_positions
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording

@@ -17,7 +17,7 @@ from springpot.codegen.reference.run import run_reference
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built
-from springpot.host.validation.validation import proxy_positions
+from springpot.host.validation.compared import proxy_positions
 
 KINDS = ("hammerstein", "rf-fd", "rbf-fd", "rbf-pv", "boosted-recursive", "rf-history-quantised")
 MODES = ("off", "tool", "proxy")

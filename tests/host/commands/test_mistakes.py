@@ -12,8 +12,8 @@ from support.files.recording_files import pressed_object
 from support.in_process import spring
 from support.paths import ROOT
 
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording_file import read_recordings
-from springpot.trainer.recordings.spikes import hold_spikes
 
 TABLE = tomllib.loads((ROOT / "tests/data/mistakes.toml").read_text("utf-8"))
 MISTAKES: dict[str, dict[str, Any]] = TABLE["factors"] | TABLE["faults"]

@@ -226,6 +226,25 @@ def test_resampling_does_not_bridge_gaps(tmp_path: Path) -> None:
     assert "more than 20 times" in refusal(tmp_path, GOOD, rate=1e6)
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_a_gap_is_found_at_any_row_and_a_logger_that_slows_down_has_none(
+    tmp_path: Path, seed: int
+) -> None:
+    """A relaxation has fewer rows later: the rate that is named is that of the first ones."""
+    draw = np.random.default_rng(seed)
+    slows = np.cumsum(0.01 * draw.uniform(1.01, 1.08) ** np.arange(draw.integers(60, 160)))
+    message = refusal(tmp_path, rows(slows))
+    assert "--resample-hz" in message and "gap of" not in message
+    rate_hz = float(message.rpartition(" ")[2])
+    assert 25.0 < rate_hz <= 100.0
+    resampled = load(tmp_path, rows(slows), resample_hz=rate_hz)
+    assert resampled.duration_s == pytest.approx(slows[-1] - slows[0], abs=0.05)
+    row = int(draw.integers(10, 90))
+    even = np.arange(100) * 0.01
+    even[row:] += draw.uniform(0.01, 5.0)
+    assert f"row {row + 2}: gap of" in refusal(tmp_path, rows(even), rate=100.0)
+
+
 @pytest.mark.parametrize(("zero", "position"), [("first", [0.0, -1.0, 1.0]), ("min", [1, 0, 2])])
 def test_zero(tmp_path: Path, zero: str, position: list[float]) -> None:
     file = tmp_path / "a.csv"

@@ -15,8 +15,8 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.quality.report import check_recordings
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.spikes import hold_spikes
 
 CYCLES = 0.006 + press(1.0, 0.004, 3)
 

@@ -104,6 +104,46 @@ def test_keys_find_the_lump_and_the_page_says_how_far_off(
     assert browser.errors == []
 
 
+_CHANCE = "{ let s = 7; Math.random = () => (s = (s * 16807) % 2147483647) / 2147483647; }"
+_SAVED = """(() => { let saved; const kept = URL.createObjectURL;
+  URL.createObjectURL = (blob) => (saved = blob, kept(blob));
+  document.getElementById("save-trials").click();
+  return saved.text(); })()"""
+
+
+def test_who_presses_at_nine_places_and_marks_the_stiffest_finds_it_in_trials(
+    page: Path, browser: DrivenBrowser
+) -> None:
+    """Each trial shows another part of the map, mirrored by chance, and says nothing of it."""
+    opened(browser, page, 0.9)
+    browser.value(_CHANCE)
+    browser.value("document.getElementById('trials').click()")
+
+    def pressed_npmm(across: float, down: float) -> float:
+        x, y = point(browser, across, down)
+        browser.mouse("mouseMoved", x, y)
+        browser.mouse("mousePressed", x, y)
+        time.sleep(0.9)
+        depth_mm, force_n = re.findall(r"(-?[\d.]+) (?:mm deep|N)", text_of(browser, "place"))[:2]
+        assert " mm, y" not in text_of(browser, "place")
+        browser.mouse("mouseReleased", x, y)
+        until_pressed(browser, False)
+        return float(force_n) / float(depth_mm)
+
+    for trial in (1, 2):
+        assert text_of(browser, "found").startswith(f"Trial {trial} of 10")
+        places = [(x, y) for x in (0.3, 0.5, 0.7) for y in (0.3, 0.5, 0.7)]
+        stiffest = max(places, key=lambda at: pressed_npmm(*at))
+        pressed_npmm(*stiffest)
+        browser.value("document.getElementById('mark').click()")
+    browser.value("document.getElementById('search').click()")
+    assert text_of(browser, "found").startswith("2 of 2 found")
+    rows = browser.value(_SAVED).splitlines()
+    assert len(rows) == 3 and rows[0].startswith("trial,marked_x_m")
+    assert [row.split(",")[-1] for row in rows[1:]] == ["10", "10"]  # presses
+    assert browser.errors == []
+
+
 def test_a_finger_presses_where_it_is_put(page: Path, browser: DrivenBrowser) -> None:
     opened(browser, page, 0.9, width=400)
     x, y = point(browser, 0.75, 0.35)

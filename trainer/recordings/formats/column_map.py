@@ -32,16 +32,20 @@ _LABELS: dict[Quantity, set[str]] = {
     },
     "force": {"force", "load", "f", "fz"},
 }
-# Of texture analysers, LabVIEW and testing machines in German and French: taken where no word above
-# is found.
+# Of texture analysers, indenters (penetration depth, normal force), LabVIEW and testing machines in
+# German, French, Spanish and Italian: taken where no word above is found.
 _OTHER_LABELS: dict[Quantity, set[str]] = {
-    "time": {"zeit", "prüfzeit", "temps", "x_value"},
+    "time": {"zeit", "prüfzeit", "temps", "tiempo", "tempo", "elapsed", "x_value"},
     "position": {
         *("distance", "travel", "crosshead", "weg", "standardweg", "traversenweg", "eindringtiefe"),
-        *("verlängerung", "verformung", "verschiebung", "kompressionsweg", "déplacement"),
+        *("verlängerung", "verformung", "verschiebung", "kompressionsweg", "traverse", "pd"),
+        *("déplacement", "deplacement", "enfoncement", "desplazamiento", "spostamento"),
         "kompressionsverschiebung",
     },
-    "force": {"kraft", "standardkraft", "prüfkraft", "kompressionskraft", "last"},
+    "force": {
+        *("kraft", "standardkraft", "prüfkraft", "kompressionskraft", "last", "fn", "charge"),
+        *("fuerza", "carga", "forza", "carico"),
+    },
 }
 # Date and time in one column, and German words that may be a strain: taken where no other is found.
 _LAST_LABELS: dict[Quantity, set[str]] = {
@@ -166,17 +170,34 @@ def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
 
 
 def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
-    """Prefer a label that is one of the known words to one that only contains such a word."""
-    labels = [_CAMEL.sub("_", split_unit(cell, quantity)[0]).casefold().strip() for cell in row]
+    """Prefer a label that is one of the known words to one that only contains such a word.
+
+    A column in a unit of another quantity is no candidate. Without a word, a symbol in a unit of
+    this one is ("s [mm]").
+    """
+    others = [q for q in QUANTITIES if q != quantity]
+    own = {i: cell for i, cell in enumerate(row) if not any(_in_unit_of(cell, q) for q in others)}
+    labels = {
+        i: _CAMEL.sub("_", split_unit(cell, quantity)[0]).casefold().strip()
+        for i, cell in own.items()
+    }
+    words = {
+        i: set(re.split(r"[\W\d_]+", label.replace("x_value", ""))) for i, label in labels.items()
+    }
+    elsewhere = set[str]().union(*(_LABELS[q] for q in others))
     for known in (_LABELS[quantity], _OTHER_LABELS[quantity], _LAST_LABELS[quantity]):
-        exact = [i for i, label in enumerate(labels) if label in known]
+        exact = [i for i, label in labels.items() if label in known]
         if exact:
             return exact
-        words = [set(re.split(r"[\W\d_]+", label.replace("x_value", ""))) for label in labels]
-        found = [i for i, w in enumerate(words) if w & known and not w & _NOT_A_LABEL]
-        if found:
-            return found
-    return []
+        found = [i for i, w in words.items() if w & known and not w & _NOT_A_LABEL]
+        if found:  # an indentation force is a force
+            return [i for i in found if not words[i] & elsewhere] or found
+    return [i for i, cell in own.items() if len(labels[i]) < 3 and _in_unit_of(cell, quantity)]
+
+
+def _in_unit_of(header: str, quantity: Quantity) -> bool:
+    unit = split_unit(header, quantity)[1]
+    return unit is not None and is_unit(unit, quantity)
 
 
 def column_units(

@@ -29,6 +29,7 @@ from springpot.trainer.recordings.journal_reader import is_being_recorded, read_
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 from springpot.trainer.recordings.recording_file import has_checksum, read_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
+from springpot.trainer.recordings.slides import way_words
 
 _NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
 _PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
@@ -128,7 +129,9 @@ def _imported(
             raise DataError(f"{error}{other}") from None
         recordings.append(recording)
         first = str(recording.details.get("first_row_cut", ""))
-        guess += "".join(f"; {note}" for note in (first, tail_note(recording), *messages) if note)
+        slides = way_words(recording.channels)
+        notes = (first, tail_note(recording), *messages, slides and f"slides: {slides}")
+        guess += "".join(f"; {note}" for note in notes if note)
     return ImportResult(recordings, f"{path}: {guess}")
 
 

@@ -37,21 +37,20 @@ def to_recording(
         raw = without_odd_first(raw, _slack_s(raw, 1))
     _check_gaps(raw)
     details = {**raw.details, "sampling": _sampling(raw)}
+    given = {"position_m": raw.position_m, "force_n": raw.force_n, **raw.beside}
     last_even = None if resample_hz else _last_even(raw)
     if last_even is not None:
         grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
         details["sampling"]["tail"]["from_row"] = raw.line_of(last_even + 1)
-        position_m = on_grid(raw.time_s, raw.position_m, grid_s, last_even)
-        force_n = on_grid(raw.time_s, raw.force_n, grid_s, last_even)
+        channels = {k: on_grid(raw.time_s, its, grid_s, last_even) for k, its in given.items()}
         dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
     elif resample_hz is None:
         _check_even(raw)
-        position_m, force_n = raw.position_m, raw.force_n
+        channels = given
         dt_s = float(raw.time_s[-1] - raw.time_s[0]) / (len(raw.time_s) - 1)
     else:
         grid_s = _grid(raw, resample_hz)
-        position_m = np.interp(grid_s, raw.time_s, raw.position_m)
-        force_n = np.interp(grid_s, raw.time_s, raw.force_n)
+        channels = {k: np.interp(grid_s, raw.time_s, its) for k, its in given.items()}
         dt_s = 1.0 / resample_hz
         details |= {
             "resampled_hz": resample_hz,
@@ -59,6 +58,7 @@ def to_recording(
             "source_rows": len(raw.time_s),
             "source_median_step_s": float(np.median(np.diff(raw.time_s))),
         }
+    position_m, force_n = channels.pop("position_m"), channels.pop("force_n")
     zero = zero_word(zero)
     if zero != "none":
         pick = np.min if zero == "min" else lambda samples: samples[0]
@@ -70,7 +70,7 @@ def to_recording(
     place_x_m, place_y_m = raw.place_m or (None, None)
     return Recording(
         name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
-        place_x_m=place_x_m, place_y_m=place_y_m,
+        channels=channels, place_x_m=place_x_m, place_y_m=place_y_m,
     )  # fmt: skip
 
 
@@ -112,7 +112,7 @@ def _check_shapes(raw: RawChannels) -> None:
 
 def _check_finite(raw: RawChannels) -> None:
     channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
-    for channel, samples in channels.items():
+    for channel, samples in {**channels, **raw.beside}.items():
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):
             raise DataError(
@@ -149,7 +149,10 @@ def _check_gaps(raw: RawChannels) -> None:
     # along: where there are many, the mean is the better measure of what is usual.
     if len(steps_s) >= _MANY_STEPS:
         usual_s = max(usual_s, float(np.mean(steps_s)))
-    bad = np.flatnonzero(steps_s > GAP_STEPS * usual_s + _rounding_s(raw))
+    # A logger that slows down, as for a relaxation, has long steps; no step is much longer than the
+    # one before.
+    long_s = GAP_STEPS * np.maximum(usual_s, np.append(usual_s, steps_s[:-1])) + _rounding_s(raw)
+    bad = np.flatnonzero(steps_s > long_s)
     if len(bad):
         raise DataError(
             f"{_at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "
@@ -159,8 +162,9 @@ def _check_gaps(raw: RawChannels) -> None:
 
 def _check_even(raw: RawChannels) -> None:
     median_s = float(np.median(np.diff(raw.time_s)))
-    mean_hz = (len(raw.time_s) - 1) / float(raw.time_s[-1] - raw.time_s[0])
-    remedy = f"nothing is resampled unasked, pass {_option(raw, _round_hz(mean_hz))}"
+    mean_hz, fine_hz = _rates_hz(raw)
+    hz = fine_hz if fine_hz > GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
+    remedy = f"nothing is resampled unasked, pass {_option(raw, _round_hz(hz))}"
     for span in (1, _DRIFT_STEPS):
         if span >= len(raw.time_s):
             continue
@@ -176,6 +180,12 @@ def _check_even(raw: RawChannels) -> None:
             )
 
 
+def _rates_hz(raw: RawChannels) -> tuple[float, float]:
+    """Mean rate of the samples, and that of the tenth of the steps that is finest."""
+    steps_s = np.diff(raw.time_s)
+    return 1.0 / float(np.mean(steps_s)), 1.0 / float(np.quantile(steps_s, 0.1))
+
+
 def _rounding_s(raw: RawChannels) -> float:
     """Return what the last bits of a double can add to a difference of two time stamps."""
     return 4.0 * float(np.spacing(np.abs(raw.time_s[[0, -1]]).max()))
@@ -183,7 +193,7 @@ def _rounding_s(raw: RawChannels) -> float:
 
 def _grid(raw: RawChannels, rate_hz: float) -> Samples:
     span_s = float(raw.time_s[-1] - raw.time_s[0])
-    source_hz = (len(raw.time_s) - 1) / span_s
+    source_hz = max(_rates_hz(raw))
     if rate_hz > MAX_UPSAMPLING * source_hz:
         raise DataError(
             f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "

@@ -7,6 +7,7 @@ from math import dist
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import Repeats
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.slides import presses_of
 
 SAME_PLACE_M = 1e-4  # what no printed grid and no stage tells apart
 _NEAR = 0.25  # of the usual distance to the nearest other site
@@ -18,7 +19,7 @@ Site = tuple[float, float]
 def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
     """Numbers of the recordings of each site, x and y in m, in the order of recording.
 
-    Recordings without a place are of no site.
+    Recordings without a place, as slides are, are of no site.
     """
     sites: dict[Site, list[int]] = {}
     for number, recording in enumerate(recordings):
@@ -39,7 +40,7 @@ def place_findings(
     sites = sites_of(recordings)
     if not sites:
         return
-    without = [recording.name for recording in recordings if recording.place_m is None]
+    without = [press.name for press in presses_of(recordings) if press.place_m is None]
     if without:
         yield refusal(
             "places", without[0], f"{len(without)} recordings have no place, others have one",

@@ -36,9 +36,10 @@ from springpot.trainer.recordings.quality.signs import (
     signs_of_all,
 )
 from springpot.trainer.recordings.quality.snap import snap_findings
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
-from springpot.trainer.recordings.spikes import hold_spikes
+from springpot.trainer.recordings.slides import is_slide, presses_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +77,7 @@ class QualityReport(Faces):
     def figures(self) -> dict[str, Any]:
         """Figures of the set."""
         find_coverage: Any = part("coverage")
+        presses = presses_of(self.checked)
         floor = noise_floor(self.repeats, self.cycles, self.checked)
         return {
             "noise_floor_n": None if floor.source == "sensor" else floor.rms_n,
@@ -85,8 +87,8 @@ class QualityReport(Faces):
                 {"names": list(g.names), "noise_floor_n": g.noise_n, "drift_n": g.drift_n}
                 for g in self.repeats
             ],
-            "distinct_speeds_mps": distinct_speeds(self.checked),
-            "coverage": find_coverage(self.checked).as_dict() if find_coverage else None,
+            "distinct_speeds_mps": distinct_speeds(presses),
+            "coverage": find_coverage(presses).as_dict() if find_coverage and presses else None,
             "skew_s": self.skew.delay_s if self.skew else None,
             "skew_uncertainty_s": self.skew.uncertainty_s if self.skew else None,
             "signs": self.sign_words,
@@ -95,7 +97,9 @@ class QualityReport(Faces):
     @property
     def sign_words(self) -> str:
         """Which way the channels point, in one line."""
-        return signs_of_all(self.signs).words
+        pairs = zip(self.checked, self.signs, strict=True)
+        of_presses = [signs for its, signs in pairs if not is_slide(its)]
+        return signs_of_all(of_presses).words if of_presses else "signs of a slide are not judged"
 
     @property
     def refused(self) -> bool:
@@ -131,12 +135,18 @@ def check_recordings(given: Recordings) -> QualityReport:
         held, spikes = hold_spikes(recording)
         recordings.append(held)
         findings += spikes
-    cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
+    cycles = [
+        None if is_slide(recording) else find_cycles(recording)
+        for recording in counted(recordings, "finding cycles")
+    ]
     signs = [find_signs(recording) for recording in recordings]
     touched: list[Recording] = []
     rig_findings: Any = part("rig-findings")
     for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
+        if is_slide(recording):  # its force changes with the place too, at any depth
+            findings += [finding for finding in of_channels if finding.kind != "clipping"]
+            continue
         of_signs = list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
         # One cause, one line: a turned sign moves the contact, a hum hides it.
@@ -145,16 +155,17 @@ def check_recordings(given: Recordings) -> QualityReport:
             if not any(finding.kind == "hum" for finding in of_rig):
                 touched.append(recording)
             findings += of_rig
+    presses = presses_of(recordings)
     findings += contact_findings(touched)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
-    findings += [] if refused else snap_findings(recordings)
-    findings += speed_findings(recordings)
-    repeats = find_repeats(recordings)
+    findings += [] if refused else snap_findings(presses)
+    findings += speed_findings(presses) if presses else []
+    repeats = find_repeats(presses)
     findings += place_findings(recordings, repeats)
     findings += repeat_findings(repeats)
     skew = estimate_skew([found for found in cycles if found])
     findings += filter_findings(recordings, cycles, skew)
-    findings += skew_findings(recordings, skew)
+    findings += skew_findings(presses, skew)
     return QualityReport(recordings, findings, cycles, signs, repeats, skew)
 
 

@@ -22,8 +22,8 @@ from springpot.trainer.recordings.quality.sign_evidence import (
     deeper_by_slope,
     dissipation,
 )
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.spikes import hold_spikes
 
 _ENERGY = 0.01  # of travel times range of force: less is the sensors' alignment
 _WRONG_SIGN = -0.5  # correlation of the channels

@@ -103,13 +103,17 @@ def validators() -> ProcessPoolExecutor:
 
 
 def begin_object(
-    data: ObjectRecordings, folder: Path, work: Work, pool: ProcessPoolExecutor
+    data: ObjectRecordings,
+    fits: "Mapping[str, Fit]",
+    folder: Path,
+    work: Work,
+    pool: ProcessPoolExecutor,
 ) -> Callable[[], ObjectResult]:
-    """Fit every kind, write its C into `folder`, and let `pool` build and validate that.
+    """Write the C of every kind into `folder`, and let `pool` build and validate it.
 
-    Return what waits for the result. Raises DataError where recordings do not fit together.
+    Return what waits for the result.
     """
-    fits, scene = _fits(data, work), plain_scene(data.name)
+    scene = plain_scene(data.name)
     folders = {kind: _written(kind, fits[kind].model, scene, folder) for kind in work.kinds}
     validations = {
         kind: pool.submit(validate, place, data.validation, paced_s=work.paced_s)
@@ -171,8 +175,11 @@ def shown_object(results: Sequence[ObjectResult]) -> ObjectResult:
     return named[0] if named else by_softness(results)[len(results) // 2]
 
 
-def _fits(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
-    """Return all kinds, on one training set: what several hold is fitted once."""
+def fit_object(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
+    """Return all kinds, on one training set: what several hold is fitted once.
+
+    Raises DataError where recordings do not fit together.
+    """
     from springpot import FitOptions
     from springpot.modelling import fit_kind, training_set
 

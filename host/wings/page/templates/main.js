@@ -83,9 +83,13 @@ function stop() {
 }
 
 function download() {
+  save({{ "map?.csv(trace.csv()) ?? " if maps }}trace.csv(), "pressed");
+}
+
+function save(text, what) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([{{ "map?.csv(trace.csv()) ?? " if maps }}trace.csv()], { type: "text/csv" }));
-  link.download = `${scene.entry.name}-pressed.csv`;
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.download = `${scene.entry.name}-${what}.csv`;
   link.click();
   URL.revokeObjectURL(link.href);
 }

@@ -10,7 +10,11 @@ from support.small import press, soft_force, training
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.formats.column_map import guess_column, parse_map
+from springpot.trainer.recordings.formats.column_map import (
+    guess_column,
+    parse_map,
+    split_unit,
+)
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.recording import Recording
@@ -61,6 +65,32 @@ def test_a_known_word_goes_before_one_of_another_trade() -> None:
     assert guess_column(["Travel rate", "Gewicht", "X_Value"], "position") == []
     assert guess_column(["Standardweg [mm]", "Stauchung [%]"], "position") == [0]
     assert guess_column(["Prüfzeit [s]", "Stauchung [mm]"], "position") == [1]
+
+
+@pytest.mark.parametrize("header", [
+    "Time (s)\tPd (µm)\tFn (µN)\tFnRef (µN)\tSegmentID", "Temps (s);Charge (N);Déplacement (mm)",
+    "Tiempo (s),Carga (N),Desplazamiento (mm)", "Prüfzeit [s];Standardkraft [N];Traverse abs. [mm]",
+    "t [s];F [N];s [mm]", "Time (s),Indentation depth (mm),Indentation force (N)",
+    "elapsed_s,z_actual_mm,F_ext_z_N", "Time (s),Gap rate (mm/s),Stroke (mm),Load (kN)",
+])  # fmt: skip
+def test_each_channel_of_a_header_is_one_column(header: str) -> None:
+    """Words of several trades; a column in newtons, or of a force by its words, is no position."""
+    row = re.split("[\t;,]", header)
+    for quantity, unit in (("time", "s"), ("position", "m"), ("force", "N")):
+        (index,) = guess_column(row, quantity)
+        assert split_unit(row[index], quantity)[1].endswith(unit)
+
+
+@pytest.mark.parametrize("map_text", ["time=1,position=2,force=3", ""])
+def test_an_indenter_s_table_stands_below_a_blank_line(tmp_path: Path, map_text: str) -> None:
+    head = "Indentation\n\n   Pause :\t30.0 s\n\nTime :8:00:16 AM\n\nMeasured values\n"
+    rows = "".join(f"{k / 10}\t{k / 5}\t{k}\t5.35\n" for k in range(60))
+    text = f"{head}Time (s)\tPd (µm)\tFn (µN)\tFnRef (µN)\n\n{rows}"
+    (tmp_path / "a.TXT").write_text(text, encoding="cp1252")
+    mapping = parse_map(map_text) if map_text else None
+    (found,) = import_file(tmp_path / "a.TXT", mapping, "none", None).recordings
+    assert found.position_m[-1] == pytest.approx(11.8e-6)
+    assert found.force_n[-1] == pytest.approx(59e-6)
 
 
 REFUSED = {

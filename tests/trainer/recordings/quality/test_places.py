@@ -50,13 +50,6 @@ def test_columns_of_a_table_are_its_place(tmp_path: Path, header: str, cells: st
     assert read.place_m == pytest.approx((0.005, -0.01))
 
 
-def test_a_table_of_two_places_is_refused_with_its_row(tmp_path: Path) -> None:
-    rows = "".join(f"{k / 100},{k % 5},{k % 7},{k // 40},0\n" for k in range(50))
-    (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N,place_x_mm,place_y_mm\n{rows}")
-    with pytest.raises(DataError, match="row 42: the place changes"):
-        import_file(tmp_path / "a.csv", None, "none", None)
-
-
 def test_a_place_is_given_on_import_and_shown_by_check(tmp_path: Path) -> None:
     rows = "".join(f"{k / 100},{np.sin(k / 9) ** 2},{np.sin(k / 9) ** 2}\n" for k in range(200))
     (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N\n{rows}")

@@ -11,6 +11,7 @@ from springpot.host.wings.evidence.paper.reproduce import (
     PAPER_KINDS,
     Work,
     begin_object,
+    fit_object,
     simulated,
     validators,
 )
@@ -25,7 +26,9 @@ SMALL = Work(kinds=PAPER_KINDS, trees=20, presses=4, signals=1)
 def test_the_papers_study_runs_to_its_report(tmp_path: Path) -> None:
     with validators() as pool:
         for name in OBJECTS:
-            begin_object(simulated(name, "a", SMALL), tmp_path / "models" / name, SMALL, pool)
+            data = simulated(name, "a", SMALL)
+            fits = fit_object(data, SMALL)
+            begin_object(data, fits, tmp_path / "models" / name, SMALL, pool)
     written = write_study_files(tmp_path / "study", tmp_path / "models", OBJECTS)
     assert written[-1].name == STUDY
     assert len(written) == 16

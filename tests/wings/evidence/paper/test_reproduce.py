@@ -26,6 +26,7 @@ from springpot.host.wings.evidence.paper.reproduce import (
     ObjectResult,
     Work,
     begin_object,
+    fit_object,
     simulated,
     validators,
 )
@@ -73,8 +74,9 @@ def test_keys_files_and_captions(tmp_path: Path) -> None:
 @cache
 def little_result(folder: Path) -> ObjectResult:
     work = Work(kinds=PAPER_KINDS, trees=5, presses=6, signals=1, paced_s=0.1)
+    data = simulated("dragon-skin-fx", "b", work)
     with validators() as pool:
-        return begin_object(simulated("dragon-skin-fx", "b", work), folder, work, pool)()
+        return begin_object(data, fit_object(data, work), folder, work, pool)()
 
 
 def judged(result: ObjectResult) -> dict[str, Claim]:

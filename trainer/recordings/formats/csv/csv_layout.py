@@ -32,7 +32,7 @@ from springpot.trainer.recordings.formats.csv.csv_missing import (
 from springpot.trainer.recordings.formats.csv.csv_units import (
     clock_units,
     labview_units,
-    place_columns,
+    pair_columns,
     unit_row,
 )
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark, decimal_mark
@@ -64,7 +64,9 @@ class Layout:
     clock: bool
     beside: bool
     unread_time: tuple[int, str] | None  # a column of time and its header, where a rate is stated
-    place: tuple[tuple[int, float], ...] = ()  # columns place_x and place_y, and their factors to m
+    # Columns place_x and place_y, and lateral_x and lateral_y, and their factors to m and N.
+    place: tuple[tuple[int, float], ...] = ()
+    lateral: tuple[tuple[int, float], ...] = ()
 
 
 def find_layout(
@@ -123,7 +125,10 @@ def _layout_by_numbers(path: Path, head: Sequence[str], request: FileRequest, be
             if len(row) <= max(chosen.values()):
                 continue
             if all(is_value(row[i]) for i in chosen.values()):
-                return _layout(path, head, delimiter, index - 1, chosen, columns, request)
+                header = index - 1
+                while header > begin and not head[header].strip():
+                    header -= 1
+                return _layout(path, head, delimiter, header, chosen, columns, request)
     numbers = ", ".join(str(i + 1) for i in chosen.values())
     raise DataError(
         f"{path}: no row has numbers in columns {numbers} (first {len(head)} rows read): "
@@ -185,7 +190,8 @@ def _layout(
         clock=clock,
         beside=len(guess_column(header, "time")) > 1,
         unread_time=None if "time" in chosen else _time_beside(header),
-        place=place_columns(path, header, below if units_below else []),
+        place=pair_columns(path, header, below if units_below else [], "place", "position"),
+        lateral=pair_columns(path, header, below if units_below else [], "lateral", "force"),
     )
 
 

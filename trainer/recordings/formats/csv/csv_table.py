@@ -12,12 +12,14 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import split_unit
 from springpot.trainer.recordings.formats.csv.csv_cells import column_numbers, last_digit
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout
 from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT
 from springpot.trainer.recordings.formats.units import factor_to_si
+from springpot.trainer.recordings.slides import LATERAL
 
 UTF8 = "utf-8-sig"
 _TAIL_CHARACTERS, _TAIL_LINES = 1 << 16, 1000
@@ -83,25 +85,18 @@ class CsvTable:
                     "source"
                 ) from None
 
-    def place_m(self) -> tuple[float, float] | None:
-        """Return x and y of the place that columns state, m; None without such columns.
+    def place_m(self) -> tuple[tuple[float, float] | None, dict[str, Samples]]:
+        """Return x and y of the place that columns state, m, or the channels of a slide.
 
-        Raises DataError if the place changes: a recording is of one.
+        The one that it is not is None, or empty; without such columns, both are.
         """
+        options = (*self.layout.place, *self.layout.lateral)
         if not self.layout.place:
-            return None
-        numbers = self.numbers([column for column, _ in self.layout.place])
-        moved = np.flatnonzero((numbers != numbers[:1]).any(axis=1))
-        if len(moved):
-            line = next(islice(self.rows(), int(moved[0]), None))[0]
-            raise DataError(
-                f"{self.path}, row {line}: the place changes: a recording is of one place, cut the "
-                "file there"
-            )
-        x, y = (
-            float(n) * to_si for n, (_, to_si) in zip(numbers[0], self.layout.place, strict=True)
-        )
-        return x, y
+            return None, {}
+        found = self.numbers([column for column, _ in options]) * [to_si for _, to_si in options]
+        if (found[:, :2] == found[:1, :2]).all():
+            return (float(found[0, 0]), float(found[0, 1])), {}
+        return None, dict(zip(LATERAL, found.T, strict=False))
 
     def beside(self, rate_hz: float) -> str:
         """Compare the column of time that is not read with the stated rate; return a message."""

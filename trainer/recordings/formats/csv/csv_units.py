@@ -51,16 +51,21 @@ def clock_units(
     return header, columns, {**units, "time": "s"}
 
 
-def place_columns(path: Path, header: Cells, unit_row: Cells) -> tuple[tuple[int, float], ...]:
-    """Columns that say where the object was pressed, x and y, and factors to m; none without."""
-    labels = [split_unit(cell, "position") for cell in header]
+def pair_columns(
+    path: Path, header: Cells, unit_row: Cells, pair: str, quantity: Quantity
+) -> tuple[tuple[int, float], ...]:
+    """Columns named pair_x and pair_y, with their factors to m or N; none without.
+
+    Raises DataError for one of them alone.
+    """
+    labels = [split_unit(cell, quantity) for cell in header]
     found = []
-    for name in ("place_x", "place_y"):
+    for name in (f"{pair}_x", f"{pair}_y"):
         for index, (label, unit) in enumerate(labels):
             if label.casefold() == name:
                 below = unit_row[index].strip("()[]{} ") if index < len(unit_row) else ""
                 where = f"{path}, column {header[index]!r}"
-                found.append((index, factor_to_si(unit or below, "position", where)))
+                found.append((index, factor_to_si(unit or below, quantity, where)))
     if len(found) == 1:
-        raise DataError(f"{path}: a place has place_x and place_y: add the other column")
+        raise DataError(f"{path}: a {pair} has {pair}_x and {pair}_y: add the other column")
     return tuple(found[:2])

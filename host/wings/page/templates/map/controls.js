@@ -22,7 +22,7 @@ function press_map_with_pointer(canvas) {
     if (map === null || intent === null || (pressing !== null && pressing !== event.pointerId)) return;
     const box = canvas.getBoundingClientRect(), all = event.getCoalescedEvents?.() ?? [];
     for (const one of all.length > 0 ? all : [event])
-      map.place.go(one.timeStamp, map_view.place_at(one.clientX - box.left, one.clientY - box.top));
+      map.place.go(one.timeStamp, map_view.within(map_view.place_at(one.clientX - box.left, one.clientY - box.top)));
   };
   canvas.addEventListener("pointermove", follow);
   canvas.addEventListener("pointerdown", (event) => {
@@ -48,7 +48,7 @@ function press_map_with_pointer(canvas) {
 function step_place(steps) {
   const spans_m = map_view.spans_m, to_m = map.place.to_m;
   const step_m = map_view.step_m(steps.map((its, k) => its * KEY_SHARE * spans_m[k]));
-  map.place.go(performance.now(), to_m.map((its_m, k) => its_m + step_m[k]));
+  map.place.go(performance.now(), map_view.within(to_m.map((its_m, k) => its_m + step_m[k])));
 }
 
 function press_map_with_keys(canvas) {
@@ -74,4 +74,6 @@ function listen_to_map() {
   press_map_with_keys(find("map"));
   find("search").addEventListener("click", search);
   find("mark").addEventListener("click", mark);
+  find("trials").addEventListener("click", begin_trials);
+  find("save-trials").addEventListener("click", () => save(trials_csv(), "trials"));
 }

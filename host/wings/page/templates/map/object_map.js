@@ -72,6 +72,7 @@ class ObjectMap {
     this.force_n = [0, 0];
     this.touched_m = null; // where the tool touched last
     this.touches = false;
+    this.presses = 0;
     this.most_n = 0; // of the lateral force
     this.trail = [];
     this.count = 0;
@@ -93,6 +94,7 @@ class ObjectMap {
       if (depth_m[i] > 0) this.touched_m = [this.x_m[i], this.y_m[i]];
       this.most_n = Math.max(this.most_n, Math.hypot(this.x_n[i], this.y_n[i]));
     }
+    if (!this.touches && depth_m[ticks - 1] > 0) this.presses++;
     this.touches = depth_m[ticks - 1] > 0;
     this.at_m = [this.x_m[ticks - 1], this.y_m[ticks - 1]];
     this.force_n = [this.x_n[ticks - 1], this.y_n[ticks - 1]];

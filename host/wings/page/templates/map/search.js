@@ -1,7 +1,7 @@
 // Find the lump: with the colours off, by the force alone.
 
 let map = null, map_view, placed_ms = -READ_MS; // map: null if the object is the same everywhere
-const found = { colours: true, searches: false, mark_m: null };
+const found = { colours: true, searches: false, marks_m: [] };
 
 // For a scene that was loaded: its map, if it has one.
 function take_map() {
@@ -13,30 +13,43 @@ function take_map() {
   find("map").dataset.depth = map.depth_m;
   show_colours();
   find("found").textContent = "";
+  trials = null;
+  find("save-trials").hidden = true;
   find("slides").hidden = !map.slides;
   find("held").hidden = map.slides;
 }
 
-function show_colours(mark_m = null) {
-  Object.assign(found, { colours: true, searches: false, mark_m });
+function show_colours(marks_m = []) {
+  Object.assign(found, { colours: true, searches: false, marks_m });
   read_search();
 }
 
-// The map is turned by chance: what was seen of it does not help.
 function search() {
-  if (found.searches) return show_colours();
-  Object.assign(found, { colours: false, searches: true, mark_m: null });
-  map_view.turned = [Math.random() < 0.5, Math.random() < 0.5];
-  map.trail = [];
-  map.touched_m = null;
+  if (found.searches) return trials === null ? show_colours() : end_trials();
+  trials = null;
+  find("save-trials").hidden = true;
+  hide_colours(1);
   find("found").textContent = "Press, and compare depth and force: where is it stiffest?";
   read_search();
 }
 
+// The map is turned by chance: what was seen of it does not help. part: of it that is shown.
+function hide_colours(part) {
+  Object.assign(found, { colours: false, searches: true, marks_m: [] });
+  map_view.turned = [Math.random() < 0.5, Math.random() < 0.5];
+  map_view.show_part(part);
+  map.trail = [];
+  map.touched_m = null;
+}
+
 function read_search() {
-  if (!found.searches && map !== null) map_view.turned = [false, false];
+  if (!found.searches && map !== null) {
+    map_view.turned = [false, false];
+    map_view.show_part(1);
+  }
   find("search").textContent = found.searches ? "Give up: show the colours" : "Find the lump with the colours off";
   find("mark").hidden = !found.searches;
+  find("trials").hidden = found.searches;
 }
 
 function mark() {
@@ -46,10 +59,11 @@ function mark() {
     return;
   }
   const off_mm = 1e3 * way_m(map.touched_m, map.stiffest_m), npmm = (npm) => (npm / 1e3).toFixed(2);
+  if (trials !== null) return end_trial(off_mm);
   find("found").textContent = `${off_mm.toFixed(1)} mm from the stiffest place, which has ${
     npmm(map.stiffest_npm)} N/mm; yours has ${npmm(map.stiffness_npm(map.touched_m))}, and the softest ${
     npmm(map.softest_npm)}.`;
-  show_colours(map.touched_m);
+  show_colours([map.touched_m]);
 }
 
 function draw_map(now_ms) {
@@ -58,7 +72,7 @@ function draw_map(now_ms) {
   if (now_ms - placed_ms < READ_MS) return;
   placed_ms = now_ms;
   const at_mm = map_view.shown_m(map.at_m).map((its_m) => (1e3 * its_m).toFixed(1));
-  const words = [`x ${at_mm[0]} mm, y ${at_mm[1]} mm`];
+  const words = trials !== null && found.searches ? [] : [`x ${at_mm[0]} mm, y ${at_mm[1]} mm`];
   if (map.touches) {
     words.push(`${(1e3 * trace.newest_m).toFixed(2)} mm deep`, `${trace.newest_n.toFixed(2)} N`);
     if (map.slides) words.push(`${Math.hypot(...map.force_n).toFixed(2)} N sideways`);

@@ -10,6 +10,7 @@ class MapView {
     this.map = map;
     this.stiffness = new StiffnessPicture(map);
     this.turned = [false, false]; // along x, along y
+    this.seen = map.entry; // first_m, last_m: of the part that is shown
     const [wide_m, high_m] = this.spans_m;
     canvas.style.aspectRatio = Math.min(1.6, Math.max(0.7, wide_m / high_m));
     const { width, height } = canvas.getBoundingClientRect();
@@ -17,7 +18,7 @@ class MapView {
   }
 
   get spans_m() {
-    const { first_m, last_m } = this.map.entry;
+    const { first_m, last_m } = this.seen;
     return first_m.map((its_m, k) => last_m[k] - its_m);
   }
 
@@ -30,20 +31,46 @@ class MapView {
   }
 
   pixels(place_m) {
-    const { first_m, last_m } = this.map.entry, { box } = this, [right_m, up_m] = this.shown_m(place_m);
+    const { first_m, last_m } = this.seen, { box } = this, [right_m, up_m] = this.shown_m(place_m);
     return [box.left + (right_m - first_m[0]) * this.per_m, box.top + (last_m[1] - up_m) * this.per_m];
   }
 
   // The place under a point of the canvas.
   place_at(x, y) {
-    const { first_m, last_m } = this.map.entry, { box } = this;
+    const { first_m, last_m } = this.seen, { box } = this;
     return this.shown_m([first_m[0] + (x - box.left) / this.per_m, last_m[1] - (y - box.top) / this.per_m]);
   }
 
   // A place as the picture shows it: on a map that is turned, its mirror image.
   shown_m(place_m) {
-    const { first_m, last_m } = this.map.entry;
+    const { first_m, last_m } = this.seen;
     return place_m.map((its_m, k) => (this.turned[k] ? first_m[k] + last_m[k] - its_m : its_m));
+  }
+
+  // Show the whole map, 1, or a part of it in which the stiffest place lies, somewhere.
+  show_part(part) {
+    const { first_m, last_m } = this.map.entry, { stiffest_m } = this.map;
+    const begins_m = first_m.map((its_m, k) => {
+      const whole_m = last_m[k] - its_m, span_m = part * whole_m, edge_m = MARGIN * span_m;
+      const least_m = Math.max(its_m, stiffest_m[k] + edge_m - span_m);
+      const most_m = Math.min(last_m[k] - span_m, stiffest_m[k] - edge_m);
+      return Math.max(its_m, Math.min(last_m[k] - span_m, least_m + Math.random() * (most_m - least_m)));
+    });
+    const ends_m = begins_m.map((its_m, k) => its_m + part * (last_m[k] - first_m[k]));
+    this.seen = part < 1 ? { first_m: begins_m, last_m: ends_m } : this.map.entry;
+  }
+
+  get middle_m() {
+    return this.seen.first_m.map((its_m, k) => (its_m + this.seen.last_m[k]) / 2);
+  }
+
+  // The nearest place that a hand reaches: on what is shown, or a little beside it.
+  within(place_m) {
+    const { first_m, last_m } = this.seen;
+    return place_m.map((its_m, k) => {
+      const margin_m = MARGIN * (last_m[k] - first_m[k]);
+      return Math.min(last_m[k] + margin_m, Math.max(first_m[k] - margin_m, its_m));
+    });
   }
 
   // A step on the screen, right and up, as one on the object.
@@ -63,14 +90,14 @@ class MapView {
       this.axes(context, height);
     }
     this.trail(context);
-    if (found.mark_m !== null) this.marks(context, found.mark_m);
+    if (found.marks_m.length > 0) this.marks(context, found.marks_m);
     else if (found.searches && this.map.touched_m !== null && !this.map.touches)
       this.ring(context, this.map.touched_m, 5, "--ink");
     this.hand(context);
   }
 
   axes(context, height) {
-    const { first_m, last_m } = this.map.entry, { box } = this;
+    const { first_m, last_m } = this.seen, { box } = this;
     context.fillStyle = colour("--muted");
     context.textBaseline = "middle";
     const ticks = (k) => {
@@ -162,20 +189,22 @@ class MapView {
   }
 
   // Where the person says that it is stiffest, and where it is.
-  marks(context, mark_m) {
+  marks(context, marks_m) {
     const [x, y] = this.pixels(this.map.stiffest_m);
     for (const [tint, wide] of [["--paper", 6], ["--force", 3]]) {
       context.strokeStyle = colour(tint);
       context.lineWidth = wide;
       context.beginPath();
-      context.moveTo(...this.pixels(mark_m));
-      context.lineTo(x, y);
+      for (const mark_m of marks_m) {
+        context.moveTo(...this.pixels(mark_m));
+        context.lineTo(x, y);
+      }
       for (const [dx, dy] of [[9, 9], [9, -9]]) {
         context.moveTo(x - dx, y - dy);
         context.lineTo(x + dx, y + dy);
       }
       context.stroke();
     }
-    this.ring(context, mark_m, 6, "--force", "--paper");
+    for (const mark_m of marks_m) this.ring(context, mark_m, 6, "--force", "--paper");
   }
 }

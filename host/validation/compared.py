@@ -1,0 +1,187 @@
+"""Recordings through the C of a scene, and the ticks in which its reference has other bits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import member_offset
+from springpot.codegen.progress import counted
+from springpot.codegen.reference.lateral import run_lateral
+from springpot.codegen.reference.run import run_reference
+from springpot.host.metrics import start_up_ramp
+from springpot.host.native.loop_library import NONE, SILENT, UNSENT
+from springpot.host.native.replay import Replay, motions_of
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.note_words import NOTE_NAMES
+from springpot.host.validation.slides import SlideError, slide_error
+from springpot.host.validation.ticks import at_samples, samples_of
+from springpot.trainer.recordings.notices import caution
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.slides import LATERAL, is_slide, slide_path
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """What the C returned along recordings, in their order.
+
+    force_n: along the depth, (n,), N. ramped: samples of each in the start-up ramp. logs: numbers
+    of those that are logs of sessions of the scene. mismatches: ticks of other bits.
+    """
+
+    force_n: tuple[Samples, ...]
+    ramped: tuple[int, ...]
+    logs: frozenset[int]
+    notes: dict[str, int]
+    mismatches: int
+    slides: tuple[SlideError, ...]
+
+
+def compared_all(
+    plan: Plan,
+    library: SceneLibrary,
+    recordings: Sequence[Recording],
+    ticked: Sequence[Recording],
+    board: Any = None,
+) -> Compared:
+    """Run every recording from a fresh state, or those of a session in a row.
+
+    ticked: the recordings at the ticks of the scene. board: runs beside the C, bit for bit.
+    """
+    replay, scene_hash = Replay(library), library.manifest["hash"]
+    predicted: dict[int, Samples] = {}
+    ramps = [0] * len(recordings)
+    logs: set[int] = set()
+    slides: dict[int, SlideError] = {}
+    mismatches = 0
+    counts = dict.fromkeys(NOTE_NAMES.values(), 0)
+    for motion in counted(motions_of(plan, ticked), "replaying"):
+        number = motion.recordings[0]
+        first = recordings[number]
+        if is_slide(first) and not is_log_of(first, scene_hash):
+            along_n, notes, differs = _slid(plan, replay, slide_path(ticked[number]))
+            ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
+            sampled = [at_samples(its, first, plan.dt_s) for its in along_n.astype(float).T]
+            of_scene = 0.0 if plan.lateral is None else float(plan.lateral.anchor.friction)
+            slides[number] = slide_error(first, np.column_stack(sampled), ramps[number], of_scene)
+            force = along_n[:, 2]
+        else:
+            position = motion.depth_m.astype(plan.dtype)
+            velocity = backward_velocity(position, plan.dt_s)
+            force, notes, differs = _pressed(plan, library, replay, position, velocity, first)
+            again = repeat_session(replay, first, scene_hash)
+            if again is None:
+                ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
+            else:
+                logs.add(number)
+                force, notes, others = again
+                differs += others
+            if board is not None:
+                force, others = board.compared(replay, position, velocity)
+                differs += others
+        mismatches += differs
+        for bit, name in NOTE_NAMES.items():
+            counts[name] += int(np.sum(notes & bit != 0))
+        for k, start in zip(motion.recordings, motion.starts, strict=True):
+            its = slice(start, start + len(ticked[k].force_n))
+            predicted[k] = at_samples(force[its].astype(np.float64), recordings[k], plan.dt_s)
+    return Compared(
+        tuple(predicted[k] for k in range(len(recordings))), tuple(ramps), frozenset(logs),
+        counts, mismatches, tuple(slides[k] for k in sorted(slides)),
+    )  # fmt: skip
+
+
+def _pressed(
+    plan: Plan,
+    library: SceneLibrary,
+    replay: Replay,
+    position: NDArray[Any],
+    velocity: NDArray[Any],
+    first: Recording,
+) -> tuple[NDArray[Any], NDArray[Any], int]:
+    """Forces (N) and notes of the C, (n,), and ticks in which the reference differs."""
+    place_m = first.place_m if plan.has_places else None
+    force, notes = replay.run(position, velocity, place_m=place_m)
+    predicted_m = proxy_positions(plan, library, position, velocity, place_m)
+    places = [] if place_m is None else [(0, place_m)]
+    reference = run_reference(plan, position, velocity, predicted_m, places)
+    other = bits_differ(force, reference.force_n) | (notes != reference.notes)
+    return force, notes, int(np.sum(other))
+
+
+def _slid(plan: Plan, replay: Replay, path_m: Samples) -> tuple[NDArray[Any], NDArray[Any], int]:
+    """The same along x, y and depth, (n, 3)."""
+    at_m = path_m.astype(replay.dtype)
+    force, notes = replay.slide(at_m)
+    reference = run_lateral(plan, at_m)
+    other = bits_differ(force, reference.force_n).any(axis=1) | (notes != reference.notes)
+    return force, notes, int(np.sum(other))
+
+
+def is_log_of(recording: Recording, scene_hash: str) -> bool:
+    """Whether a recording is the log of a session of that scene."""
+    session = recording.details.get("session")
+    return bool(session and recording.channels and session["hash"] == scene_hash)
+
+
+def repeat_session(
+    replay: Replay, recording: Recording, scene_hash: str
+) -> tuple[NDArray[Any], NDArray[Any], int] | None:
+    """Make the calls of a session's log again: forces (n,), N, notes, and ticks of other bits.
+
+    None for what is no log of this scene.
+    """
+    if not is_log_of(recording, scene_hash):
+        if recording.channels and (session := recording.details.get("session")):
+            caution(
+                f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces "
+                "are compared as a recording's"
+            )
+        return None
+    channels, call = recording.channels, recording.channels["call"].astype(int)
+    force, notes = replay.repeat(channels, recording.place_m)
+    other = notes != channels["notes"].astype(int)
+    if force.ndim == 2:
+        for column, name in enumerate(LATERAL[2:]):
+            other |= bits_differ(force[:, column].copy(), channels[name].astype(force.dtype))
+        force = force[:, 2].copy()
+    logged = channels["returned_n"].astype(force.dtype)
+    other |= bits_differ(force, logged)
+    felt = recording.force_n.astype(force.dtype)
+    sent_otherwise = bits_differ(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
+    silenced = (call & (NONE | SILENT | UNSENT)) != 0
+    mismatches = int(np.sum((other | sent_otherwise) & ((call & NONE) == 0)))
+    return np.where(silenced, felt, force), notes, mismatches
+
+
+def proxy_positions(
+    plan: Plan,
+    library: SceneLibrary,
+    position: NDArray[Any],
+    velocity: NDArray[Any],
+    place_m: tuple[float, float] | None = None,
+) -> NDArray[Any] | None:
+    """Where the C's proxy is before each tick, (n,), m; the reference proves it. None without."""
+    if not plan.at_proxy:
+        return None
+    offset = member_offset(plan, "couple")
+    state = library.new_state()
+    if place_m is not None:
+        state.place(place_m)
+    found = np.zeros_like(position)
+    for i in range(len(position) - 1):
+        state.step(float(position[i]), float(velocity[i]))
+        found[i + 1] = state.real_at(offset)
+    return found
+
+
+def bits_differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    """Where two arrays of the same type are not the same, bit for bit."""
+    bits = np.uint32 if one.dtype == np.float32 else np.uint64
+    result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
+    return result
