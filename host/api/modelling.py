@@ -116,7 +116,7 @@ if TYPE_CHECKING:
         wanted_columns as wanted_columns,
     )
     from springpot.trainer.recordings.formats.csv.csv_text import read_csv as read_csv
-    from springpot.trainer.recordings.formats.csv.csv_units import place_columns as place_columns
+    from springpot.trainer.recordings.formats.csv.csv_units import pair_columns as pair_columns
     from springpot.trainer.recordings.formats.csv.decimals import is_number as is_number
     from springpot.trainer.recordings.formats.file_format import (
         FileFormat as FileFormat,

@@ -16,7 +16,7 @@ from springpot.modelling import (
     Quantity,
     RawChannels,
     choose_unit,
-    place_columns,
+    pair_columns,
     split_unit,
     stated_hz,
 )
@@ -79,7 +79,8 @@ def _place_m(frame: Any, name: str, labels: Sequence[Hashable]) -> tuple[float, 
     Raises DataError for one of them alone, for its unit, and if the place changes.
     """
     found_m = []
-    for index, to_m in place_columns(Path(name), [str(label) for label in labels], []):
+    names = [str(label) for label in labels]
+    for index, to_m in pair_columns(Path(name), names, [], "place", "position"):
         values = given_numbers(np.asarray(frame[labels[index]]), f"{name}, {labels[index]}")
         if np.ptp(values):
             raise DataError(
