@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         Map as Map,
         small_signal_map as small_signal_map,
     )
+    from springpot.host.stability.verdict import may_do as may_do
     from springpot.trainer.selection.small_signal import ACTIVE as ACTIVE
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

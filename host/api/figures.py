@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         PREDICTED as PREDICTED,
         STYLE as STYLE,
         SVG_METADATA as SVG_METADATA,
+        log_ticks as log_ticks,
         stride as stride,
         svg_text as svg_text,
     )

@@ -12,12 +12,14 @@ from springpot.codegen.arrays import given_numbers
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
 from springpot.files import File
+from springpot.trainer.models.limited import stiffest_words
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.host.native.replay import Replay
     from springpot.host.native.scene_library import SceneState
 
+_FARTHEST_M = 1.0  # of a place, as in a `Recording`
 _TOO_DEEP = 10.0  # times the trained depth, as for `predict`: another unit
 
 
@@ -45,13 +47,14 @@ class LoadedScene:
 
     def __init__(self, folder: Path, accept_edited: bool = False) -> None:
         from springpot.host.emission.checksums import require_as_emitted
-        from springpot.host.emission.emission import require_emission
+        from springpot.host.emission.emission import read_manifest, require_emission
         from springpot.host.native.scene_library import SceneLibrary
 
         require_emission(folder)
         self.edited = require_as_emitted(folder, accept_edited)
         self._folder, self._library = folder, SceneLibrary(folder)
-        self.manifest: dict[str, Any] = self._library.manifest
+        # What the library says of itself is true of what runs, whatever was edited in the file.
+        self.manifest: dict[str, Any] = read_manifest(folder) | self._library.manifest
 
     def __repr__(self) -> str:
         return f"LoadedScene({str(self._folder)!r}, {1.0 / self.dt_s:.6g} Hz)"
@@ -62,15 +65,22 @@ class LoadedScene:
         return float(self.manifest["dt_s"])
 
     def run(
-        self, position_m: ArrayLike | Recording, velocity_mps: ArrayLike | None = None
+        self,
+        position_m: ArrayLike | Recording,
+        velocity_mps: ArrayLike | None = None,
+        *,
+        place_m: tuple[float, float] | None = None,
     ) -> tuple[NDArray[Any], NDArray[np.int32]]:
         """Forces (n,), N, and notes (n,) of a tick for each position (n,), m, from a fresh state.
 
         position_m: also a `Recording` at the scene's rate. velocity_mps: (n,), m/s; by default
         backward differences of the positions. Inputs are rounded to the scene's number type, which
-        the forces have. Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates;
-        a UserWarning says that positions go ten times deeper than the trained presses, as in mm.
+        the forces have. place_m: x and y, m, of a scene with a map; by default the recording's.
+        Notes are bits of sp_notes.h. Raises UsageError for other shapes and rates, for a place in
+        millimetres, and for one where there is no map; a UserWarning says that positions go ten
+        times deeper than the trained presses, as in mm, and that a map was given no place.
         """
+        place_m = self._chosen_m(place_m, position_m)
         if isinstance(position_m, Recording):
             if not np.isclose(position_m.dt_s, self.dt_s, rtol=1e-3):
                 raise UsageError(
@@ -94,7 +104,24 @@ class LoadedScene:
             raise UsageError(
                 f"velocities of shape {velocity.shape}, positions of {position.shape}: give as many"
             )
-        return self._replay.run(position, velocity)
+        return self._replay.run(position, velocity, place_m=place_m)
+
+    def _chosen_m(
+        self, place_m: tuple[float, float] | None, given: ArrayLike | Recording
+    ) -> tuple[float, float] | None:
+        """Place to render: the stated one, else that of a recording if there is a map."""
+        places = self.manifest.get("places")
+        if place_m is not None:
+            if not all(abs(at_m) <= _FARTHEST_M for at_m in place_m):
+                raise UsageError(f"place_m = {place_m}: give x and y in metres, from -1 to 1 m")
+            return place_m
+        if places is None:
+            return None
+        if isinstance(given, Recording) and given.place_m is not None:
+            return given.place_m
+        x_m, y_m = places["start_m"]
+        warnings.warn(f"no place: {stiffest_words((x_m, y_m))}", UserWarning, stacklevel=3)
+        return None
 
     def new_state(self) -> "SceneState":
         """Memory of one object, for single ticks: `step(position_m)` gives force, N, and notes."""

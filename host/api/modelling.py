@@ -81,6 +81,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.limited import (
         extrapolation as extrapolation,
         limited_n as limited_n,
+        unplaced as unplaced,
     )
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.predict import (
@@ -115,6 +116,7 @@ if TYPE_CHECKING:
         wanted_columns as wanted_columns,
     )
     from springpot.trainer.recordings.formats.csv.csv_text import read_csv as read_csv
+    from springpot.trainer.recordings.formats.csv.csv_units import pair_columns as pair_columns
     from springpot.trainer.recordings.formats.csv.decimals import is_number as is_number
     from springpot.trainer.recordings.formats.file_format import (
         FileFormat as FileFormat,

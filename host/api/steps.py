@@ -125,21 +125,26 @@ def train(
 
 
 def predict(
-    model: Model | Fit | File, position_m: ArrayLike | Recording, dt_s: float | None = None
+    model: Model | Fit | File,
+    position_m: ArrayLike | Recording,
+    dt_s: float | None = None,
+    *,
+    place_m: tuple[float, float] | None = None,
 ) -> Samples:
     """Force of the model itself along positions (n,), m: (n,), N, in float64; >= 0 at a surface.
 
     position_m: also a `Recording`, which says its time step and zero itself. dt_s: time between
     samples, s, where it is known: another one than the model's is a DataError, and so are positions
     ten times deeper than the training presses, as in millimetres. A UserWarning says from 1.5 times
-    on that the force is an extrapolation, and of a recording that its signs are no object's.
+    on that the force is an extrapolation, of a recording that its signs are no object's, and that
+    a model with a map was given no place. place_m: x and y, m; by default the recording's.
 
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
     """
     from springpot.host.console.in_python import in_python
     from springpot.trainer.models.compatibility import require_compatible, zero_of
-    from springpot.trainer.models.limited import extrapolation, limited_n
+    from springpot.trainer.models.limited import extrapolation, limited_n, unplaced
     from springpot.trainer.recordings.quality.signs import sign_doubts
 
     model = given_model(model)
@@ -154,9 +159,11 @@ def predict(
         step_s = model.dt_s if dt_s is None else dt_s
         still_n = np.zeros_like(positions)
         recording = Recording("position_m", positions, still_n, step_s, zero_of(model))
+    if place_m is not None:
+        recording = replace(recording, place_x_m=place_m[0], place_y_m=place_m[1])
     require_compatible(recording, model)
     force_n = limited_n(model, recording)
-    for doubt in (*doubts, extrapolation(model, recording)):
+    for doubt in (*doubts, unplaced(model, recording), extrapolation(model, recording)):
         if doubt:
             warnings.warn(in_python(doubt), UserWarning, stacklevel=2)
     return force_n

@@ -5,6 +5,7 @@ import shutil
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
@@ -96,13 +97,21 @@ def read_emission(folder: Path, accept_edited: bool = False) -> Emitted:
     edited = require_as_emitted(folder, accept_edited)
     model = read_model(folder / MODEL_COPY)
     scene = scene_from_json((folder / SCENE_COPY).read_text(), str(folder / SCENE_COPY))
+    metadata = read_manifest(folder)
+    plan = make_plan(model, scene, bool(metadata["accept_unsafe"]))
+    return Emitted(plan, model, edited, edited_hash(str(metadata["hash"]), folder, edited))
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """Read all metadata of an emitted folder. Raises DataError where manifest.json is none."""
+    file = folder / "manifest.json"
     try:
-        metadata = json.loads((folder / "manifest.json").read_text())
-        accepted, emitted_hash = bool(metadata["accept_unsafe"]), str(metadata["hash"])
-    except (OSError, ValueError, KeyError, TypeError):
-        raise DataError(f"{folder / 'manifest.json'}: no manifest: emit again") from None
-    plan = make_plan(model, scene, accepted)
-    return Emitted(plan, model, edited, edited_hash(emitted_hash, folder, edited))
+        metadata: dict[str, Any] = json.loads(file.read_text())
+        if {"accept_unsafe", "hash"} <= metadata.keys():
+            return metadata
+    except (OSError, ValueError, AttributeError):
+        pass
+    raise DataError(f"{file}: no manifest: emit again")
 
 
 def write_emission(

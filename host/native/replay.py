@@ -191,7 +191,9 @@ def replayed(
     ramps = [0] * len(recordings)
     for motion in motions_of(plan, recordings):
         position = motion.depth_m.astype(replay.dtype)
-        force_n, notes = replay.run(position, backward_velocity(position, plan.dt_s))
+        velocity = backward_velocity(position, plan.dt_s)
+        place_m = recordings[motion.recordings[0]].place_m if plan.has_places else None
+        force_n, notes = replay.run(position, velocity, place_m=place_m)
         ramps[motion.recordings[0]] = start_up_ramp(notes)
         for number, start in zip(motion.recordings, motion.starts, strict=True):
             its = slice(start, start + len(recordings[number].force_n))

@@ -124,14 +124,16 @@ def _deepest_m(rendered: Rendered, space: Workspace, case: Case) -> float:
     """How deep a tool may come, m: of a push, also where the object itself bears it.
 
     An object that relaxes, or is not stiffer when deep, bears a push only far below the trained
-    depth, without any vibration.
+    depth, without any vibration. The depth rises as the push does: an object that begins at a depth
+    has rested there, and bears less than it does so soon after the press.
     """
     deepest_m = space.at(DEEPEST)
     push_n = float(case.scenario.push_n.max())
     if push_n > 0.0:
-        ticks = len(case.scenario.dt_s)
+        rise = case.scenario.push_n / push_n
         for share in np.arange(DEEPEST, FARTHEST, _STEP):
-            if rendered.force(np.full(ticks, space.at(float(share))))[-1] >= push_n:
+            depth_m = space.free_m + rise * (space.at(float(share)) - space.free_m)
+            if rendered.force(depth_m)[-1] >= push_n:
                 return space.at(float(share) + _STEP)
     return deepest_m
 

@@ -97,33 +97,35 @@ def why_unbounded(
     found = [_named(unbounded)] * bool(unbounded) + [_named(slid)] * bool(slid)
     return (
         f"{plan.scene.name}: the closed loop is not bounded on {', '.join(found)}: do not hold "
-        f"the device with this scene; {_may_do(plan, unbounded)}"
+        f"the device with this scene; {may_do(plan, unbounded)}"
     )
 
 
-def _may_do(plan: Plan, unbounded: Sequence[Outcome]) -> str:
-    """Name what of the scene may be changed to make its loop bounded."""
-    unpaid = any(
-        item.losses is None and bool(np.any(item.trace.notes & ENERGY)) for item in unbounded
-    )
+def may_do(plan: Plan, faulty: Sequence[Outcome]) -> str:
+    """Name what of the scene may be changed, and is not so yet, to mend these outcomes."""
+    unpaid = any(bool(np.any(item.trace.notes & ENERGY)) for item in faulty)
     max_n = plan.max_force_n
+    # Half a period less delay, and less of a lost sample: a forest has the period it was fitted at.
+    faster = plan.model.regressor is None and any(item.late or item.losses for item in faulty)
     ways = {
         "device.viscous_nspm, which `springpot identify` measures, for without it the account of "
         "energy cuts the force": (
             unpaid and plan.energy_acts and not plan.scene.device.viscous_nspm
         ),
         f"guard.max_force_n above {max_n:.3g} N, which the force reaches, if the device gives it": (
-            any(item.max_force_n >= 0.9999 * max_n for item in unbounded)  # in float32
+            any(item.max_force_n >= 0.9999 * max_n for item in faulty)  # in float32
         ),
         "coupling.mode = auto": plan.scene.coupling.mode != "auto" and plan.lateral is None,
         f"runtime.rate_hz of {2.0 / plan.dt_s:.5g} or more, if the device takes it": (
-            plan.lateral is not None
+            plan.lateral is not None or faster
         ),
         "a passive model (hammerstein)": plan.model.regressor is not None,
         "a device of less delay": plan.loop_device.delay_samples > 0,
     }
     offered = [way for way, helps in ways.items() if helps]
-    return f"{' or '.join(offered or ['a softer object'])} may do"
+    if len(offered) > 1:
+        return f"what may do, one of these or several: {'; '.join(offered)}"
+    return f"{(offered or ['a softer object'])[0]} may do"
 
 
 def _between(plan: Plan) -> str:

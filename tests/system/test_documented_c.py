@@ -120,7 +120,20 @@ def test_the_cs_of_a_game_engine(tmp_path: Path) -> None:
     if not (shutil.which("mcs") and shutil.which("mono")):
         pytest.skip("mono is not installed: apt-get install mono-mcs mono-runtime")
     text = (ROOT / "docs/how-to/game-engine.md").read_text()
-    (tmp_path / "Points.cs").write_text(re.findall(r"```csharp\n(.*?)```", text, re.DOTALL)[0])
+    example = re.findall(r"```csharp\n(.*?)```", text, re.DOTALL)[0]
+    drawn = 'Console.WriteLine("drawn {0:F3} N", force_n);'
+    wrong = "float.NaN, float.PositiveInfinity, float.NegativeInfinity"
+    recovers = f"""foreach (float bad in new[] {{ {wrong} }})
+            {{
+                drawn.Advance(bad, 1.0f / 90.0f);
+                for (int picture = 0; picture < 36; picture++)
+                {{
+                    force_n = drawn.Advance(0.004f, 1.0f / 90.0f);
+                }}
+                Console.WriteLine("after {{0:F3}} N", force_n);
+            }}"""
+    assert drawn in example
+    (tmp_path / "Points.cs").write_text(example.replace(drawn, drawn + recovers))
     chosen = replace(scene(), runtime=Runtime(number="float32", prefix="eco"))
     emit(chosen, model_file(tmp_path), tmp_path / "eco", single=True)
     library = ["-O2", "-shared", "-fPIC", "-o", str(tmp_path / "libeco.so")]
@@ -134,6 +147,8 @@ def test_the_cs_of_a_game_engine(tmp_path: Path) -> None:
     drawn_n = float(re.findall(r"drawn (\S+) N", out)[0])
     assert stepped_n > 0.0, out
     assert drawn_n == pytest.approx(stepped_n, rel=0.02), out  # at 90 Hz, in steps of 1 ms
+    after_n = [float(force_n) for force_n in re.findall(r"after (\S+) N", out)]
+    assert len(after_n) == 3 and min(after_n) > 0.5 * stepped_n, out  # no position that is none
 
 
 @pytest.mark.board

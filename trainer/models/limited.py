@@ -8,6 +8,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.model import Model
 from springpot.trainer.models.predict import predict_each_n
+from springpot.trainer.recordings.quality.places import Site, site_words
 from springpot.trainer.recordings.recording import Recording
 
 _DEEP = 1.5  # times the trained depth: from here on it is said
@@ -55,6 +56,25 @@ def extrapolation(model: Model, recording: Recording) -> str:
     return (
         f"{recording.name}: goes to {times:.3g} times the trained depth: there the force is an "
         "extrapolation"
+    )
+
+
+def unplaced(model: Model, recording: Recording) -> str:
+    """Say which place a recording without one is given of a map: forces differ from place to place.
+
+    "" where the recording has a place, or the model no map.
+    """
+    passive = model.hammerstein
+    if passive is None or passive.places is None or recording.place_m is not None:
+        return ""
+    return f"{recording.name}: has no place: {stiffest_words(passive.places.stiffest_m)}"
+
+
+def stiffest_words(stiffest_m: Site) -> str:
+    """Say what a map renders where nobody chose a place."""
+    return (
+        f"the force is that of the map's stiffest place, {site_words(stiffest_m)}: give place_m, "
+        "or a recording that has its place"
     )
 
 

@@ -133,7 +133,8 @@ class Recording(Faces):
         time, position, force: columns, with the unit in the name ("Load [N]", "x_mm") or behind a
         colon ("x:mm"), in letters of either case; stamps of date or duration need no unit. time may
         also be a rate, "1000Hz". zero, resample_hz, conditioning: as for `import_recordings`; a
-        table whose tool starts in the air takes Conditioning(contact_force="auto").
+        table whose tool starts in the air takes Conditioning(contact_force="auto"). Columns
+        place_x and place_y, with a unit of length, say where the object was pressed.
         Raises UsageError for what is no table and for a column that is not there, DataError for a
         unit that is missing, unknown or not the name's, and for what no import would take.
 

@@ -29,7 +29,13 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
 
     from springpot import read_model, read_recordings
     from springpot.host.wings.export.exporting import write_prediction
-    from springpot.modelling import extrapolation, limited_n, require_compatible, sign_doubts
+    from springpot.modelling import (
+        extrapolation,
+        limited_n,
+        require_compatible,
+        sign_doubts,
+        unplaced,
+    )
 
     fitted = read_model(model)
     found = read_recordings(*recordings)
@@ -43,7 +49,7 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
     for recording in found:
         require_compatible(recording, fitted)
         forces.append(limited_n(fitted, recording))
-        if doubt := extrapolation(fitted, recording):
+        for doubt in filter(None, (unplaced(fitted, recording), extrapolation(fitted, recording))):
             say(f"warning: {doubt}")
     files = [
         str(write_prediction(out, recording, force_n))

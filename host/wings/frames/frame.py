@@ -2,12 +2,13 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot import UsageError
+from springpot import DataError, UsageError
 from springpot.basics import Samples, given_numbers
 from springpot.modelling import (
     FRAME_NAME,
@@ -15,6 +16,7 @@ from springpot.modelling import (
     Quantity,
     RawChannels,
     choose_unit,
+    pair_columns,
     split_unit,
     stated_hz,
 )
@@ -25,7 +27,8 @@ _MAX_SHOWN = 200  # letters of all names
 def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) -> RawChannels:
     """Three columns of a table, in SI units; columns: as `Recording.from_frame` takes them.
 
-    Raises UsageError for what is no table and for a column that is not there, DataError for a unit.
+    Columns of a place (place_x_mm, place_y_mm) are read as an import reads them. Raises UsageError
+    for what is no table and for a column that is not there, DataError for a unit.
     """
     labels = _labels(frame)
     scaled: dict[Quantity, Samples] = {}
@@ -65,8 +68,27 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         FRAME_SOURCE,
         lambda sample: sample,
         {"units": units},
+        place_m=_place_m(frame, name, labels),
         in_python=True,
     )
+
+
+def _place_m(frame: Any, name: str, labels: Sequence[Hashable]) -> tuple[float, float] | None:
+    """Place that columns such as place_x_mm and place_y_mm state, x and y, m; None without them.
+
+    Raises DataError for one of them alone, for its unit, and if the place changes.
+    """
+    found_m = []
+    names = [str(label) for label in labels]
+    for index, to_m in pair_columns(Path(name), names, [], "place", "position"):
+        values = given_numbers(np.asarray(frame[labels[index]]), f"{name}, {labels[index]}")
+        if np.ptp(values):
+            raise DataError(
+                f"{name}, column {labels[index]!r}: the place changes: a recording is of one "
+                "place, make one of each"
+            )
+        found_m.append(to_m * float(values[0]))
+    return (found_m[0], found_m[1]) if found_m else None
 
 
 def _labels(frame: Any) -> list[Hashable]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from springpot import DataError, UsageError
 from springpot.basics import Samples, write_file, written_aside
-from springpot.figures import ERROR, MEASURED, MUTED, PREDICTED, STYLE, svg_text
+from springpot.figures import ERROR, MEASURED, MUTED, PREDICTED, STYLE, log_ticks, svg_text
 from springpot.host.wings.material.law.material import Law, Prony
 
 Dynamic = NDArray[np.complex128]
@@ -64,6 +64,8 @@ def moduli_figure(
                 rotation=20, fontsize=22, color=MUTED, alpha=0.5,
             )  # fmt: skip
         right.semilogx(*relaxation, color=PREDICTED)
+        for axis in (left.xaxis, left.yaxis, right.xaxis):
+            log_ticks(axis)
         right.set_xlabel("time after a step, s")
         right.set_ylabel(f"relaxation, {_LABELS[unit]}")
         return svg_text(figure)

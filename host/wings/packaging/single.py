@@ -70,7 +70,14 @@ def emit_single(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str,
     files["library.properties"] = arduino_properties(plan)
     files["library.json"] = platformio_manifest(plan)
     files["manifest.json"] = manifest_text(plan, facts or {}, [f"{prefix}.c"])
-    return hashed(files)
+    return hashed(files) | {f"{prefix}.def": exported_names(plan)}
+
+
+def exported_names(plan: Plan) -> str:
+    """Return a module definition: what Visual Studio's linker lets others call of a DLL."""
+    called = rf"^[a-z].*?\b({plan.scene.runtime.prefix}_\w+)\("
+    names = re.findall(called, single_header(plan), re.MULTILINE)
+    return "EXPORTS\n" + "".join(f"    {name}\n" for name in names)
 
 
 def single_header(plan: Plan) -> str:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from springpot.basics import Samples
-from springpot.figures import ERROR, MEASURED, MUTED, PREDICTED, STYLE, stride, svg_text
+from springpot.figures import ERROR, MEASURED, MUTED, PREDICTED, STYLE, log_ticks, stride, svg_text
 from springpot.host.wings.report.frequency_loops import LoopRow, frequency_loops
 from springpot.host.wings.report.relaxation import Hold
 from springpot.validation import SCORED_ABOVE_N, Series, just_noticeable_percent, rms
@@ -139,6 +139,7 @@ def held_forces(scene: Hold, recorded: Hold | None) -> str:
             xlabel="time held still, s",
             ylabel="force, % of the first",
         )
+        log_ticks(axes.xaxis)
         axes.legend(frameon=False, loc="lower left")
         return svg_text(figure)
 
@@ -191,5 +192,6 @@ def tick_histogram(tick_ns: Samples, hot_ns: float) -> str:
         axes.hist(tick_us, bins=list(bins), color=ERROR, label="paced, cold caches")
         axes.axvline(hot_ns * 1e-3, color=PREDICTED, lw=1.4, ls="--", label="hot median")
         axes.set(xscale="log", xlabel="time of a tick, µs", ylabel="ticks")
+        log_ticks(axes.xaxis)
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False, ncols=2)
         return svg_text(figure)

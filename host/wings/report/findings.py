@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot import Stability
-from springpot.checks import Grade, judged_cases
+from springpot.checks import Grade, judge, judged_cases, may_do
 from springpot.emission import Plan
 from springpot.figures import plain
 from springpot.host.wings.report.error_parts import SpeedError
@@ -137,9 +137,8 @@ def stability_finding(found: Stability) -> SceneFinding:
     if grade == Grade.GOOD:
         return SceneFinding("Stability", grade, words)
     named = f"{worst.outcome.case} with the {worst.outcome.hand} hand: {worst.words}"
-    todo = "try coupling.mode = auto, a faster loop, or a passive model (hammerstein)"
-    if found.slides:  # such a scene takes no coupling
-        todo = "try a faster loop, runtime.rate_hz"
+    faulty = [item.outcome for item in map(judge, found.outcomes) if item.grade == grade]
+    todo = may_do(found.check.plan, faulty)
     return SceneFinding("Stability", grade, f"worst: {named}. {words}", todo)
 
 

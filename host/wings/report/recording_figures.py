@@ -8,13 +8,12 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from springpot import QualityReport, Recording, UsageError, check_recordings
 from springpot.basics import written_aside
 from springpot.console import counted
-from springpot.figures import ERROR, MUTED, PREDICTED, STYLE, stride
+from springpot.figures import ERROR, MUTED, PREDICTED, STYLE, log_ticks, stride
 from springpot.modelling import find_coverage
 
 POSITION, FORCE, DOUBT = ERROR, PREDICTED, MUTED
@@ -77,6 +76,8 @@ def spectra(recordings: Sequence[Recording], report: QualityReport) -> Figure:
         ):
             frequency_hz, amplitude = _amplitudes(samples, recording.dt_s)
             axes.loglog(frequency_hz, amplitude * scale, color=colour, lw=0.6, alpha=0.7)
+    for axis in (upper.yaxis, lower.yaxis, lower.xaxis):
+        log_ticks(axis)
     upper.set_ylabel("position, mm")
     lower.set(ylabel="force, N", xlabel="frequency, Hz")
     return figure
@@ -100,6 +101,7 @@ def dynamics(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     else:
         why = "loss is not quoted: the channels' alignment is not known" if cyclic else "no cycles"
         lower.text(0.5, 0.5, why, ha="center", transform=lower.transAxes, color=DOUBT)
+    log_ticks(lower.xaxis)
     upper.set_ylabel("stiffness, N/mm")
     lower.set(
         ylabel="loss angle, rad", xlabel="frequency, Hz (bars: what the alignment leaves open)"
@@ -120,9 +122,7 @@ def coverage(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     else:
         right.text(0.5, 0.5, "no hold", ha="center", transform=right.transAxes, color=DOUBT)
     for axes in [left] * bool(len(strokes)) + [right] * bool(len(holds)):
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter(NullFormatter())
+        log_ticks(axes.xaxis)
     left.set_ylim(1e3 * found.low_m, 1.05e3 * found.high_m)
     left.invert_yaxis()
     left.set(xlabel="speed of a stroke, mm/s", ylabel="depth, mm")

@@ -85,3 +85,18 @@ def test_a_table_is_conditioned_as_a_file_is(surface_m, tmp_path):
     np.testing.assert_allclose(found.force_n, read.force_n, atol=1e-9)
     assert abs(found.details["contact_position_m"] - surface_m) < 3e-4
     assert Recording.from_frame(table).position_m[0] == 0.0
+
+
+@pytest.mark.parametrize(("unit", "per_m"), [("mm", 1e3), ("m", 1.0), ("um", 1e6)])
+def test_columns_of_a_place_are_its(unit, per_m):
+    x_m, y_m = np.random.default_rng(len(unit)).uniform(-0.1, 0.1, 2)
+    place = {f"place_x_{unit}": x_m * per_m, f"place_y [{unit}]": y_m * per_m}
+    table = COLUMNS | {label: np.full(len(ITEM.force_n), at) for label, at in place.items()}
+    assert Recording.from_frame(table).place_m == pytest.approx((x_m, y_m))
+    assert Recording.from_frame(COLUMNS).place_m is None
+    for label in place:
+        with refusing(DataError, "a place has place_x and place_y"):
+            Recording.from_frame({name: its for name, its in table.items() if name != label})
+        moving = table[label] + np.arange(len(ITEM.force_n)) * 1e-3 * per_m
+        with refusing(DataError, label, "the place changes"):
+            Recording.from_frame(table | {label: moving})

@@ -253,12 +253,20 @@ def test_no_remedy_is_what_the_scene_has_or_may_not_have(
     slides: bool,
 ) -> None:
     """Each remedy is offered if it would change the scene, and only then."""
-    found = outcome("hold", bounded=False, max_force_n=max_force_n)
-    found.trace.notes[3] = ENERGY if cut else 0
-    why = why_unbounded(a_plan(regressor, mode, slides, **device), usual(found))
-    assert ("coupling.mode = auto" in why) == (mode != "auto" and not slides)
-    assert ("runtime.rate_hz of 2000 or more" in why) == slides
-    assert ("hammerstein" in why) == regressor
-    assert ("less delay" in why) == ("delay_s" in device)
-    assert ("guard.max_force_n" in why) == (max_force_n >= 12.0)
-    assert ("viscous_nspm" in why) == (cut and "viscous_nspm" not in device)
+    changed: dict[str, Any] = {"bounded": False, "max_force_n": max_force_n}
+    plan = a_plan(regressor, mode, slides, **device)
+    for found in (
+        outcome("hold", **changed),
+        outcome("hold", delay=1, **changed),
+        losing("lost-10-fast", **changed),
+    ):
+        found.trace.notes[3] = ENERGY if cut else 0
+        faster = not regressor and (found.late or found.losses is not None)
+        why = why_unbounded(plan, usual(found)).split("scene; ")[1]
+        assert ("coupling.mode = auto" in why) == (mode != "auto" and not slides)
+        assert ("runtime.rate_hz of 2000 or more" in why) == (slides or faster)
+        assert ("hammerstein" in why) == regressor
+        assert ("less delay" in why) == ("delay_s" in device)
+        assert ("guard.max_force_n" in why) == (max_force_n >= 12.0)
+        assert ("viscous_nspm" in why) == (cut and "viscous_nspm" not in device)
+        assert ("one of these or several: " in why) == ("; " in why)

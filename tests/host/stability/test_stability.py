@@ -263,15 +263,23 @@ def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("relaxing", [0.0, 0.3, 0.6])
-def test_a_push_is_judged_by_where_the_object_bears_it(relaxing: float) -> None:
-    """A linear object that relaxes bears the clamp's push deep below the trained depth, at rest."""
+@pytest.mark.parametrize(
+    ("relaxing", "tau_s"),
+    [
+        pytest.param(0.0, 0.1, id="0.0"),
+        pytest.param(0.3, 0.1, id="0.3"),
+        pytest.param(0.6, 0.1, id="0.6"),
+        pytest.param(0.8, 2.0, id="0.8, slowly"),  # at rest it bears the push at no depth
+    ],
+)
+def test_a_push_is_judged_by_where_the_object_bears_it(relaxing: float, tau_s: float) -> None:
+    """A linear object that relaxes bears the clamp's push deep below the trained depth."""
     fitted = passive_model()
     law = fitted.hammerstein
     assert law is not None
     curve_n = np.full(law.elastic_n.size, law.elastic_n.mean())
     linear = dataclasses.replace(
-        law, elastic_n=(1.0 - relaxing) * curve_n, tau_s=np.array([0.1]),
+        law, elastic_n=(1.0 - relaxing) * curve_n, tau_s=np.array([tau_s]),
         branch_n=relaxing * curve_n[None], radius_m=np.empty(0),
         stop_n=np.empty((0, curve_n.size)), flow=None, damage=None, n_by_depth=0, recovers=False,
     )  # fmt: skip

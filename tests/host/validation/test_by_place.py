@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from support.small import DT_S, passive_model, press, scene
 
+import springpot
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
@@ -61,6 +62,43 @@ def test_each_recording_is_rendered_at_its_place(folder: Path) -> None:
     assert max(error.rmse_percent_of_peak for error in found.places) < 1.0
     moved = replace(recordings[0], place_x_m=0.01, place_y_m=0.01)
     assert validate(folder, [moved], paced_s=0.01).places[0].rmse_percent_of_peak > 10.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_python_renders_what_has_a_place_at_it(folder: Path, seed: int) -> None:
+    x_m, y_m = np.random.default_rng(seed).uniform(-0.002, 0.012, 2).tolist()
+    placed, bare = pressed((x_m, y_m)), pressed(None).position_m
+    validated = validate(folder, [placed], paced_s=0.01).predicted_n[0]
+    scene, model = springpot.load(folder), placed_model()
+    for given in (scene.run(placed), scene.run(bare, place_m=(x_m, y_m))):
+        np.testing.assert_array_equal(given[0], validated.astype(given[0].dtype))
+    for force_n in (
+        springpot.predict(model, placed),
+        springpot.predict(model, bare, place_m=(x_m, y_m)),
+    ):
+        np.testing.assert_array_equal(force_n, placed.force_n)
+
+
+@pytest.mark.parametrize("place", [(6.0, 3.0), (0.0, float("nan")), (-float("inf"), 0.0)])
+def test_a_place_in_millimetres_is_refused(folder: Path, place: tuple[float, float]) -> None:
+    bare = pressed(None).position_m
+    for render in (
+        springpot.load(folder).run,
+        lambda position_m, place_m: springpot.predict(placed_model(), position_m, place_m=place_m),
+    ):
+        with pytest.raises(ValueError, match="from -1 to 1 m"):
+            render(bare, place_m=place)
+
+
+def test_a_map_without_a_place_says_which_one_it_renders(folder: Path) -> None:
+    bare, stiffest = pressed(None), pressed((0.01, 0.01))
+    scene, model = springpot.load(folder), placed_model()
+    for given in (bare, bare.position_m):
+        with pytest.warns(UserWarning, match=r"no place: .* stiffest place, \(10, 10\) mm"):
+            force_n = scene.run(given)[0]
+        np.testing.assert_array_equal(force_n, scene.run(stiffest)[0])
+        with pytest.warns(UserWarning, match=r"no place: .* stiffest place, \(10, 10\) mm"):
+            np.testing.assert_array_equal(springpot.predict(model, given), stiffest.force_n)
 
 
 def test_a_recording_without_a_place_is_refused_by_a_scene_with_a_map(folder: Path) -> None:

@@ -240,7 +240,8 @@ def test_one_form_replaces_the_other(tmp_path: Path) -> None:
     done = spring("emit", "--scene", str(scene_file), "--single", "--out", str(out), "--json")
     assert done.returncode == 0, done.stderr
     assert {path.name for path in out.iterdir()} == {
-        "sp.c", "sp.h", "examples", "from", "library.json", "library.properties", "manifest.json",
+        "sp.c", "sp.h", "sp.def", "examples", "from", "library.json", "library.properties",
+        "manifest.json",
     }  # fmt: skip
     manifest = json.loads((out / "manifest.json").read_text())
     assert json.loads(done.stdout)["hash"] == manifest["hash"]

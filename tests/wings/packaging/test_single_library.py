@@ -61,6 +61,23 @@ def test_library_properties_keep_to_the_specification(tmp_path: Path) -> None:
     assert sketch.exists(), "a sketch has its folder's name"
 
 
+@pytest.mark.parametrize("velocity", ["estimate", "given"])
+def test_the_module_definition_names_what_the_library_exports(
+    tmp_path: Path, velocity: str
+) -> None:
+    """What gcc exports by itself, Visual Studio has to be given."""
+    write_single(eco(velocity=velocity), tmp_path)
+    library = tmp_path / "eco.so"
+    command = ["gcc", "-shared", "-fPIC", "-o", library, tmp_path / "eco.c", "-lm"]
+    subprocess.run(command, check=True)
+    symbols = subprocess.run(["nm", "-D", library], check=True, capture_output=True, text=True)
+    exported = set(re.findall(r" T (\w+)$", symbols.stdout, re.MULTILINE))
+    head, *names = (tmp_path / "eco.def").read_text().split()
+    assert head == "EXPORTS"
+    assert len(names) == len(set(names)) > 5
+    assert set(names) == exported
+
+
 def test_platformio_builds_one_source(tmp_path: Path) -> None:
     write_single(plan_of("my-soft-one", golden_forces.model("hammerstein"), "float32", "off"),
                  tmp_path)  # fmt: skip

@@ -44,6 +44,7 @@ class Cycles:
     noise_n: float | None
     drift_n: float | None
     count: int
+    tone_share: float
 
 
 def find_cycles(recording: Recording) -> Cycles | None:
@@ -95,6 +96,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
         noise_n=noise_n,
         drift_n=drift_n,
         count=count,
+        tone_share=1.0 - _residual(x, phase) / (len(x) * float(np.var(x))),
     )
 
 

@@ -127,6 +127,12 @@ def _sweep(
     missing = [key for key, point in known.items() if point is None]
     jobs = [Job(key, KINDS[keyed[key].kind], keyed[key], data, bench.target) for key in missing]
     terminal, count = sys.stderr.isatty(), len(keyed) - len(jobs)
+    begin = time.perf_counter()
+    if jobs:
+        progress_console.print(
+            f"{len(jobs)} models to measure, seconds each; what is measured is kept, and a bench "
+            "that was interrupted goes on from there"
+        )
     for measured in track(
         in_parallel(measure_point, jobs, bench.dask), "models", total=len(keyed),
         completed=count, console=progress_console, disable=not terminal,
@@ -135,7 +141,10 @@ def _sweep(
         known[measured.point.key] = measured.point
         count += 1
         if not terminal and 8 * count // len(keyed) > 8 * (count - 1) // len(keyed):
-            progress_console.print(f"{count} of {len(keyed)} models measured")
+            left = len(keyed) - count
+            left_min = (time.perf_counter() - begin) / (len(jobs) - left) * left / 60.0
+            about = f", about {left_min:.0f} min more" if left else ""
+            progress_console.print(f"{count} of {len(keyed)} models measured{about}")
     points = [point for point in known.values() if isinstance(point, Point)]
     refused = [point for point in known.values() if isinstance(point, Refused)]
     return points, refused, len(jobs)

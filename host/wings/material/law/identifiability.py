@@ -24,6 +24,7 @@ _START = 0.05  # of the travel, about the first sample
 _WIDEST_ORDER = 0.1  # half an interval
 _WIDEST_SHARE = 0.2  # of the stiffness that was recorded, half an interval
 _WIDER = "record a wider range of speeds, and longer holds"
+_SINE = 0.95  # of the position's variance, at one frequency
 _ENDS = (0.03, 0.97)
 _HOLD = 10.0  # times the longest stroke: a hold that long shows relaxation without a second speed
 _NAMES = ("stiffness_npm", "coefficient", "order", "instant_npm")
@@ -73,8 +74,15 @@ def law_metadata(
 
 
 def _dynamic_points(recordings: Sequence[Recording]) -> list[dict[str, float]]:
-    """Return storage and loss, N/m, that cyclic recordings show, in order of frequency."""
-    found = [cycles for cycles in map(find_cycles, recordings) if cycles is not None]
+    """Return storage and loss, N/m, that cyclic recordings show, in order of frequency.
+
+    Ramps with holds have many frequencies at once: what they lose in a cycle is no modulus of one.
+    """
+    found = [
+        cycles
+        for cycles in map(find_cycles, recordings)
+        if cycles is not None and cycles.tone_share >= _SINE
+    ]
     return [
         {
             "frequency_hz": cycles.frequency_hz,
