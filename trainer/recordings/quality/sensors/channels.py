@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.formats.units import FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.quality.sensors.dead import dead_findings
 from springpot.trainer.recordings.quality.sensors.wraps import wrap_findings
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
@@ -40,6 +41,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     yield from _units(recording)
     yield from _clipping(recording)
     yield from wrap_findings(recording)
+    yield from dead_findings(recording)
     yield from _held(recording)
     yield from _quantisation(recording)
     yield from _clock(recording)
