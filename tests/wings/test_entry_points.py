@@ -268,7 +268,9 @@ def test_what_a_fit_does_wrong_is_one_line(monkeypatch: pytest.MonkeyPatch, fit:
 def test_a_kind_has_the_name_of_its_entry_point(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     def fit(*given: Any) -> Any:
         found = KINDS["hammerstein"].function()(*given)
-        return found if name == "its model" else replace(found, model=replace(found.model, kind="a"))
+        return (
+            found if name == "its model" else replace(found, model=replace(found.model, kind="a"))
+        )
 
     monkeypatch.setitem(KINDS, "a", Kind("a" if name == "its model" else "b", "a mistake", fit))
     with pytest.raises(UsageError, match=f"^kind 'a': TypeError: {name} has the name"):

@@ -22,10 +22,11 @@ class FileRequest:
     """What a reader is asked for, besides the path.
 
     columns: of each channel, "time", "position" or "force", the column, signal or array and its
-    unit; a channel that it leaves out is guessed, empty without --map. dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file. decimal:
-    mark of decimals in text, None: guessed. resampled: samples are interpolated afterwards.
-    specimen: of columns of stress and strain. A reader of a format without columns to choose
-    refuses them with UsageError; other settings it may pass over.
+    unit; what it leaves out is guessed, and without --map it is empty. dbc: database of a CAN log.
+    block: only blocks of this kind of a Mach-1 file. decimal: mark of decimals in text, None:
+    guessed. resampled: samples are interpolated afterwards. specimen: of columns of stress and
+    strain. A reader of a format without columns to choose refuses them with UsageError; other
+    settings it may pass over.
     """
 
     columns: ColumnMap = field(default_factory=dict)
