@@ -176,13 +176,18 @@ def _fitted(
 
     kind = KINDS[entry]
     with blaming(f"kind {entry!r}", kind.fit, UsageError):
+        _require_name("Kind", kind.name, entry)
         fit = kind.function()(name, data, options, validation)
         if not isinstance(fit, Fit):
             raise TypeError("its fit returns no Fit")
-        for where, given in (("Kind", kind.name), ("its model", fit.model.kind)):
-            if given != entry:  # commands would then look for a kind that is not there
-                raise TypeError(f"{where} has the name {given!r}: give that of its entry point")
+        _require_name("its model", fit.model.kind, entry)
         return fit
+
+
+def _require_name(what: str, name: str, entry: str) -> None:
+    """Raise TypeError for a name by which commands would look for a kind that is not there."""
+    if name != entry:
+        raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
 
 
 def _loaded(path: str) -> Callable[..., "Fit"]:
