@@ -159,13 +159,13 @@ def fit_kind(
         elif options.within is not None:
             fit = required_part("smaller-forest", "--within")(name, data, options, validation)
         else:
-            fit = _fitted(KINDS[kind], name, data, options, validation)
+            fit = _fitted(kind, name, data, options, validation)
     warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))
     return replace(fit, warnings=tuple(warnings))
 
 
 def _fitted(
-    kind: Kind,
+    entry: str,
     name: str,
     data: "TrainingSet",
     options: "FitOptions",
@@ -174,11 +174,20 @@ def _fitted(
     """Fit as one kind does. Raises UsageError if the fit of another package's kind fails."""
     from springpot.trainer.models.fit import Fit
 
-    with blaming(f"kind {kind.name!r}", kind.fit, UsageError):
+    kind = KINDS[entry]
+    with blaming(f"kind {entry!r}", kind.fit, UsageError):
+        _require_name("Kind", kind.name, entry)
         fit = kind.function()(name, data, options, validation)
         if not isinstance(fit, Fit):
             raise TypeError("its fit returns no Fit")
+        _require_name("its model", fit.model.kind, entry)
         return fit
+
+
+def _require_name(what: str, name: str, entry: str) -> None:
+    """Raise TypeError for a name by which commands would look for a kind that is not there."""
+    if name != entry:
+        raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
 
 
 def _loaded(path: str) -> Callable[..., "Fit"]:

@@ -100,7 +100,10 @@ class OpenedDevice(Protocol):
 
     @property
     def max_n(self) -> float | None:
-        """The largest force that it promises; None where it says nothing."""
+        """The largest force that it promises, in the result of identify; None: it says nothing.
+
+        Sessions do not compare it with a scene: a driver refuses what it cannot give (`too_weak`).
+        """
         return None
 
     @property

@@ -19,6 +19,7 @@ from springpot.runtime_c.paths import PORT_POSIX, PORT_WIRE, SIM
 _ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
 # Columns of a table of rows: the members of sp_row, in order.
 COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
+_UNBUILT = (CompilerError, OSError, cffi.CDefError, cffi.FFIError)  # the last: declared twice
 COLUMN = {name: k for k, name in enumerate(COLUMNS)}
 INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
@@ -55,14 +56,24 @@ def loop_library(real: str) -> CLibrary:
               for link in getattr(driver, "links", ())]  # fmt: skip
     try:
         library = _built(real, others)
-    except (CompilerError, OSError, cffi.CDefError) as error:
+    except _UNBUILT:
         if not others:
             raise
-        names = ", ".join(map(str, others))
-        print(f"springpot: left out: {names}: {error}: correct or uninstall it", file=sys.stderr)
-        library = _built(real, [])
+        library = _built_without_faulty(real, others)
     assert library.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
     assert all(getattr(library.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
+    return library
+
+
+def _built_without_faulty(real: str, others: Sequence[Path]) -> CLibrary:
+    """Build the port with each link that goes with those before it; say which are left out."""
+    library, kept = _built(real, []), list[Path]()
+    for link in others:
+        try:
+            library = _built(real, [*kept, link])
+            kept.append(link)
+        except _UNBUILT as error:
+            print(f"springpot: left out: {link}: {error}: correct or uninstall it", file=sys.stderr)
     return library
 
 

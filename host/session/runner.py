@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from springpot.codegen.entry_points import required_part
+from springpot.codegen.entry_points import blaming, required_part
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.console.output import say
@@ -124,7 +124,9 @@ class SessionRunner:
             self._loop.ask_stop()
             self._loop.join()
             self._drain_thread.join()
-        self._supervisor.device.stop()
+        device = self._supervisor.device
+        with blaming(f"{type(device).__name__}.stop", type(device), DeviceError):
+            device.stop()
         self._stopped = True
 
     def close(self) -> None:
@@ -134,7 +136,9 @@ class SessionRunner:
                 with contextlib.suppress(KeyboardInterrupt):
                     self.stop()
         finally:
-            self._supervisor.device.close()
+            device = self._supervisor.device
+            with blaming(f"{type(device).__name__}.close", type(device), DeviceError):
+                device.close()
 
     @property
     def over(self) -> bool:

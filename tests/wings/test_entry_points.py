@@ -16,9 +16,10 @@ from support.paths import TESTS
 from support.small import training
 
 from springpot import DataError, DeviceError, UsageError, import_recordings, train
-from springpot.devices import DeviceRequirements, Driver, OpenedDevice, open_device
+from springpot.devices import DeviceRequirements, Driver, OpenedDevice, VirtualDevice, open_device
 from springpot.host.devices import drivers
 from springpot.host.session.c_loop import CLoop
+from springpot.host.session.runner import SessionRunner
 from springpot.loop import loop_library
 from springpot.modelling import KINDS, FileFormat, FileRequest, Kind, RawChannels
 from springpot.trainer.recordings.formats import importing
@@ -112,24 +113,38 @@ def python(environment: dict[str, str], script: str) -> subprocess.CompletedProc
 
 
 @pytest.mark.parametrize(
-    "link", ["int broken(", "/* springpot declarations begin */ int f(void);", None]
+    "link",
+    [
+        "int broken(",
+        "/* springpot declarations begin */ int f(void);",
+        "/* springpot declarations begin */\nunsigned sp_link_sim_size(void);\n"
+        "/* springpot declarations end */",
+        None,
+    ],
 )
-def test_a_link_that_cannot_be_built_leaves_all_other_devices(
+def test_a_link_that_cannot_be_built_leaves_all_other_links(
     tmp_path: Path, link: str | None
 ) -> None:
     file = tmp_path / "other.c"
     if link is not None:
         file.write_text(link)
+    (tmp_path / "good.c").write_text(
+        "/* springpot declarations begin */\nint good(void);\n/* springpot declarations end */\n"
+        "int good(void)\n{\n    return 7;\n}\n"
+    )
+    links = f"Path({str(file)!r}), Path({str(tmp_path / 'good.c')!r})"
     module = (
         "from pathlib import Path\nfrom springpot.devices import Driver\n"
-        f"OTHER = Driver('other://1', 'other:Other', links=(Path({str(file)!r}),))\n"
+        f"OTHER = Driver('other://1', 'other:Other', links=({links}))\n"
     )
     environment = beside(tmp_path, "[springpot.devices]\nother = other:OTHER\n", module)
     result = python(environment, "from springpot.loop import loop_library\n"
-                    "loop_library('double').c.sp_link_sim_size()")  # fmt: skip
-    assert result.returncode == 0, result.stderr
-    assert "left out" in result.stderr
-    assert str(file) in result.stderr
+                    "c = loop_library('double').c\n"
+                    "print(c.sp_link_sim_size() > 0, c.good())")  # fmt: skip
+    assert result.stdout == "True 7\n", result.stderr
+    (said,) = [line for line in result.stderr.splitlines() if "left out" in line]
+    assert str(file) in said
+    assert "good.c" not in said
 
 
 def test_a_part_of_springpot_is_its_own_whoever_takes_the_name(tmp_path: Path) -> None:
@@ -179,7 +194,12 @@ def read_rows(path: Path, request: FileRequest) -> Any:
         "short time": ([replace(raw, time_s=n[:4])], ""),
         "a list": ([replace(raw, force_n=cast(Any, [0.0] * 5))], ""),
     }
-    return wrong[path.read_text().removeprefix(MARK)]
+    text = path.read_text().removeprefix(MARK)
+    if text == "a path":
+        replace(raw, source=cast(Any, path))
+    if text == "a line":
+        replace(raw, line_of=cast(Any, 3))
+    return wrong[text]
 
 
 @pytest.mark.parametrize(
@@ -189,6 +209,8 @@ def read_rows(path: Path, request: FileRequest) -> Any:
         ("no line", "reading the format 'rows': TypeError: its reader returns no .list of RawCh"),
         ("short time", r"x: time \(4,\), position \(5,\).*give three 1-D numpy arrays"),
         ("a list", "give three 1-D numpy arrays"),
+        ("a path", "give name and source as text"),
+        ("a line", "give line_of as a function"),
         ("a key", r"KeyError: 'a key' .*, test_entry_points.py line \d+\): correct or uninstall"),
     ],
 )
@@ -240,3 +262,50 @@ def test_what_a_fit_does_wrong_is_one_line(monkeypatch: pytest.MonkeyPatch, fit:
     monkeypatch.setitem(KINDS, "wrong", Kind("wrong", "a mistake", fit))
     with pytest.raises(UsageError, match=r"^kind 'wrong': .*: correct or uninstall that package"):
         train(training(), "wrong")
+
+
+@pytest.mark.parametrize("name", ["Kind", "its model"])
+def test_a_kind_has_the_name_of_its_entry_point(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    def fit(*given: Any) -> Any:
+        found = KINDS["hammerstein"].function()(*given)
+        return (
+            found if name == "its model" else replace(found, model=replace(found.model, kind="a"))
+        )
+
+    monkeypatch.setitem(KINDS, "a", Kind("a" if name == "its model" else "b", "a mistake", fit))
+    with pytest.raises(UsageError, match=f"^kind 'a': TypeError: {name} has the name"):
+        train(training(), "a")
+
+
+class Raising(VirtualDevice):
+    """Its last calls fail."""
+
+    def __init__(self, last: str) -> None:
+        """Take the name of the call that fails."""
+        self.last, self.calls = last, list[str]()
+
+    def link(self, library: Any) -> Any:
+        """Return no link: no loop runs."""
+
+    def stop(self) -> None:
+        """Fail perhaps."""
+        self._call("stop")
+
+    def close(self) -> None:
+        """Fail perhaps."""
+        self._call("close")
+
+    def _call(self, name: str) -> None:
+        self.calls.append(name)
+        if self.last == name:
+            raise ValueError(f"no {name}")
+
+
+@pytest.mark.parametrize("last", ["stop", "close"])
+def test_what_a_device_does_wrong_at_the_end_is_one_line_and_it_is_closed(last: str) -> None:
+    device, runner = Raising(last), object.__new__(SessionRunner)
+    runner._supervisor, runner._stopped = cast(Any, SimpleNamespace(device=device)), False
+    runner._drain_thread = None
+    with pytest.raises(DeviceError, match=f"^Raising.{last}: ValueError: no {last} .*: correct or"):
+        runner.close()
+    assert device.calls == ["stop", "close"]

@@ -85,7 +85,13 @@ def assemble(
     adds: bool,
     metadata: Mapping[str, Any],
 ) -> Model:
-    """Put a model together with its provenance. `passive` is added, or kept as the fallback."""
+    """Put a model together with its provenance.
+
+    kind, name: of the model; kind as its entry point. rows: samples that it was fitted on. parts:
+    features and a regressor on them, or (None, None). passive: of `fit_passive`; adds: its force
+    is part of the model's, else it renders depths beyond the trained one alone. metadata: JSON
+    values, further provenance.
+    """
     return Model(
         kind=kind,
         name=name,

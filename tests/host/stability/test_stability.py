@@ -57,6 +57,10 @@ def simulated_model(name: str, kind: str, trees: int = TREES) -> Model:
     return fit_model(kind, name, training, options).model
 
 
+CASES = {
+    "hold", "tap-4hz", "tap-8hz", "fast", "deep", "stiff", "jitter", "drops", "long-hold",
+    "glitch", "nan",
+}  # fmt: skip
 FAST = (("dragon-skin-10", "hammerstein"), ("dragon-skin-10", "rf-fd"))  # the stiffest
 
 
@@ -69,7 +73,7 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     found = stability(plan)
     assert found.check.stable
     whole = [outcome for outcome in found.outcomes if outcome.losses is None]
-    assert len(whole) == 11 * 3 * 2
+    assert len(whole) == len(CASES) * 3 * 2
     for outcome in whole:
         assert outcome.bounded, outcome.as_dict()
         _is_quiet_and_faithful(outcome)
@@ -188,14 +192,11 @@ def test_command_prints_the_contract(tmp_path: Path) -> None:
         "ended",
     }  # fmt: skip
     lossy = {item["case"] for item in found["closed_loop"] if "zero_ticks" in item}
-    assert {item["case"] for item in found["closed_loop"]} - lossy == {
-        "hold", "tap-4hz", "tap-8hz", "fast", "deep", "stiff", "jitter", "drops", "long-hold",
-        "glitch", "nan",
-    }  # fmt: skip
+    assert {item["case"] for item in found["closed_loop"]} - lossy == CASES
     names = ("lost-1", "lost-2", "lost-10", "late", "nan-5", "rate-90", "rate-50", "rate-10")
     assert lossy == {name + suffix for suffix in ("", "-fast") for name in names}
     text = page.read_text()
-    assert text.count("<svg") == 2 + 3 * 11
+    assert text.count("<svg") == 2 + 3 * len(CASES)
     assert "http" not in text.replace("http://www.w3.org", "").replace(
         "http://purl.org", ""
     ).replace("http://creativecommons.org", "")

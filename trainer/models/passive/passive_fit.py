@@ -85,7 +85,10 @@ class PassiveChoice:
 
 
 def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
-    """The passive part, the rows used, and its cross-validated RMSE, N; see `passive_choice`."""
+    """Fit the passive part: it, how many rows it used, its cross-validated RMSE, N.
+
+    Of fraction, seed and poles of the options; `passive_choice` says how.
+    """
     return timed_passive(data, options)[0]
 
 

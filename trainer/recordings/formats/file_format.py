@@ -21,11 +21,12 @@ START_BYTES = 520  # of a file, which `begins` sees; a user block of HDF5 is 512
 class FileRequest:
     """What a reader is asked for, besides the path.
 
-    columns: which column, signal or array is which channel, and its unit; what it leaves out is
-    guessed. dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file. decimal:
-    mark of decimals in text, None: guessed. resampled: samples are interpolated afterwards.
-    specimen: of columns of stress and strain. A reader of a format without columns to choose
-    refuses them; other settings it may pass over.
+    columns: of each channel, "time", "position" or "force", the column, signal or array and its
+    unit; what it leaves out is guessed, and without --map it is empty. dbc: database of a CAN log.
+    block: only blocks of this kind of a Mach-1 file. decimal: mark of decimals in text, None:
+    guessed. resampled: samples are interpolated afterwards. specimen: of columns of stress and
+    strain. A reader of a format without columns to choose refuses them with UsageError; other
+    settings it may pass over.
     """
 
     columns: ColumnMap = field(default_factory=dict)

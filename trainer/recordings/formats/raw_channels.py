@@ -37,6 +37,13 @@ class RawChannels:
     in_python: bool = False
     __repr__ = short_repr
 
+    def __post_init__(self) -> None:
+        """Raise TypeError here, in its reader, for what would fail only in a later message."""
+        if not (isinstance(self.name, str) and isinstance(self.source, str)):
+            raise TypeError("RawChannels: give name and source as text, such as str(path)")
+        if not callable(self.line_of):
+            raise TypeError("RawChannels: give line_of as a function of a sample's number")
+
 
 def without_odd_first(raw: RawChannels, slack_s: float) -> RawChannels:
     """The samples without the first one where its step alone is not the usual one.
