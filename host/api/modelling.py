@@ -163,5 +163,10 @@ if TYPE_CHECKING:
         Recordings as Recordings,
         given_recordings as given_recordings,
     )
+    from springpot.trainer.recordings.slides import (
+        LATERAL as LATERAL,
+        place_or_slide as place_or_slide,
+        require_presses as require_presses,
+    )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -20,6 +20,10 @@ Zero = Literal["none", "first", "min"]
 
 RECORDING_SUFFIX = ".h5"
 FRAME_SOURCE = "frame"  # source of what a table held
+_COLUMNS = {  # of a table, in which "x" alone might be the position
+    **{"x_m": "place_x_m", "y_m": "place_y_m"},
+    **{"x_n": "lateral_x_n", "y_n": "lateral_y_n"},
+}
 _MOST_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
@@ -151,14 +155,22 @@ class Recording(Faces):
         return recording if conditioning is None else condition(recording, conditioning)[0]
 
     def to_frame(self) -> Any:
-        """Make a pandas table of time_s, position_m, force_n and the further channels."""
+        """Make a pandas table of time_s, position_m, force_n, the place and further channels.
+
+        `from_frame` reads all but the further channels from it.
+        """
         try:
             from pandas import DataFrame
         except ModuleNotFoundError:
             raise UsageError("to_frame needs pandas: pip install pandas") from None
         time_s = self.dt_s * np.arange(len(self.force_n))
         columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
-        return DataFrame({**columns, **{k: v for k, v in self.channels.items() if k != "time_s"}})
+        if self.place_m is not None:
+            places = np.broadcast_to(self.place_m, (len(time_s), 2)).T
+            columns |= dict(zip(_COLUMNS.values(), places, strict=False))
+        for name, samples in self.channels.items():
+            columns.setdefault(_COLUMNS.get(name, name), samples)
+        return DataFrame(columns)
 
     @property
     def signs_accepted(self) -> bool:

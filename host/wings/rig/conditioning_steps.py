@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot import Conditioning, DataError, Recording, UsageError
 from springpot.basics import Samples
-from springpot.modelling import find_contact, require_signs
+from springpot.modelling import LATERAL, find_contact, require_signs
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
@@ -44,7 +44,15 @@ def _aligned(recording: Recording, messages: list[str]) -> Recording:
     inside = (time_s + skew_s >= 0.0) & (time_s + skew_s <= time_s[-1])
     if inside.sum() < 2:
         raise DataError(f"{recording.name}: is shorter than the delay of {skew_s:g} s: correct it")
-    force_n: Samples = CubicSpline(time_s, recording.force_n)(time_s[inside] + skew_s)
+
+    def shifted(force_n: Samples) -> Samples:
+        return np.asarray(CubicSpline(time_s, force_n)(time_s[inside] + skew_s))
+
+    of_cell = LATERAL[2:]  # one cell feels the force along all axes
+    beside = {
+        name: shifted(samples) if name in of_cell else samples[inside]
+        for name, samples in recording.channels.items()
+    }
     messages.append(
         f"{recording.name}: force shifted by {skew_s * 1e3:g} ms against position, "
         f"{(~inside).sum()} samples at the end cut"
@@ -52,7 +60,8 @@ def _aligned(recording: Recording, messages: list[str]) -> Recording:
     return replace(
         recording,
         position_m=recording.position_m[inside],
-        force_n=force_n,
+        force_n=shifted(recording.force_n),
+        channels=beside,
         position_delay_s=0.0,
         force_delay_s=0.0,
         details={**recording.details, "aligned_s": skew_s},

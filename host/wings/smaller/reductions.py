@@ -15,6 +15,7 @@ from springpot.modelling import (
     depth_m,
     feature_values,
     predict_each_n,
+    require_presses,
     regressor_force,
     require_compatible,
 )
@@ -53,6 +54,7 @@ def best_reductions(
     emit: writes a scene with a model's file into a folder, and measures it.
     """
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
+    require_presses(recordings)
     for recording in recordings:
         require_compatible(recording, model, tick_s)
     candidates = list(pruned_models(model))
