@@ -165,12 +165,20 @@ class Recording(Faces):
             raise UsageError("to_frame needs pandas: pip install pandas") from None
         time_s = self.dt_s * np.arange(len(self.force_n))
         columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
-        if self.place_m is not None:
-            places = np.broadcast_to(self.place_m, (len(time_s), 2)).T
-            columns |= dict(zip(_COLUMNS.values(), places, strict=False))
-        for name, samples in self.channels.items():
-            columns.setdefault(_COLUMNS.get(name, name), samples)
-        return DataFrame(columns)
+        own = ("time_s", *_COLUMNS)
+        further = {name: its for name, its in self.channels.items() if name not in own}
+        return DataFrame({**columns, **self.place_columns(), **further})
+
+    def place_columns(self) -> dict[str, Samples]:
+        """Return place_x_m, place_y_m and, if it was measured, the force along them, (n,) each.
+
+        The names are those that an import reads; empty if the place is not known.
+        """
+        found = {_COLUMNS[name]: its for name, its in self.channels.items() if name in _COLUMNS}
+        if self.place_m is not None and not found:
+            places = np.broadcast_to(self.place_m, (len(self.force_n), 2)).T
+            found = dict(zip(_COLUMNS.values(), places, strict=False))
+        return found
 
     @property
     def signs_accepted(self) -> bool:

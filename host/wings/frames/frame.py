@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot import DataError, UsageError
+from springpot import UsageError
 from springpot.basics import Samples, given_numbers
 from springpot.modelling import (
     FRAME_NAME,

@@ -15,9 +15,9 @@ from springpot.modelling import (
     depth_m,
     feature_values,
     predict_each_n,
-    require_presses,
     regressor_force,
     require_compatible,
+    require_presses,
 )
 from springpot.native import Replay, SceneLibrary, replayed_accuracy
 from springpot.validation import rms

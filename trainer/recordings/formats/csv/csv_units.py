@@ -69,5 +69,5 @@ def pair_columns(
             where = f"{path}, column {header[index]!r}"
             found.append((index, factor_to_si(labels[index][1] or below, quantity, where)))
     if len(found) == 1:
-        raise DataError(f"{path}: a {pair} has {pair}_x and {pair}_y: add the other column")
+        raise DataError(f"{path}: {pair}_x and {pair}_y belong together: add the other column")
     return tuple(found)
