@@ -102,7 +102,10 @@ if TYPE_CHECKING:
         TrainingSet as TrainingSet,
         training_set as training_set,
     )
-    from springpot.trainer.recordings.contact_point import find_contact as find_contact
+    from springpot.trainer.recordings.contact_point import (
+        ContactPoint as ContactPoint,
+        find_contact as find_contact,
+    )
     from springpot.trainer.recordings.formats.column_map import (
         MAP_EXAMPLE as MAP_EXAMPLE,
         Column as Column,

@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot import Conditioning, DataError, Recording, UsageError
 from springpot.basics import Samples
-from springpot.modelling import LATERAL, find_contact, require_signs
+from springpot.modelling import LATERAL, ContactPoint, find_contact, require_signs
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
@@ -137,6 +137,9 @@ def _from_contact(recording: Recording, options: Conditioning, messages: list[st
     details = {**recording.details, "tare_n": found.tare_n}
     position_m = recording.position_m
     messages.append(f"{recording.name}: tare of {found.tare_n:.4g} N taken off")
+    channels = recording.channels
+    if stated_n is None:
+        channels = _without_lateral_tare(recording, found, messages)
     if options.contact_force is not None:
         position_m = position_m - found.position_m
         details |= {
@@ -149,4 +152,20 @@ def _from_contact(recording: Recording, options: Conditioning, messages: list[st
             f"where force passes {found.threshold_n:.3g} N"
         )
     force_n = recording.force_n - found.tare_n
-    return replace(recording, position_m=position_m, force_n=force_n, details=details)
+    return replace(
+        recording, position_m=position_m, force_n=force_n, channels=channels, details=details
+    )
+
+
+def _without_lateral_tare(
+    recording: Recording, found: ContactPoint, messages: list[str]
+) -> dict[str, Samples]:
+    """Channels of a slide: its cell has an offset along x and y too, which the air shows."""
+    free = recording.position_m < found.position_m - found.uncertainty_m
+    channels = dict(recording.channels)
+    for name in LATERAL[2:]:
+        if name in channels and free.any():
+            tare_n = float(np.median(channels[name][free]))
+            channels[name] = channels[name] - tare_n
+            messages[-1] += f", {tare_n:.4g} N along {name[0]}"
+    return channels

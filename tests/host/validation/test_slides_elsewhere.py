@@ -137,3 +137,23 @@ def test_no_number_and_millimetres_are_no_path(name: str, value: float) -> None:
         return
     with pytest.raises(DataError, match=rf"slid: {name}"):
         require_slides(plan, other)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("offset_n", [-0.2, 0.05])
+def test_a_tare_that_is_found_is_that_of_all_axes(offset_n: float) -> None:
+    given = slid(3)
+    air_m = given.position_m - 0.003
+    draw = np.random.default_rng(1)
+    force_n = 300.0 * np.maximum(air_m, 0.0)
+    clean = {name: given.channels[name] * (force_n > 0.0) for name in LATERAL[2:]}
+    noisy = {name: its + offset_n + draw.normal(0.0, 1e-3, N) for name, its in clean.items()}
+    loaded = replace(
+        given, position_m=air_m, force_n=force_n + 0.3 + draw.normal(0.0, 1e-3, N),
+        channels={**given.channels, **noisy},
+    )  # fmt: skip
+    found, (line,) = condition(loaded, Conditioning(tare="auto"))
+    assert "N along x" in line and "N along y" in line
+    for name, its in clean.items():
+        np.testing.assert_allclose(found.channels[name], its, atol=6e-3)
+    stated, _ = condition(loaded, Conditioning(tare=0.3))
+    assert stated.channels == loaded.channels
