@@ -86,7 +86,7 @@ def fit_model(
     from springpot.trainer.recordings.quality.signs import require_signs
     from springpot.trainer.recordings.slides import require_presses
 
-    require_presses(recordings)
+    require_presses([*recordings, *validation])
     require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
     kind = _kind_of_places(kind, recordings)
     options, warnings = _default_smoothing(recordings, options)

@@ -102,7 +102,10 @@ if TYPE_CHECKING:
         TrainingSet as TrainingSet,
         training_set as training_set,
     )
-    from springpot.trainer.recordings.contact_point import find_contact as find_contact
+    from springpot.trainer.recordings.contact_point import (
+        ContactPoint as ContactPoint,
+        find_contact as find_contact,
+    )
     from springpot.trainer.recordings.formats.column_map import (
         MAP_EXAMPLE as MAP_EXAMPLE,
         Column as Column,
@@ -162,6 +165,11 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.recording_file import (
         Recordings as Recordings,
         given_recordings as given_recordings,
+    )
+    from springpot.trainer.recordings.slides import (
+        LATERAL as LATERAL,
+        place_or_slide as place_or_slide,
+        require_presses as require_presses,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

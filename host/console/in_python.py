@@ -7,11 +7,14 @@ from contextlib import contextmanager
 from springpot.codegen.errors import SpringpotError
 
 # The options that are not the argument with the same name.
-_ARGUMENTS = {"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"}
+_ARGUMENTS = {
+    **{"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"},
+    **{"compliance": "frame_npm", "area": "area_m2", "height": "height_m"},
+}
 _FLAGS = ("align", "accept-signs")
 _NUMBER_OR_NAME, _WORD = (
-    r"-?[\d.]+(?:e-?\d+)?\b|[A-Z][A-Z0-9,]*\b",
-    r"(?:auto|first|min|paper|recursive)\b",
+    r"-?[\d.]+(?:e[+-]?\d+)?\b|[A-Z][A-Z0-9,]*\b",
+    r"(?:auto|comma|first|min|paper|point|recursive)\b",
 )
 _MAP = r"'[^']*'|[a-z]+=\S*[^\s,.;:)]"
 _OPTION = re.compile(
@@ -45,4 +48,7 @@ def _argument(found: re.Match[str]) -> str:
         return f"{argument}=True"
     if found["text"]:
         return f"{argument}={found['text'].strip(chr(39))!r}"
-    return f"{argument}={found['plain']}" if found["plain"] else argument
+    plain = found["plain"]
+    if plain and "," in plain:
+        plain = f"({plain.replace(',', ', ')})"
+    return f"{argument}={plain}" if plain else argument

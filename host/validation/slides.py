@@ -11,7 +11,7 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.metrics import rms
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import lateral_of, slide_path
+from springpot.trainer.recordings.slides import lateral_of, require_path, slide_path
 
 _ALONG = (-1.0, -1.0, 1.0)  # a hand puts in work against x and y, and along the depth
 _PRESSED = 0.1  # of the peak force: below it the ratio of two forces is of noise
@@ -40,12 +40,15 @@ class SlideError:
 
 
 def require_slides(plan: Plan, recording: Recording) -> None:
-    """Raise DataError if the C of the scene cannot slide."""
+    """Raise DataError if the C of the scene cannot slide, or nothing was felt on the way."""
     if plan.lateral is None:
         raise DataError(
             f"{recording.name}: slides, and this scene does not: emit it with [places] mode = "
             '"lateral", or leave this recording out'
         )
+    require_path(recording)
+    if not recording.force_n.any():
+        raise DataError(f"{recording.name}: its force is 0 everywhere: leave this recording out")
 
 
 def slide_error(recording: Recording, force_n: Samples, ramped: int, friction: float) -> SlideError:
@@ -55,7 +58,7 @@ def slide_error(recording: Recording, force_n: Samples, ramped: int, friction: f
     """
     measured_n, found_n = recording.force_n[ramped:], force_n[ramped:]
     peak_n = float(np.abs(recording.force_n).max())
-    percent = 100.0 * rms(found_n[:, 2] - measured_n) / peak_n if peak_n > 0.0 else float("nan")
+    percent = 100.0 * rms(found_n[:, 2] - measured_n) / peak_n
     lateral_n = lateral_of(recording)
     if lateral_n is None:
         return SlideError(recording.name, percent)

@@ -20,6 +20,10 @@ Zero = Literal["none", "first", "min"]
 
 RECORDING_SUFFIX = ".h5"
 FRAME_SOURCE = "frame"  # source of what a table held
+_COLUMNS = {  # of a table, in which "x" alone might be the position
+    **{"x_m": "place_x_m", "y_m": "place_y_m"},
+    **{"x_n": "lateral_x_n", "y_n": "lateral_y_n"},
+}
 _MOST_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
@@ -151,14 +155,30 @@ class Recording(Faces):
         return recording if conditioning is None else condition(recording, conditioning)[0]
 
     def to_frame(self) -> Any:
-        """Make a pandas table of time_s, position_m, force_n and the further channels."""
+        """Make a pandas table of time_s, position_m, force_n, the place and further channels.
+
+        `from_frame` reads all but the further channels from it.
+        """
         try:
             from pandas import DataFrame
         except ModuleNotFoundError:
             raise UsageError("to_frame needs pandas: pip install pandas") from None
         time_s = self.dt_s * np.arange(len(self.force_n))
         columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
-        return DataFrame({**columns, **{k: v for k, v in self.channels.items() if k != "time_s"}})
+        own = ("time_s", *_COLUMNS)
+        further = {name: its for name, its in self.channels.items() if name not in own}
+        return DataFrame({**columns, **self.place_columns(), **further})
+
+    def place_columns(self) -> dict[str, Samples]:
+        """Return place_x_m, place_y_m and, if it was measured, the force along them, (n,) each.
+
+        The names are those that an import reads; empty if the place is not known.
+        """
+        found = {_COLUMNS[name]: its for name, its in self.channels.items() if name in _COLUMNS}
+        if self.place_m is not None and not found:
+            places = np.broadcast_to(self.place_m, (len(self.force_n), 2)).T
+            found = dict(zip(_COLUMNS.values(), places, strict=False))
+        return found
 
     @property
     def signs_accepted(self) -> bool:

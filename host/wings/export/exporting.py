@@ -20,8 +20,8 @@ _RULE = {"sign_rule": SIGN_RULE}
 def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> Path:
     """Write one recording into a folder and return the file.
 
-    CSV: time_s, position_m, force_N as shortest round-trip decimals; metadata go beside it as JSON.
-    MAT: v5, the same three vectors, and the metadata as variables.
+    CSV: time_s, position_m, force_N and the place, if it is known, as shortest round-trip decimals;
+    metadata go beside it as JSON. MAT: v5, the same vectors, and the metadata as a variable.
     Raises UsageError where the file exists or cannot be written.
     """
     path = folder / f"{recording.name}.{form}"
@@ -67,6 +67,7 @@ def _write_csv(path: Path, recording: Recording, more: Mapping[str, Samples] | N
         "time_s": _time_s(recording),
         "position_m": recording.position_m,
         "force_N": recording.force_n,
+        **recording.place_columns(),
         **(more or {}),
     }
     with path.open("w", encoding="utf-8", newline="") as file:

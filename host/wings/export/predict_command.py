@@ -33,12 +33,14 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
         extrapolation,
         limited_n,
         require_compatible,
+        require_presses,
         sign_doubts,
         unplaced,
     )
 
     fitted = read_model(model)
     found = read_recordings(*recordings)
+    require_presses(found)
     for doubt in sign_doubts(found):
         say(f"warning: {doubt}")
     names = [recording.name for recording in found]

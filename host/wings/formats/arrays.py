@@ -19,6 +19,8 @@ from springpot.modelling import (
     Unit,
     choose_unit,
     guess_column,
+    pair_columns,
+    place_or_slide,
     read_apart,
     split_unit,
     stated_rate_hz,
@@ -76,6 +78,7 @@ def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawCha
         metadata["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
         found = f"time = samples counted at the stated {rate_hz:g} Hz, {found}"
     guess = f"{kind.upper()} file: {found}"
+    place_m, slide = _place_or_slide(path, arrays, len(scaled["force"]))
     raw = RawChannels(
         name=path.stem,
         time_s=scaled["time"],
@@ -85,8 +88,27 @@ def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawCha
         source=str(path),
         line_of=lambda sample: sample + 1,
         details={"columns": guess, "units": metadata},
+        place_m=place_m,
+        beside=slide,
     )
     return [raw], guess
+
+
+def _place_or_slide(
+    path: Path, arrays: list[_Array], samples: int
+) -> tuple[tuple[float, float] | None, dict[str, Samples]]:
+    """Place that arrays such as place_x_mm and place_y_mm state, or the channels of a slide."""
+    names, units = _labels(arrays), [array.unit for array in arrays]
+    place = pair_columns(path, names, units, "place", "position")
+    lateral = pair_columns(path, names, units, "lateral", "force") if place else ()
+    for index, _ in (*place, *lateral):
+        if len(arrays[index].values) != samples:
+            raise DataError(
+                f"{path}: {arrays[index].name!r} has {len(arrays[index].values)} samples, force "
+                f"{samples}: give as many"
+            )
+    found = [arrays[index].values * to_si for index, to_si in (*place, *lateral)]
+    return place_or_slide(np.column_stack(found)) if found else (None, {})
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
@@ -130,9 +152,12 @@ def _choose(path: Path, arrays: list[_Array], quantity: Quantity, columns: Colum
 
 
 def _guess(arrays: list[_Array], quantity: Quantity) -> list[_Array]:
-    """Guess by the last part of the names: groups and structures are named after rigs."""
-    labels = [array.name.replace(".", "/").rpartition("/")[2] for array in arrays]
-    return [arrays[index] for index in guess_column(labels, quantity)]
+    return [arrays[index] for index in guess_column(_labels(arrays), quantity)]
+
+
+def _labels(arrays: list[_Array]) -> list[str]:
+    """Last parts of the names: groups and structures are named after rigs."""
+    return [array.name.replace(".", "/").rpartition("/")[2] for array in arrays]
 
 
 def _unit(path: Path, quantity: Quantity, array: _Array, columns: ColumnMap) -> Unit:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot import DataError, UsageError
+from springpot import UsageError
 from springpot.basics import Samples, given_numbers
 from springpot.modelling import (
     FRAME_NAME,
@@ -17,6 +17,7 @@ from springpot.modelling import (
     RawChannels,
     choose_unit,
     pair_columns,
+    place_or_slide,
     split_unit,
     stated_hz,
 )
@@ -27,7 +28,8 @@ _MAX_SHOWN = 200  # letters of all names
 def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) -> RawChannels:
     """Three columns of a table, in SI units; columns: as `Recording.from_frame` takes them.
 
-    Columns of a place (place_x_mm, place_y_mm) are read as an import reads them. Raises UsageError
+    Columns of a place (place_x_mm, place_y_mm) and of the force along them (lateral_x_n,
+    lateral_y_n) are read as an import reads them. Raises UsageError
     for what is no table and for a column that is not there, DataError for a unit.
     """
     labels = _labels(frame)
@@ -59,6 +61,7 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     if rate_hz is not None:
         scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+    place_m, slide = _place_or_slide(frame, name, labels)
     return RawChannels(
         name,
         scaled["time"],
@@ -68,27 +71,29 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         FRAME_SOURCE,
         lambda sample: sample,
         {"units": units},
-        place_m=_place_m(frame, name, labels),
+        place_m=place_m,
+        beside=slide,
         in_python=True,
     )
 
 
-def _place_m(frame: Any, name: str, labels: Sequence[Hashable]) -> tuple[float, float] | None:
-    """Place that columns such as place_x_mm and place_y_mm state, x and y, m; None without them.
+def _place_or_slide(
+    frame: Any, name: str, labels: Sequence[Hashable]
+) -> tuple[tuple[float, float] | None, dict[str, Samples]]:
+    """Place that columns such as place_x_mm and place_y_mm state, or the channels of a slide.
 
-    Raises DataError for one of them alone, for its unit, and if the place changes.
+    Raises DataError for one of them alone, and for its unit.
     """
-    found_m = []
     names = [str(label) for label in labels]
-    for index, to_m in pair_columns(Path(name), names, [], "place", "position"):
-        values = given_numbers(np.asarray(frame[labels[index]]), f"{name}, {labels[index]}")
-        if np.ptp(values):
-            raise DataError(
-                f"{name}, column {labels[index]!r}: the place changes: a recording is of one "
-                "place, make one of each"
-            )
-        found_m.append(to_m * float(values[0]))
-    return (found_m[0], found_m[1]) if found_m else None
+    place = pair_columns(Path(name), names, [], "place", "position")
+    if not place:
+        return None, {}
+    lateral = pair_columns(Path(name), names, [], "lateral", "force")
+    found = [
+        given_numbers(np.asarray(frame[labels[index]]), f"{name}, {labels[index]}") * to_si
+        for index, to_si in (*place, *lateral)
+    ]
+    return place_or_slide(np.column_stack(found))
 
 
 def _labels(frame: Any) -> list[Hashable]:

@@ -51,7 +51,12 @@ def test_a_remedy_is_an_argument(
             "take a column (columns), or resample_hz=100",
         ),
         ("--zero first or min", "zero='first' or min"),
-        ("pass --area M2, --place X,Y and --align", "pass area=M2, place_m=X,Y and align=True"),
+        (
+            "pass --area M2, --place X,Y and --align",
+            "pass area_m2=M2, place_m=(X, Y) and align=True",
+        ),
+        ("--resample-hz 1e+06, --compliance 5e4", "resample_hz=1e+06, frame_npm=5e4"),
+        ("--decimal comma, or --decimal point", "decimal='comma', or decimal='point'"),
         ("--smooth-s 0.025: lasts", "smooth_s=0.025: lasts"),
     ],
 )

@@ -29,7 +29,7 @@ from springpot.trainer.recordings.journal_reader import is_being_recorded, read_
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 from springpot.trainer.recordings.recording_file import has_checksum, read_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
-from springpot.trainer.recordings.slides import way_words
+from springpot.trainer.recordings.slides import is_slide, way_words
 
 _NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
 _PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
@@ -86,6 +86,11 @@ def import_file(
     found = _imported(path, mapping, zero_word(zero), resample_hz, options)
     if options.place_m is None:
         return found
+    for recording in filter(is_slide, found.recordings):
+        raise UsageError(
+            f"{path}: --place: the tool slides ({way_words(recording.channels)}), so each sample "
+            "has a place of its own: leave --place out"
+        )
     x_m, y_m = options.place_m
     placed = [replace(each, place_x_m=x_m, place_y_m=y_m) for each in found.recordings]
     return replace(found, recordings=placed)

@@ -10,6 +10,7 @@ from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.raw_channels import RawChannels, without_odd_first
 from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
+from springpot.trainer.recordings.slides import require_path
 
 MIN_ROWS = 3
 GAP_STEPS = 1.5  # a step longer than this many usual steps is a gap
@@ -68,10 +69,12 @@ def to_recording(
         }
         position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
     place_x_m, place_y_m = raw.place_m or (None, None)
-    return Recording(
+    recording = Recording(
         name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
         channels=channels, place_x_m=place_x_m, place_y_m=place_y_m,
     )  # fmt: skip
+    require_path(recording)
+    return recording
 
 
 def _sampling(raw: RawChannels) -> dict[str, Any]:

@@ -7,9 +7,8 @@ from math import dist
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import Repeats
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import presses_of
+from springpot.trainer.recordings.slides import SAME_PLACE_M, presses_of
 
-SAME_PLACE_M = 1e-4  # what no printed grid and no stage tells apart
 _NEAR = 0.25  # of the usual distance to the nearest other site
 _DISAGREE = 0.05  # of the peak force
 

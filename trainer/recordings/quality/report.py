@@ -46,6 +46,8 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 from springpot.trainer.recordings.slides import is_slide, presses_of
 
+_NOT_JUDGED = "signs of a slide are not judged"
+
 
 @dataclass(frozen=True, eq=False)
 class QualityReport(Faces):
@@ -72,7 +74,11 @@ class QualityReport(Faces):
     def recordings(self) -> list[dict[str, Any]]:
         """Figures of each recording."""
         return [
-            {**_figures(recording, own_cycles, self.skew), "signs": own_signs.metadata()}
+            {
+                **_figures(recording, own_cycles, self.skew),
+                "signs": own_signs.metadata()
+                | ({"words": _NOT_JUDGED} if is_slide(recording) else {}),
+            }
             for recording, own_cycles, own_signs in zip(
                 self.checked, self.cycles, self.signs, strict=True
             )
@@ -104,7 +110,7 @@ class QualityReport(Faces):
         """Which way the channels point, in one line."""
         pairs = zip(self.checked, self.signs, strict=True)
         of_presses = [signs for its, signs in pairs if not is_slide(its)]
-        return signs_of_all(of_presses).words if of_presses else "signs of a slide are not judged"
+        return signs_of_all(of_presses).words if of_presses else _NOT_JUDGED
 
     @property
     def refused(self) -> bool:

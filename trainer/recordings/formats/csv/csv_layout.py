@@ -178,6 +178,8 @@ def _layout(
         mark = decimal_mark(str(path), numbers)
     between = f"{DELIMITERS[delimiter]} between cells, "
     between += "decimal comma, " if mark == "comma" else ""
+    rows = (header, below if units_below else [])
+    place = pair_columns(path, *rows, "place", "position")
     return Layout(
         delimiter,
         width=len(header) if max(chosen.values()) < len(header) else len(below),
@@ -190,8 +192,8 @@ def _layout(
         clock=clock,
         beside=len(guess_column(header, "time")) > 1,
         unread_time=None if "time" in chosen else _time_beside(header),
-        place=pair_columns(path, header, below if units_below else [], "place", "position"),
-        lateral=pair_columns(path, header, below if units_below else [], "lateral", "force"),
+        place=place,
+        lateral=pair_columns(path, *rows, "lateral", "force") if place else (),
     )
 
 

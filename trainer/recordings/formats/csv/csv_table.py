@@ -19,7 +19,7 @@ from springpot.trainer.recordings.formats.csv.csv_cells import column_numbers, l
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout
 from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT
 from springpot.trainer.recordings.formats.units import factor_to_si
-from springpot.trainer.recordings.slides import LATERAL
+from springpot.trainer.recordings.slides import place_or_slide
 
 UTF8 = "utf-8-sig"
 _TAIL_CHARACTERS, _TAIL_LINES = 1 << 16, 1000
@@ -94,9 +94,7 @@ class CsvTable:
         if not self.layout.place:
             return None, {}
         found = self.numbers([column for column, _ in options]) * [to_si for _, to_si in options]
-        if (found[:, :2] == found[:1, :2]).all():
-            return (float(found[0, 0]), float(found[0, 1])), {}
-        return None, dict(zip(LATERAL, found.T, strict=False))
+        return place_or_slide(found)
 
     def beside(self, rate_hz: float) -> str:
         """Compare the column of time that is not read with the stated rate; return a message."""

@@ -56,16 +56,18 @@ def pair_columns(
 ) -> tuple[tuple[int, float], ...]:
     """Columns named pair_x and pair_y, with their factors to m or N; none without.
 
-    Raises DataError for one of them alone.
+    Raises DataError for one of them alone, and for a name that two columns have.
     """
     labels = [split_unit(cell, quantity) for cell in header]
     found = []
     for name in (f"{pair}_x", f"{pair}_y"):
-        for index, (label, unit) in enumerate(labels):
-            if label.casefold() == name:
-                below = unit_row[index].strip("()[]{} ") if index < len(unit_row) else ""
-                where = f"{path}, column {header[index]!r}"
-                found.append((index, factor_to_si(unit or below, quantity, where)))
+        same = [index for index, (label, _) in enumerate(labels) if label.casefold() == name]
+        if len(same) > 1:
+            raise DataError(f"{path}: {len(same)} columns are named {name}: leave one of them")
+        for index in same:
+            below = unit_row[index].strip("()[]{} ") if index < len(unit_row) else ""
+            where = f"{path}, column {header[index]!r}"
+            found.append((index, factor_to_si(labels[index][1] or below, quantity, where)))
     if len(found) == 1:
-        raise DataError(f"{path}: a {pair} has {pair}_x and {pair}_y: add the other column")
-    return tuple(found[:2])
+        raise DataError(f"{path}: {pair}_x and {pair}_y belong together: add the other column")
+    return tuple(found)
