@@ -178,8 +178,8 @@ def _layout(
         mark = decimal_mark(str(path), numbers)
     between = f"{DELIMITERS[delimiter]} between cells, "
     between += "decimal comma, " if mark == "comma" else ""
-    rows = (header, below if units_below else [])
-    place = pair_columns(path, *rows, "place", "position")
+    under = below if units_below else []
+    place = pair_columns(path, header, under, "place", "position")
     return Layout(
         delimiter,
         width=len(header) if max(chosen.values()) < len(header) else len(below),
@@ -193,7 +193,7 @@ def _layout(
         beside=len(guess_column(header, "time")) > 1,
         unread_time=None if "time" in chosen else _time_beside(header),
         place=place,
-        lateral=pair_columns(path, *rows, "lateral", "force") if place else (),
+        lateral=pair_columns(path, header, under, "lateral", "force") if place else (),
     )
 
 
