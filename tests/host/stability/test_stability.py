@@ -240,8 +240,13 @@ def test_no_coupling_is_advised_where_none_is_stable() -> None:
 def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
     """Of a kind that holds at any rate; without a rate in the advice, none is stable."""
     model, auto = passive_model().stiffened(stiffer), scene(mode="auto")
+    plan = make_plan(model, auto, accept_unsafe=True)
+    if is_stable(plan, scene_loop(plan, DESIGN_HAND)):
+        assert stiffer < 200.0
+        require_stable(plan)
+        return
     with pytest.raises(UnsafeError, match="no coupling is stable at 1000 Hz") as told:
-        require_stable(make_plan(model, auto, accept_unsafe=True))
+        require_stable(plan)
     advised = re.search(r"rate_hz to (\d+)", str(told.value))
     assert advised is not None or "stiffer than a device" in str(told.value)
     for rate_hz in [float(advised[1])] if advised else SERVED_HZ:
