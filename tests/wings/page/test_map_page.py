@@ -97,7 +97,9 @@ def test_the_picture_is_stiffest_where_the_reference_is(
     assert twin_n(folder, entry, stiffest_m, depth_m) == force_n.max()
     tried = first_m + np.random.default_rng(seed).random((40, 2)) * (last_m - first_m)
     found_n = [twin_n(folder, entry, tuple(place.tolist()), depth_m) for place in tried]
-    assert max(found_n) <= force_n.max()
+    # A tool that slides gives way down a slope by its spring, from a node to each side.
+    slack = 1e-3 if mode == "lateral" else 0.0
+    assert max(found_n) <= (1.0 + slack) * force_n.max()
     assert np.ptp(force_n) > 0.05 * force_n.max()
 
 
