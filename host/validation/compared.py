@@ -28,7 +28,7 @@ from springpot.trainer.recordings.slides import LATERAL, is_slide, slide_path
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """What the C returned along recordings, in their order.
+    """Hold what the C returned along recordings, in their order.
 
     force_n: along the depth, (n,), N. ramped: samples of each in the start-up ramp. logs: numbers
     of those that are logs of sessions of the scene. mismatches: ticks of other bits.
@@ -124,7 +124,7 @@ def _slid(plan: Plan, replay: Replay, path_m: Samples) -> tuple[NDArray[Any], ND
 
 
 def is_log_of(recording: Recording, scene_hash: str) -> bool:
-    """Whether a recording is the log of a session of that scene."""
+    """Return whether a recording is the log of a session of that scene."""
     session = recording.details.get("session")
     return bool(session and recording.channels and session["hash"] == scene_hash)
 
@@ -166,7 +166,7 @@ def proxy_positions(
     velocity: NDArray[Any],
     place_m: tuple[float, float] | None = None,
 ) -> NDArray[Any] | None:
-    """Where the C's proxy is before each tick, (n,), m; the reference proves it. None without."""
+    """Return where the proxy of the C is before each tick, (n,), m; None in a scene without one."""
     if not plan.at_proxy:
         return None
     offset = member_offset(plan, "couple")
@@ -181,7 +181,7 @@ def proxy_positions(
 
 
 def bits_differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
-    """Where two arrays of the same type are not the same, bit for bit."""
+    """Return where two arrays of one type have other bits."""
     bits = np.uint32 if one.dtype == np.float32 else np.uint64
     result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
     return result

@@ -26,7 +26,8 @@ class SlideError:
     of the force along x and y, and of that force. correlation: of measured and rendered lateral
     force. friction: the coefficient with which the C would have the drag of the object in the
     median. work_j, c_work_j: what the hand put in from the first sample to the last, against the
-    measured force and against that of the C. None if the lateral force was not measured, or is 0.
+    measured force and against that of the C. None if the lateral force was not measured; without a
+    correlation it is constant, without a friction the tip never moves while it presses.
     """
 
     name: str

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from codegen.stages.test_lateral import plan_of
 from support.small import passive_model
 
 from springpot.codegen.errors import DataError, UsageError
@@ -126,17 +127,17 @@ def test_what_is_of_one_place_refuses_a_slide(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", LATERAL)
 @pytest.mark.parametrize("value", [np.nan, np.inf, 15.0])
 def test_no_number_and_millimetres_are_no_path(name: str, value: float) -> None:
-    plan = SimpleNamespace(lateral=True)
+    plan = plan_of()
     slide = slid(2)
-    require_slides(plan, slide)  # type: ignore[arg-type]
+    require_slides(plan, slide)
     wrong = slide.channels[name].copy()
     wrong[7] = value
     other = replace(slide, channels={**slide.channels, name: wrong})
     if name.endswith("_n") and np.isfinite(value):
-        require_slides(plan, other)  # type: ignore[arg-type]
+        require_slides(plan, other)
         return
     with pytest.raises(DataError, match=rf"slid: {name}"):
-        require_slides(plan, other)  # type: ignore[arg-type]
+        require_slides(plan, other)
 
 
 @pytest.mark.parametrize("offset_n", [-0.2, 0.05])

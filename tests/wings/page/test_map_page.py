@@ -85,7 +85,7 @@ def twin_n(folder: Path, entry: dict, place_m: tuple[float, float], depth_m: flo
 def test_the_picture_is_stiffest_where_the_reference_is(
     tmp_path: Path, seed: int, mode: str
 ) -> None:
-    """Searched for on random maps: no place that is tried is stiffer than the picture says."""
+    """Searched for on random maps: no place that is tried is stiffer than held places show."""
     folder = emitted(tmp_path / "map", SCENES[mode], placed("plain", 1 + seed % 3, 10 + seed))
     entry = scene_entry(folder)
     depth_m = 0.4 * entry["map"]["depth_m"]
@@ -97,9 +97,14 @@ def test_the_picture_is_stiffest_where_the_reference_is(
     assert twin_n(folder, entry, stiffest_m, depth_m) == force_n.max()
     tried = first_m + np.random.default_rng(seed).random((40, 2)) * (last_m - first_m)
     found_n = [twin_n(folder, entry, tuple(place.tolist()), depth_m) for place in tried]
-    # A tool that slides gives way down a slope by its spring, from a node to each side.
-    slack = 1e-3 if mode == "lateral" else 0.0
-    assert max(found_n) <= (1.0 + slack) * force_n.max()
+    # A tool that slides gives way down the slope on which it presses, off a ridge to either side:
+    # no force is above that of a held place, and the picture misses the ridge by what it gives.
+    most_n = force_n.max()
+    if mode == "lateral":
+        held = emitted(tmp_path / "held", SCENES["held"], placed("plain", 1 + seed % 3, 10 + seed))
+        most_n = surveyed(scene_entry(held), tmp_path, depth_m).max()
+        assert 0.97 * most_n < force_n.max() <= most_n
+    assert max(found_n) <= most_n
     assert np.ptp(force_n) > 0.05 * force_n.max()
 
 

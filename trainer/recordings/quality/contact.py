@@ -81,8 +81,10 @@ def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
     """Yield a finding if a test begins at position 0 with a force already, and ends without."""
     begins_n = float(np.median(recording.force_n[:_FIRST])) - rest_n
     at_zero = abs(recording.position_m[0]) <= _NEAR * float(np.ptp(recording.position_m))
-    least_n = max(_PRELOAD * float(recording.force_n.max()), _NOISES * noise_n(recording.force_n))
-    if at_zero and begins_n > least_n:
+    threshold_n = max(
+        _PRELOAD * float(recording.force_n.max()), _NOISES * noise_n(recording.force_n)
+    )
+    if at_zero and begins_n > threshold_n:
         yield warning(
             "contact", recording.name, f"begins at position 0 with {begins_n:.3g} N",
             "perhaps a trigger's: the surface is farther out, and the force would jump there",

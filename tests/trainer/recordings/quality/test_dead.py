@@ -36,6 +36,17 @@ def test_a_run_of_one_value_far_from_those_beside_it_is_named(seed: int) -> None
 
 
 @pytest.mark.parametrize("seed", range(20))
+def test_rows_that_were_lost_are_named_for_both_channels(seed: int) -> None:
+    recording, draw = pressed(seed)
+    position_m, force_n = recording.position_m.copy(), recording.force_n.copy()
+    begin = int(draw.choice(np.flatnonzero((force_n > 0.6 * force_n.max())[:-40])))
+    end = begin + int(draw.integers(3, 12))
+    position_m[begin:end], force_n[begin:end] = 0.0, 0.0
+    found = dead_findings(replace(recording, position_m=position_m, force_n=force_n))
+    assert [finding.what.split(" jumps")[0] for finding in found] == ["position", "force"]
+
+
+@pytest.mark.parametrize("seed", range(20))
 def test_presses_steps_holds_and_strikes_have_none(seed: int) -> None:
     recording, draw = pressed(seed)
     assert not list(dead_findings(recording))

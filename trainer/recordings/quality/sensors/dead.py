@@ -19,14 +19,17 @@ def dead_findings(recording: Recording) -> Iterator[Finding]:
     """Name runs of one value into which a channel jumps, and out of which it jumps back.
 
     Of a tool that steps, or strikes the object, both channels jump; one that leaves it is farther
-    out than beside the run; one that steps in the air feels no force.
+    out than beside the run; one that steps in the air feels no force. Rows that were lost are one
+    value of both channels, amid a motion: a tool that steps rests before and after.
     """
     position_m, force_n = recording.position_m, recording.force_n
+    rows = set(_dead_runs(position_m)) & set(_dead_runs(force_n))
+    rows = {run for run in rows if _moves(position_m, *run)}
     for channel, samples, other, scale, unit in (
         ("position", position_m, force_n, 1e3, "mm"),
         ("force", force_n, position_m, 1.0, "N"),
     ):
-        runs = [run for run in _dead_runs(samples) if _stays(other, *run)]
+        runs = [run for run in _dead_runs(samples) if run in rows or _stays(other, *run)]
         if runs:
             begin, end = max(runs, key=lambda run: run[1] - run[0])
             times = f"{len(runs)} times, the longest" if len(runs) > 1 else "once,"
@@ -54,6 +57,13 @@ def _dead_runs(samples: Samples) -> list[tuple[int, int]]:
         if end - begin >= _FEWEST and (both or at_end):
             found.append((begin, end))
     return found
+
+
+def _moves(position_m: Samples, begin: int, end: int) -> bool:
+    """Whether the tool moves just before and just after a run."""
+    steps = [(begin - 1, begin - 2), (end + 1, end)]
+    within = all(0 <= at < len(position_m) and before >= 0 for at, before in steps)
+    return within and all(position_m[at] != position_m[before] for at, before in steps)
 
 
 def _stays(other: Samples, begin: int, end: int) -> bool:
