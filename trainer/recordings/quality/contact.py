@@ -14,6 +14,7 @@ from springpot.trainer.recordings.recording import Recording
 _PRELOAD = 0.05  # of the peak force, at the lowest position
 _LOWEST = 0.005  # of the travel: where a motion seldom comes, the force there is the least
 _NEAR, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
+_AS_MUCH = 1.25  # times the force of other presses, which may have been slower
 _SURFACE_OFF = 0.05  # of the travel
 _FIRST, _NOISES = 5, 8.0  # samples; of the force's noise
 
@@ -31,13 +32,18 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
             met.append((recording, find_contact(recording)))
         except DataError:  # at its lowest position it touches the surface, or is pressed already
             lowest_m, rest_n = _at_rest(recording)
-            if abs(rest_n) > _PRELOAD * float(recording.force_n.max()):
+            least_n = max(_PRELOAD * float(recording.force_n.max()), noise_n(recording.force_n))
+            if abs(rest_n) > least_n:
                 loaded.append((recording, rest_n))
             else:
                 yield from _trigger_findings(recording, rest_n)
                 doubt_m = _doubt_m(recording, lowest_m, rest_n)
                 met.append((recording, ContactPoint(lowest_m, doubt_m, rest_n, np.inf)))
-    yield from _loaded_findings(loaded)
+    shown = [item for item, contact in met if not _is_off(item, contact)]
+    if shown:
+        yield from _other_zero_findings(loaded, shown)
+    else:
+        yield from _loaded_findings(loaded)
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
     for recording, contact in met:
@@ -55,10 +61,14 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
     position 0, others that begin deeper do not say that the surface is elsewhere. To put each of
     them at 0 would take away what the object remembers.
     """
-    off = [(recording, contact) for recording, contact in met if _is_off(recording, contact)]
+    off = [item for item in met if _is_off(*item)]
     if not off:
         return
     fresh, begins = min(met, key=lambda item: item[1].position_m)
+    if not _is_off(fresh, begins):  # what begins pressed shows no surface, and needs none beside it
+        off = [item for item in off if not _begins_pressed(*item)]
+    if not off:
+        return
     places_mm = [1e3 * contact.position_m for _, contact in off]
     where, span = off[0][0].name, f"{min(places_mm):.3g} to {max(places_mm):.3g} mm"
     if len(off) == 1:
@@ -79,17 +89,25 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
 
 def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
     """Yield a finding if a test begins at position 0 with a force already, and ends without."""
-    begins_n = float(np.median(recording.force_n[:_FIRST])) - rest_n
+    begins_n = _begins_n(recording, rest_n)
     at_zero = abs(recording.position_m[0]) <= _NEAR * float(np.ptp(recording.position_m))
-    threshold_n = max(
-        _PRELOAD * float(recording.force_n.max()), _NOISES * noise_n(recording.force_n)
-    )
-    if at_zero and begins_n > threshold_n:
+    if at_zero and begins_n > 0.0:
         yield warning(
             "contact", recording.name, f"begins at position 0 with {begins_n:.3g} N",
             "perhaps a trigger's: the surface is farther out, and the force would jump there",
             "record from above the object, or with a lower trigger",
         )  # fmt: skip
+
+
+def _begins_n(recording: Recording, rest_n: float) -> float:
+    """Force above `rest_n` that a recording begins with, N; 0 within its noise."""
+    begins_n = float(np.median(recording.force_n[:_FIRST])) - rest_n
+    noisy_n = _NOISES * noise_n(recording.force_n)
+    return begins_n if begins_n > max(_PRELOAD * float(recording.force_n.max()), noisy_n) else 0.0
+
+
+def _begins_pressed(recording: Recording, contact: ContactPoint) -> bool:
+    return contact.threshold_n == np.inf and _begins_n(recording, contact.tare_n) > 0.0
 
 
 def _elsewhere(off: Sequence[Met]) -> tuple[str, str]:
@@ -148,6 +166,29 @@ def _loaded_findings(loaded: Sequence[tuple[Recording, float]]) -> Iterator[Find
             "record from above the object, or, if position 0 means nothing, import with --zero "
             "first or min",
         )  # fmt: skip
+
+
+def _other_zero_findings(
+    loaded: Sequence[tuple[Recording, float]], shown: Sequence[Recording]
+) -> Iterator[Finding]:
+    """Yield a finding for what is under preload and pushes more than others do at its depth.
+
+    shown: those that meet the surface at position 0. An object that is kept pressed relaxes, so
+    that it pushes no more than one that is pressed from its surface.
+    """
+    for recording, rest_n in loaded:
+        lowest_m = float(recording.position_m.min())
+        near_m = lowest_m + _NEAR * float(np.ptp(recording.position_m))
+        there_n = max(
+            float(each.force_n[each.position_m <= near_m].max(initial=0.0)) for each in shown
+        )
+        if rest_n > _AS_MUCH * there_n + _NOISES * noise_n(recording.force_n):
+            yield warning(
+                "contact", recording.name,
+                f"never leaves the object, {rest_n:.3g} N at its lowest position, "
+                f"{1e3 * lowest_m:.3g} mm, where the others have {there_n:.3g} N",
+                "its position 0 is not their surface", "give it their zero, or leave it out",
+            )  # fmt: skip
 
 
 def _forces(loaded: Sequence[tuple[Recording, float]]) -> str:

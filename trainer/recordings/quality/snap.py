@@ -16,6 +16,7 @@ _NOISES = 8.0
 _WAY = (0.05, 0.8)
 _STEADY = 0.3  # of the stroke's usual speed: an object that is held relaxes
 _SHARE = 0.5  # of the strokes that go as deep
+_MEAN = 0.02  # of the way in: a snap is wider, and a sensor's noise is not white
 _SAME_PLACE = 0.15  # of the travel: friction and slips are anywhere
 
 
@@ -74,7 +75,8 @@ def _greatest_fall(recording: Recording, begin: int, end: int) -> tuple[float, f
 
 
 def _mean(samples: np.ndarray) -> np.ndarray:
-    """Over five samples, the ends with what there is."""
-    weight = np.convolve(np.ones_like(samples), np.ones(5), "same")
-    mean: np.ndarray = np.convolve(samples, np.ones(5), "same") / weight
+    """Over 2 % of the way and five samples at least, the ends with what there is."""
+    window = np.ones(max(5, round(_MEAN * len(samples))))
+    weight = np.convolve(np.ones_like(samples), window, "same")
+    mean: np.ndarray = np.convolve(samples, window, "same") / weight
     return mean

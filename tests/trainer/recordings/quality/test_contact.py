@@ -57,6 +57,38 @@ def test_a_zero_that_is_not_the_surface_is_said_once_for_the_set(seed: int) -> N
     assert "--contact-force auto" in found.to_do
 
 
+def under_preload(seed: int, shifted: bool) -> list[Recording]:
+    """Presses from the surface of a relaxing object, and one that keeps pressing it.
+
+    shifted: position 0 of the second is where that motion begins, not the surface.
+    """
+    rng = np.random.default_rng(seed)
+    power, share, tau_s = rng.uniform(1.0, 2.2), rng.uniform(0.1, 0.7), 10 ** rng.uniform(-1, 1)
+    low_m, wave = rng.uniform(2e-3, 4e-3), 0.5 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
+    found = []
+    for name, position_m in (("free", -5e-4 + 8e-3 * wave), ("kept", low_m + 3e-3 * wave)):
+        elastic_n = 12.0 * (np.maximum(position_m, 0.0) / 8e-3) ** power
+        relaxing_n = np.zeros_like(elastic_n)
+        for i, step_n in enumerate(np.diff(elastic_n)):
+            relaxing_n[i + 1] = np.exp(-1e-3 / tau_s) * relaxing_n[i] + share * step_n
+        force_n = (1.0 - share) * elastic_n + relaxing_n
+        force_n = np.maximum(force_n, 0.0) + rng.normal(0.0, 0.02, len(TIME_S))
+        moved_m = low_m if shifted and name == "kept" else 0.0
+        found.append(Recording(name, position_m - moved_m, force_n, 1e-3))
+    return found
+
+
+@pytest.mark.parametrize("shifted", [False, True])
+def test_a_preload_beside_presses_from_the_surface_has_their_zero_or_another(shifted: bool) -> None:
+    """Its --zero min would take the surface from a set that has one; another zero is said."""
+    said = [contacts(under_preload(seed, shifted)) for seed in range(30)]
+    if shifted:  # three begin with less than 5 % of the peak, as at a surface
+        assert sum(len(found) == 1 and found[0].where == "kept" for found in said) >= 27
+    else:
+        assert sum(map(bool, said)) <= 3
+        assert not [its for found in said for its in found if "--zero" in its.to_do]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["bergstrom-boyce", "mullins", "poro-viscoelastic"])
 def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path: Path) -> None:

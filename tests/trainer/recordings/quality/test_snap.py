@@ -6,6 +6,7 @@ from support.small import soft_force
 
 from springpot.trainer.features.fractional import fir_derivatives, gl_taps
 from springpot.trainer.recordings.quality.report import check_recordings
+from springpot.trainer.recordings.quality.snap import snap_findings
 from springpot.trainer.recordings.recording import Recording
 
 DEPTH_M = 5e-3
@@ -87,3 +88,18 @@ WITHOUT = {
 def test_what_does_not_snap_is_not_said_to(name: str, ramp: bool) -> None:
     for seed, (noise_n, rate_hz) in enumerate(((0.02, 1000.0), (0.15, 200.0))):
         assert "snap" not in kinds(recorded(WITHOUT[name], seed, noise_n, rate_hz, ramp)), rate_hz
+
+
+def test_no_snap_is_seen_in_weak_presses_by_noise_that_wanders() -> None:
+    """Ramps to 0.1 N, 2 kHz, noise of 0.03 to 0.1 N that is alike for some milliseconds."""
+    said = []
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        position_m = motion(rng.uniform(0.1, 0.4), 2000.0, True, DEPTH_M)
+        noise_n, stays = rng.uniform(0.03, 0.1), rng.choice([0.5, 0.9])
+        noise = rng.standard_normal(len(position_m))
+        for i in range(1, len(noise)):
+            noise[i] = stays * noise[i - 1] + np.sqrt(1.0 - stays**2) * noise[i]
+        force_n = 0.1 * (position_m / DEPTH_M) ** 2 + noise_n * noise
+        said += list(snap_findings([Recording(f"{seed}", position_m, force_n, 5e-4)]))
+    assert said == []
