@@ -171,7 +171,7 @@ def training_set(
         depths_m=depths_m,
         dt_s=dt_s,
         contact=contact,
-        trained=trained_range(prepared, contact),
+        trained=_trained_range(prepared, depths_m, contact),
         warnings=tuple(warnings),
     )
 
@@ -192,9 +192,10 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
     return first.dt_s
 
 
-def trained_range(recordings: Sequence[Recording], contact: Contact) -> TrainedRange:
+def _trained_range(
+    recordings: Sequence[Recording], depths: Sequence[Samples], contact: Contact
+) -> TrainedRange:
     """Extremes over all recordings. Raises DataError where nothing moved."""
-    depths = [depth_m(recording, contact) for recording in recordings]
     min_m = min(float(depth.min()) for depth in depths)
     max_m = max(float(depth.max()) for depth in depths)
     if max_m <= (0.0 if contact == "surface" else min_m):

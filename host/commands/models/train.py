@@ -19,8 +19,7 @@ from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
-    from springpot.trainer.models.fit import Fit, FitOptions
-    from springpot.trainer.recordings.recording import Recording
+    from springpot.trainer.models.fit import Fit
 
 
 @click.command()
@@ -130,7 +129,8 @@ def train(
         planning = required_part("next-presses", "--next")
         planning.require_surface(next_file, training)
     said = {finding.text for finding in report_quality(training).findings}
-    fit = _fitted(kind, out, training, testing, options)
+    with progress_bar(f"fitting {kind} on {len(training)} recordings"):
+        fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:
         if line not in said:
             say(f"warning: {line}")
@@ -145,17 +145,6 @@ def train(
         told, rows["record next"] = planning.next_told(training, fit.model, next_file)
         result |= told
     print_result(result, as_json, rows)
-
-
-def _fitted(
-    kind: str,
-    out: Path,
-    training: "list[Recording]",
-    testing: "list[Recording]",
-    options: "FitOptions",
-) -> "Fit":
-    with progress_bar(f"fitting {kind} on {len(training)} recordings"):
-        return fit_model(kind, out.stem.split(".")[0], training, options, testing)
 
 
 def _require_model_file(out: Path) -> None:

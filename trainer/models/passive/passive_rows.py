@@ -98,8 +98,8 @@ def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
     rows = data.even_rows(_ROWS)
     if options.fraction is not None:
         rows = data.rows(options.fraction, 0)
-    families = fold_families(data, rows, options.seed)
     force_n = data.force_n(rows)
+    families = fold_families(data, rows, options.seed)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)
     surface = data.contact == "surface"
     varied = bool(held_out_whole(data, rows))

@@ -6,6 +6,7 @@ from itertools import compress
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import FLOW_SHARE, Damage, Flow, Hammerstein
 from springpot.codegen.stages.passive.flow import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
@@ -46,6 +47,11 @@ class Terms:
     def width(self) -> int:
         """Columns of a curve: a hat of slope at each node, and the exponentials."""
         return self.nodes + len(EXPONENTS)
+
+    @property
+    def functions(self) -> Samples:
+        """`curve_nodes` of the columns of a curve, (nodes + 1, 2, width)."""
+        return curve_nodes(column_slopes(self.nodes))
 
     @property
     def curves(self) -> tuple[int, int]:

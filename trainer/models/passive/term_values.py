@@ -7,7 +7,6 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.formulas import (
     Place,
-    curve_nodes,
     curve_place,
     curve_values,
     flow_functions,
@@ -21,7 +20,7 @@ from springpot.codegen.model.passive import FLOW_SHARE
 from springpot.codegen.stages.passive.flow import FUNCTIONS
 from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.motion import DepthMotion
-from springpot.trainer.models.passive.passive_terms import Terms, column_slopes
+from springpot.trainer.models.passive.passive_terms import Terms
 
 _AT_ONCE = 1 << 18  # samples of functions along a motion: those of a press fit into a cache
 _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
@@ -44,7 +43,7 @@ def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Sa
             *(here - curve_values(some, played) for played in plays),
         ]
 
-    values = _by_function(terms.nodes, place, curves_of)
+    values = _by_function(terms, place, curves_of)
     bias = np.tile([1.0, -1.0], (len(rows), 1)) if terms.bias else np.empty((len(rows), 0))
     return np.concatenate([values, bias, added_columns(terms, motion, dt_s, rows)], axis=1)
 
@@ -58,7 +57,7 @@ def added_columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices)
     found = [np.empty((len(rows), 0))]
     if lost or shares:
         found.append(_by_function(
-            terms.nodes, place,
+            terms, place,
             lambda along, _: [*(highpass_by_depth(along, each)[rows] for each in lost),
                               *(along[rows] * share[:, None] for share in shares)],
         ))  # fmt: skip
@@ -68,14 +67,14 @@ def added_columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices)
 
 
 def _by_function(
-    nodes: int, place: Place, curves_of: Callable[[Samples, Samples], list[Samples]]
+    terms: Terms, place: Place, curves_of: Callable[[Samples, Samples], list[Samples]]
 ) -> Samples:
     """Columns of curves, (rows, curves x width): of each function of a curve, and its nodes.
 
     curves_of: from values of some functions along the motion, (n, k), and at their nodes, to those
     of each curve, (rows, k). Few functions at a time: a day's recording has 1e8 samples.
     """
-    functions = curve_nodes(column_slopes(nodes))
+    functions = terms.functions
     width, found = functions.shape[2], []
     at_once = max(1, _AT_ONCE // len(place[0]))
     for j in range(0, width, at_once):
