@@ -119,16 +119,17 @@ def train(
     from springpot.host.console.quality import report_quality
     from springpot.host.validation.seen import seen_line
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
-    from springpot.trainer.recordings.recording_file import read_recordings
+    from springpot.trainer.recordings.recording_file import given_recordings
 
     options = FitOptions(**of_fit)
-    training = read_recordings(map(Path, recordings))
-    testing = read_recordings(map(Path, validation))
+    testing = given_recordings(validation)
+    report = report_quality(recordings)
+    training = report.given
     planning: Any = part("next-presses")
     if next_file is not None:
         planning = required_part("next-presses", "--next")
         planning.require_surface(next_file, training)
-    said = {finding.text for finding in report_quality(training).findings}
+    said = {finding.text for finding in report.findings}
     with progress_bar(f"fitting {kind} on {len(training)} recordings"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:

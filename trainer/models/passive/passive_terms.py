@@ -77,6 +77,10 @@ class Terms:
         sizes += [1] * len(self.flow)
         return np.repeat(np.arange(len(sizes)), sizes)
 
+    def shares(self, depth_m: Samples) -> Samples:
+        """Depths as shares of the span, (n,): u of `Hammerstein`."""
+        return (depth_m - self.origin_m) / self.span_m
+
     def roughness(self) -> Samples:
         """Quadratic form of the weights, (terms, terms): how the slope of each curve changes.
 

@@ -28,12 +28,9 @@ _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
 
 def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
     """Values of all terms along a motion from rest, at rows of it: shape (rows, terms)."""
-    u = (motion.depth_m - terms.origin_m) / terms.span_m
-    place = curve_place(u, terms.nodes)
-    plays = [
-        curve_place(play(u, radius_m / terms.span_m)[rows], terms.nodes)
-        for radius_m in terms.radius_m
-    ]
+    u = terms.shares(motion.depth_m)
+    played = [play(u, radius_m / terms.span_m)[rows] for radius_m in terms.radius_m]
+    place, *plays = (curve_place(each, terms.nodes) for each in (u, *played))
 
     def curves_of(along: Samples, some: Samples) -> list[Samples]:
         here = along[rows]
@@ -45,13 +42,17 @@ def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Sa
 
     values = _by_function(terms, place, curves_of)
     bias = np.tile([1.0, -1.0], (len(rows), 1)) if terms.bias else np.empty((len(rows), 0))
-    return np.concatenate([values, bias, added_columns(terms, motion, dt_s, rows)], axis=1)
+    return np.concatenate([values, bias, _added(terms, motion, dt_s, rows, place)], axis=1)
 
 
 def added_columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
     """Those of `columns` that a richer law adds to the plain ones, (rows, terms - plain ones)."""
-    u = (motion.depth_m - terms.origin_m) / terms.span_m
-    steps_s, place = _steps_s(motion, dt_s), curve_place(u, terms.nodes)
+    place = curve_place(terms.shares(motion.depth_m), terms.nodes)
+    return _added(terms, motion, dt_s, rows, place)
+
+
+def _added(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices, place: Place) -> Samples:
+    u, steps_s = terms.shares(motion.depth_m), _steps_s(motion, dt_s)
     lost = _lost(terms, place, steps_s)
     shares = [worn_share(u, heal_s, steps_s)[rows] ** power for heal_s, power in terms.damage]
     found = [np.empty((len(rows), 0))]
