@@ -8,7 +8,7 @@ from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.plan.limits import OutputConfig
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import RangeConfig, Stages, model_force
-from springpot.codegen.stages.stage import Ticks
+from springpot.codegen.stages.stage import SceneTicks
 
 _POINTS = 128  # of the trained depth, in the integral
 # An encoder at rest goes to and fro by one step: a spring in ticks would lose K dx^2/2 each time.
@@ -40,7 +40,7 @@ class StorageBounds:
 
 
 def energy_config(
-    stages: Stages, bounds: StorageBounds, resolution_m: float, ticks: Ticks
+    stages: Stages, bounds: StorageBounds, resolution_m: float, ticks: SceneTicks
 ) -> EnergyConfig:
     """The account over the trained depth: a parabola above the energy of every press.
 
@@ -66,7 +66,9 @@ def energy_config(
     )
 
 
-def _most_force_n(stages: Stages, bounds: StorageBounds, depths_m: Reals, ticks: Ticks) -> Reals:
+def _most_force_n(
+    stages: Stages, bounds: StorageBounds, depths_m: Reals, ticks: SceneTicks
+) -> Reals:
     """Force at each depth, (n,), N, that no motion passes: pressed there in one tick from rest.
 
     That is the sum of a passive model's curves; what a regressor gives is bounded by the clamp. A

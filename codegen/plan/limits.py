@@ -6,7 +6,7 @@ from springpot.codegen.arrays import Real
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages.stage import Ticks
+from springpot.codegen.stages.stage import SceneTicks
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
 MIN_JUMP_MPS = 1.0
@@ -71,7 +71,7 @@ def watchdog_s_of(scene: Scene, dt_s: float) -> float:
     return watchdog_s
 
 
-def guard_config(model: Model, watchdog_s: float, ticks: Ticks) -> GuardConfig:
+def guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> GuardConfig:
     """Positions that are believed: up to ten trained depths, by steps of at most a hand's speed.
 
     A tool may also wait far above a surface.
@@ -94,7 +94,7 @@ def max_mps(model: Model) -> float:
     return max(MIN_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.max_mps)
 
 
-def output_config(model: Model, scene: Scene, ticks: Ticks) -> OutputConfig:
+def output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig:
     """Forces that leave. Raises DataError where the model never pushes out."""
     dt_s, contact, real = ticks.dt_s, ticks.surface, ticks.dtype
     trained = model.trained
@@ -116,7 +116,7 @@ def output_config(model: Model, scene: Scene, ticks: Ticks) -> OutputConfig:
     )
 
 
-def silence_config(watchdog_s: float, ticks: Ticks) -> SilenceConfig:
+def silence_config(watchdog_s: float, ticks: SceneTicks) -> SilenceConfig:
     """When silence is latched: half a tick late, so that rounded sums of ticks agree on it."""
     dt_s, real = ticks.dt_s, ticks.dtype
     return SilenceConfig(

@@ -20,7 +20,7 @@ from springpot.codegen.stages import (
 )
 from springpot.codegen.stages.model_force import Stages
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.codegen.stages.stage import Ticks, feature_stage, padded, regressor_stage
+from springpot.codegen.stages.stage import SceneTicks, feature_stage, padded, regressor_stage
 
 # Importing them registers their stages.
 REGISTERED = (fast_fir, fir, forest, lags, position_velocity, rbf, recursive)
@@ -35,7 +35,7 @@ class LeftOut:
     bytes: int
 
 
-def model_stages(model: Model, scene: Scene, ticks: Ticks) -> Stages:
+def model_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
     """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
     falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
     passive, excess = None, None

@@ -34,7 +34,7 @@ from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.model_force import RangeConfig, Stages
 from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
 from springpot.codegen.stages.passive.lateral import LateralStage, lateral_stage
-from springpot.codegen.stages.stage import Ticks, vector_width_of
+from springpot.codegen.stages.stage import SceneTicks, vector_width_of
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 
 RATES_HZ = (10.0, 8000.0)
@@ -224,8 +224,8 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
     )
 
 
-def _ticks(model: Model, scene: Scene) -> Ticks:
-    return Ticks(
+def _ticks(model: Model, scene: Scene) -> SceneTicks:
+    return SceneTicks(
         dt_s=_time_step(model, scene),
         dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
         vector_width=vector_width_of(scene.runtime),
@@ -235,7 +235,7 @@ def _ticks(model: Model, scene: Scene) -> Ticks:
     )
 
 
-def _stages(model: Model, scene: Scene, ticks: Ticks) -> tuple[Stages, str]:
+def _stages(model: Model, scene: Scene, ticks: SceneTicks) -> tuple[Stages, str]:
     """The model's stages, and what pushes back beyond the trained depth."""
     stages = model_stages(model, scene, ticks)
     if scene.guard.outside != "fallback" or model.hammerstein is not None:
@@ -310,7 +310,7 @@ def _units_left_out(
     return left_out
 
 
-def _viscous_npm(scene: Scene, ticks: Ticks) -> Real | None:
+def _viscous_npm(scene: Scene, ticks: SceneTicks) -> Real | None:
     """Damping of the device over a tick, b/dt, for the account; None if it is not known, or 0."""
     if scene.guard.energy == "off" or not scene.device.viscous_nspm:
         return None

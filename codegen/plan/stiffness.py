@@ -5,7 +5,7 @@ import numpy as np
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.model_force import RangeConfig, Stages, clip, model_force
-from springpot.codegen.stages.stage import Ticks
+from springpot.codegen.stages.stage import SceneTicks
 
 STEP = 0.05  # of the trained depth: longer than a leaf of a forest, shorter than a press
 RANGE_FACTOR = 1.3  # of the trained depth: the fallback counts too
@@ -13,7 +13,9 @@ _SPEEDS = (1.0, 0.25, 0.0625)  # of the maximum trained one
 _MAX_TICKS = 200
 
 
-def max_stiffness_npm(stages: Stages, model: Model, trained: RangeConfig, ticks: Ticks) -> float:
+def max_stiffness_npm(
+    stages: Stages, model: Model, trained: RangeConfig, ticks: SceneTicks
+) -> float:
     """Maximum secant over 5 % of the depth, pressed from rest at any depth, N/m."""
     base_m = float(trained.min_m)
     span_m = float(trained.max_m) - base_m
@@ -33,7 +35,7 @@ def max_stiffness_npm(stages: Stages, model: Model, trained: RangeConfig, ticks:
     return found
 
 
-def tangent_fallback(stages: Stages, model: Model, ticks: Ticks) -> Hammerstein:
+def tangent_fallback(stages: Stages, model: Model, ticks: SceneTicks) -> Hammerstein:
     """Kelvin-Voigt tangent at the maximum trained depth, for a model without a passive part.
 
     Spring: the secant over the last tenth, pressed at a sixteenth of the trained speed. Damper:
@@ -62,7 +64,7 @@ def tangent_fallback(stages: Stages, model: Model, ticks: Ticks) -> Hammerstein:
     )
 
 
-def _rise_n(stages: Stages, from_m: float, step_m: float, speed: float, ticks: Ticks) -> float:
+def _rise_n(stages: Stages, from_m: float, step_m: float, speed: float, ticks: SceneTicks) -> float:
     """Force gained on a straight press from rest, N."""
     count = 1 + min(_MAX_TICKS, max(1, round(step_m / (speed * ticks.dt_s))))
     motion = (from_m + step_m * np.linspace(0.0, 1.0, count)).astype(ticks.dtype)

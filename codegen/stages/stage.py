@@ -58,7 +58,7 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Ticks:
+class SceneTicks:
     """What all parts of a scene share: its time step, s, and numpy's type of sp_real.
 
     vector_width: branches that are stepped side by side. surface: the object has one, above which

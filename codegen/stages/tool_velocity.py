@@ -5,7 +5,7 @@ from typing import Any
 
 from springpot.codegen.arrays import Real
 from springpot.codegen.literals import literal
-from springpot.codegen.stages.stage import REAL, Member, Stage, Ticks, flushed
+from springpot.codegen.stages.stage import REAL, Member, SceneTicks, Stage, flushed
 
 TIME_S = 0.004  # of the low-pass
 
@@ -41,7 +41,7 @@ class ToolVelocityStage(Stage):
         return flushed(velocity_mps + self.weight * (difference - velocity_mps))
 
 
-def tool_velocity_stage(ticks: Ticks) -> ToolVelocityStage:
+def tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:
     """Difference at 1/dt_s, low-passed over TIME_S by backward Euler."""
     dt_s, dtype = ticks.dt_s, ticks.dtype
     return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + TIME_S)))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from springpot.codegen.arrays import rms as rms
     from springpot.host.metrics import (
         JND_WORDS as JND_WORDS,
         SCORED_ABOVE_N as SCORED_ABOVE_N,
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
         floor_keys as floor_keys,
         floor_words as floor_words,
         just_noticeable_percent as just_noticeable_percent,
-        rms as rms,
         start_up_ramp as start_up_ramp,
     )
     from springpot.host.stiffness import (

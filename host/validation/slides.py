@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
-from springpot.host.metrics import rms
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.slides import lateral_of, require_path, slide_path
 

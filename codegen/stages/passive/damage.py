@@ -9,7 +9,7 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import Place, curve_nodes, curve_values
 from springpot.codegen.model.passive import Damage
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.stage import REAL, Member, Ticks, numbers
+from springpot.codegen.stages.stage import REAL, Member, SceneTicks, numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ class DamageCurves:
         return force_n, ends
 
 
-def damage_curves(damage: Damage, ticks: Ticks) -> DamageCurves:
+def damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
     """The curves of a model, those of power 1 first; worn: after it was pressed as in training."""
     dtype = ticks.dtype
     order = np.argsort(damage.power, kind="stable")

@@ -11,7 +11,7 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import flow_functions, flow_loss
 from springpot.codegen.model.passive import Flow
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.stage import LARGEST, REAL, SMALLEST, Member, Ticks, numbers
+from springpot.codegen.stages.stage import LARGEST, REAL, SMALLEST, Member, SceneTicks, numbers
 
 FUNCTIONS = (1, 2, 4)  # degrees, SP_FLOW_FUNCTIONS of sp_flow.h
 
@@ -97,7 +97,7 @@ class FlowBranches:
         return force_n, functions[-1], ends
 
 
-def flow_branches(flow: Flow, ticks: Ticks) -> FlowBranches:
+def flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
     """The branches of a model, those of power 3 first."""
     order = np.argsort(flow.power, kind="stable")
     power, rate = flow.power[order], flow.rate_ps[order]

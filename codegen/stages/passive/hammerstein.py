@@ -22,9 +22,9 @@ from springpot.codegen.stages.stage import (
     REAL,
     Measured,
     Member,
+    SceneTicks,
     Stage,
     Starts,
-    Ticks,
     segments,
 )
 
@@ -313,7 +313,7 @@ class HammersteinStage(Stage):
         return force_n if self.pulls else np.where(force_n > 0, force_n, u.dtype.type(0))
 
 
-def hammerstein_stage(model: Hammerstein, ticks: Ticks, follows: str) -> HammersteinStage:
+def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> HammersteinStage:
     """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
 
     The branches are padded to whole vectors of the ticks, with curves of 0. The surface of the

@@ -16,7 +16,7 @@ from springpot.codegen.scene import Scene
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.placed import PlacedCurves
 from springpot.codegen.stages.passive.stored import RENEWED, stored_areas
-from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, Ticks
+from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, SceneTicks
 
 # Of a contact of incompressible bodies, sideways over along the depth: 2 (1 - v) / (2 - v), v = 1/2
 # (Mindlin 1949, Compliance of elastic bodies in contact).
@@ -107,7 +107,7 @@ def lateral_stage(
     model: Model,
     placed: PlacedCurves | None,
     scene: Scene,
-    ticks: Ticks,
+    ticks: SceneTicks,
     limit_npm: float,
     jump_m: float,
 ) -> LateralStage | None:

@@ -20,7 +20,7 @@ from springpot.codegen.model.formulas import (
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.recursive import SLOW_TICKS, pole_states
-from springpot.codegen.stages.stage import SMALLEST, Ticks, numbers, padded
+from springpot.codegen.stages.stage import SMALLEST, SceneTicks, numbers, padded
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,9 @@ class MaxwellBranches:
         return states
 
 
-def branch_steps(model: Hammerstein, ticks: Ticks) -> tuple[tuple[MaxwellBranches, ...], Reals]:
+def branch_steps(
+    model: Hammerstein, ticks: SceneTicks
+) -> tuple[tuple[MaxwellBranches, ...], Reals]:
     """The branches by who steps them, and their slopes in that order, (capacity, J).
 
     Those in float first, of constant rate first among them and filled up to whole vectors.

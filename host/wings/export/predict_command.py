@@ -8,6 +8,7 @@ import click
 
 from springpot import UsageError
 from springpot.console import json_option, print_result, say
+from springpot.validation import rms
 
 
 @click.command("predict")
@@ -58,7 +59,7 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
         for recording, force_n in zip(found, forces, strict=True)
     ]
     errors_n = [item.force_n - force_n for item, force_n in zip(found, forces, strict=True)]
-    rmse_n = float(np.sqrt(np.mean(np.concatenate(errors_n) ** 2)))
+    rmse_n = rms(np.concatenate(errors_n))
     peak_n = max(float(np.max(np.abs(item.force_n))) for item in found)
     percent = 100.0 * rmse_n / peak_n if peak_n > 0.0 else None
     result = {"out": str(out), "files": files, "rmse_n": rmse_n, "rmse_percent_of_peak": percent}

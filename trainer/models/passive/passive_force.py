@@ -6,7 +6,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.motion import PassiveMotion
-from springpot.codegen.stages.stage import Ticks
+from springpot.codegen.stages.stage import SceneTicks
 from springpot.trainer.models.motion import DepthMotion
 
 
@@ -47,4 +47,4 @@ def _rested(
 
 
 def _stage(model: Hammerstein, dt_s: float, surface: bool) -> HammersteinStage:
-    return hammerstein_stage(model, Ticks(dt_s, surface=surface), "penetration")
+    return hammerstein_stage(model, SceneTicks(dt_s, surface=surface), "penetration")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Indices, Samples, rms
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
     Folds,
@@ -83,8 +83,7 @@ class PassiveRows:
             for k, fold in enumerate(known):
                 out = folds.number == fold
                 if out.any():
-                    wrong_n = given_n[out, k] - self.force_n[out]
-                    errors.append(float(np.sqrt(np.mean(np.square(wrong_n)))))
+                    errors.append(rms(given_n[out, k] - self.force_n[out]))
             if errors:
                 means.append(geometric_mean(errors))
         return tuple(means)
