@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.forest.compact import LEVELS, CompactForest, compact_forest, work_at_most
-from springpot.codegen.forest.quantisation import rounded
+from springpot.codegen.forest.leaves import rounded
 from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
 from springpot.codegen.forest.wide import ForestTable, forest_table
 from springpot.codegen.literals import array_text, literal, members_text, wrapped

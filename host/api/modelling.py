@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.codegen.forest.leaves import level_order as level_order
-    from springpot.codegen.forest.quantisation import (
+    from springpot.codegen.forest.leaves import (
+        level_order as level_order,
         quantisation_over as quantisation_over,
         rounded as rounded,
     )

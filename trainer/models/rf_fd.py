@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.quantisation import quantisation_over, rounded
+from springpot.codegen.forest.leaves import quantisation_over, rounded
 from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
 from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features.fast_fir import fast_fir_bank
