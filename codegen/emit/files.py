@@ -112,9 +112,7 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
             "recovery_ticks": plan.recovery_ticks,
         },
         "units": [header.removesuffix(".h") for header in planned_headers(plan)],
-        "left_out": [
-            {"what": item.what, "why": item.why, "bytes": item.bytes} for item in plan.left_out
-        ],
+        "left_out": [asdict(item) for item in plan.left_out],
     }
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.arrays import Real
-from springpot.codegen.literals import literal
+from springpot.codegen.literals import constant_text
 from springpot.codegen.stages.stage import REAL, Member, SceneTicks, Stage, flushed
 
 TIME_S = 0.004  # of the low-pass
@@ -22,8 +22,8 @@ class ToolVelocityStage(Stage):
 
     def tables(self) -> list[str]:
         return [
-            f"static const sp_real rate_hz = {literal(self.rate_hz)};",
-            f"static const sp_real velocity_weight = {literal(self.weight)};",
+            constant_text("rate_hz", self.rate_hz),
+            constant_text("velocity_weight", self.weight),
         ]
 
     def restart(self) -> list[str]:

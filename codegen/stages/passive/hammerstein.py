@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.literals import array_text, members_text, struct_text
+from springpot.codegen.literals import array_text, constant_text, members_text
 from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.costs import Costs
@@ -148,11 +148,11 @@ class HammersteinStage(Stage):
         if self.placed is not None:
             mixed = tuple(f"static const sp_real {name}[" for name in self.curves)
             constant = [part for part in parts[1:] if not part.startswith(mixed)]
-            config = struct_text("passive", "sp_hammerstein_config", self.config)
+            config = constant_text("passive", self.config)
             return [*self.placed.tables(), *constant, config]
         return [
             *parts,
-            struct_text("passive", "sp_hammerstein_config", self.config),
+            constant_text("passive", self.config),
             members_text(
                 "passive_tables",
                 "sp_hammerstein_tables",

@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Real, Reals, Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.literals import array_text, literal, struct_text
+from springpot.codegen.literals import array_text, constant_text
 from springpot.codegen.model.formulas import curve_place, curve_values, pieces_of_one
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
@@ -97,9 +97,9 @@ class LateralStage:
         return [
             "/* Integrals of the curves of each material up to each node (sp_stored.h). */",
             array_text("areas", "sp_real", self.areas),
-            f"static const sp_real m_per_piece = {literal(self.m_per_piece)};",
-            struct_text("drag", "sp_drag_config", self.drag),
-            struct_text("anchor", "sp_anchor_config", self.anchor),
+            constant_text("m_per_piece", self.m_per_piece),
+            constant_text("drag", self.drag),
+            constant_text("anchor", self.anchor),
         ]
 
 
