@@ -214,8 +214,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         lateral=lateral_stage(model, placed, scene, ticks, limit_npm, dt_s * max_mps(model)),
         left_out=(
             *unused_orders(model, dtype),
-            *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
-            *_energy_left_out(scene, dtype),
+            *_units_left_out(scene, ticks, couple is not None, estimates, alpha),
         ),
         accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,
@@ -292,22 +291,20 @@ def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
 
 
 def _units_left_out(
-    contact: bool, coupled: bool, estimates: bool, alpha: float | None, dtype: type[Any]
+    scene: Scene, ticks: SceneTicks, coupled: bool, estimates: bool, alpha: float | None
 ) -> list[LeftOut]:
-    size = np.dtype(dtype).itemsize
-    left_out = []
-    if not contact:
-        left_out.append(LeftOut("contact and onset", "the recordings never leave the object", size))
-    if not coupled:
+    size = np.dtype(ticks.dtype).itemsize
+    needless = "the device gives it" if coupled else "nothing in this scene needs a velocity"
+    found = (
+        (ticks.surface, "contact and onset", "the recordings never leave the object", size),
         # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
-        saved = 8 * size + 2 * size + 4
-        left_out.append(LeftOut("coupling", "coupling.mode is off", saved))
-    if not estimates:
-        why = "the device gives it" if coupled else "nothing in this scene needs a velocity"
-        left_out.append(LeftOut("velocity estimate", why, 4 * size))
-    if alpha is None:
-        left_out.append(LeftOut("smoothing", "smoothing.time_constant_s is 0", 2 * size))
-    return left_out
+        (coupled, "coupling", "coupling.mode is off", 8 * size + 2 * size + 4),
+        (estimates, "velocity estimate", needless, 4 * size),
+        (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
+        # constants, state
+        (scene.guard.energy != "off", "account of energy", "guard.energy is off", (7 + 7) * size),
+    )
+    return [LeftOut(what, why, saved) for kept, what, why, saved in found if not kept]
 
 
 def _viscous_npm(scene: Scene, ticks: SceneTicks) -> Real | None:
@@ -316,13 +313,6 @@ def _viscous_npm(scene: Scene, ticks: SceneTicks) -> Real | None:
         return None
     viscous_npm: Real = ticks.dtype(scene.device.viscous_nspm / ticks.dt_s)
     return viscous_npm
-
-
-def _energy_left_out(scene: Scene, dtype: type[Any]) -> list[LeftOut]:
-    if scene.guard.energy != "off":
-        return []
-    saved = (7 + 7) * np.dtype(dtype).itemsize  # constants, state
-    return [LeftOut("account of energy", "guard.energy is off", saved)]
 
 
 def _outside_note(model: Model, scene: Scene) -> str:
