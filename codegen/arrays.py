@@ -44,3 +44,12 @@ def kept_numbers(values: Any, argument: str) -> Samples:
         found = found.copy()
         found.setflags(write=False)
     return found
+
+
+def rms(values: Samples) -> float:
+    """Root mean square.
+
+    >>> rms(np.array([3.0, 4.0]))
+    3.5355339059327378
+    """
+    return float(np.sqrt(np.mean(np.square(values))))

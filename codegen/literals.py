@@ -1,6 +1,7 @@
 """Numbers as C literals: the shortest text that reads back as the same bits."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import is_dataclass
 from typing import Any
 
 import numpy as np
@@ -46,9 +47,15 @@ def wrapped(items: Iterable[str]) -> list[str]:
     return [*lines, f"    {line}"]
 
 
-def struct_text(name: str, c_type: str, config: Any) -> str:
-    """`static const` definition of a config struct from its dataclass, member by member."""
-    return members_text(name, c_type, {key: _value(value) for key, value in vars(config).items()})
+def constant_text(name: str, value: Any) -> str:
+    """`static const` definition of a number, or of a config struct from its dataclass.
+
+    Member by member; the struct of GuardConfig is sp_guard_config.
+    """
+    if not is_dataclass(value):
+        return f"static const sp_real {name} = {literal(value)};"
+    c_type = f"sp_{type(value).__name__.removesuffix('Config').lower()}_config"
+    return members_text(name, c_type, {key: _value(item) for key, item in vars(value).items()})
 
 
 def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
 from springpot.codegen.reference.notes import RAMPED
 from springpot.codegen.short_repr import short_repr
@@ -130,11 +130,6 @@ def ratio_rows(ratios: dict[str, Any]) -> dict[str, str]:
         "error / noise floor": words if ratio is None else f"{ratio:.3g} (floor {words})",
         "error / JND": f"{ratios['error_per_jnd']:.3g}, rms ({JND_WORDS})",
     }
-
-
-def rms(values: Samples) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def just_noticeable_percent(force_n: Samples) -> Samples:

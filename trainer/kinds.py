@@ -86,10 +86,10 @@ def fit_model(
     from springpot.trainer.recordings.quality.signs import require_signs
     from springpot.trainer.recordings.slides import require_presses
 
+    options, warnings = _default_smoothing(recordings, options)
     require_presses([*recordings, *validation])
     require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
     kind = _kind_of_places(kind, recordings)
-    options, warnings = _default_smoothing(recordings, options)
     data = training_set(recordings, options.smooth_s)
     data = replace(data, warnings=(*data.warnings, *warnings))
     return fit_kind(kind, name, data, options, validation)

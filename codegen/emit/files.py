@@ -20,9 +20,14 @@ from springpot.codegen.emit.golden import (
 from springpot.codegen.emit.project import filled, selftest_source
 from springpot.codegen.literals import wrapped
 from springpot.codegen.model.model_file import model_hash
-from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import measured_tables, planned_headers, stages, state_bytes
+from springpot.codegen.plan.units import (
+    instruction_bound,
+    measured_tables,
+    planned_headers,
+    stages,
+    state_bytes,
+)
 from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.stage import RegressorStage, Stage
@@ -107,9 +112,7 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
             "recovery_ticks": plan.recovery_ticks,
         },
         "units": [header.removesuffix(".h") for header in planned_headers(plan)],
-        "left_out": [
-            {"what": item.what, "why": item.why, "bytes": item.bytes} for item in plan.left_out
-        ],
+        "left_out": [asdict(item) for item in plan.left_out],
     }
 
 

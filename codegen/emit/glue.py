@@ -6,7 +6,7 @@ from springpot.codegen.emit.lateral import lateral_functions
 from springpot.codegen.emit.project import filled, prefixed
 from springpot.codegen.emit.step import hold, make_up, step, step_dt
 from springpot.codegen.emit.tick import restart, take_place, tick, tick_dt
-from springpot.codegen.literals import literal, struct_text
+from springpot.codegen.literals import constant_text, literal
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
 from springpot.runtime_c.paths import INCLUDE
@@ -105,32 +105,25 @@ def functions(plan: Plan, manifest: str) -> list[str]:
 
 def constants(plan: Plan) -> str:
     """C constants that the scene itself fixes: limits, gains, rates."""
-    parts = [
-        struct_text("silence", "sp_silence_config", plan.silence),
-        struct_text("guard", "sp_guard_config", plan.guard),
-        struct_text("range", "sp_range_config", plan.range),
-        struct_text("output", "sp_output_config", plan.output),
-    ]
-    if plan.lateral is not None:
-        parts.append(struct_text("lateral_guard", "sp_guard_config", plan.lateral_guard))
-    if plan.energy is not None:
-        parts.append(struct_text("energy", "sp_energy_config", plan.energy))
-    if plan.viscous_npm is not None:
-        parts.append(f"static const sp_real viscous_npm = {literal(plan.viscous_npm)};")
-    if plan.couple is not None:
-        parts.append(struct_text("couple", "sp_couple_config", plan.couple))
-    if plan.per_onset is not None:
-        parts.append(f"static const sp_real per_onset = {literal(plan.per_onset)};")
-    if plan.per_fade is not None:
-        parts.append(f"static const sp_real per_fade = {literal(plan.per_fade)};")
-    if plan.needs_device_velocity:
-        parts.append(f"static const sp_real max_mps = {literal(plan.max_mps)};")
-    if plan.smooth_alpha is not None:
-        parts.append(f"static const sp_real smooth_alpha = {literal(plan.smooth_alpha)};")
-        if plan.any_rate:
-            per_s = plan.dtype(1.0 / plan.scene.smoothing.time_constant_s)
-            parts.append(f"static const sp_real per_smooth_s = {literal(per_s)};")
-    return "\n".join(parts)
+    per_smooth_s = None
+    if plan.smooth_alpha is not None and plan.any_rate:
+        per_smooth_s = plan.dtype(1.0 / plan.scene.smoothing.time_constant_s)
+    found = {
+        "silence": plan.silence,
+        "guard": plan.guard,
+        "range": plan.range,
+        "output": plan.output,
+        "lateral_guard": None if plan.lateral is None else plan.lateral_guard,
+        "energy": plan.energy,
+        "viscous_npm": plan.viscous_npm,
+        "couple": plan.couple,
+        "per_onset": plan.per_onset,
+        "per_fade": plan.per_fade,
+        "max_mps": plan.max_mps if plan.needs_device_velocity else None,
+        "smooth_alpha": plan.smooth_alpha,
+        "per_smooth_s": per_smooth_s,
+    }
+    return "\n".join(constant_text(*item) for item in found.items() if item[1] is not None)
 
 
 def _place(plan: Plan) -> str:

@@ -14,7 +14,6 @@ from springpot.codegen.forest.leaves import (
     quantised_leaves,
     used_features,
 )
-from springpot.codegen.forest.tables import CompactForest
 from springpot.codegen.model.regressors import Forest
 
 # Metadata of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
@@ -29,6 +28,29 @@ _MAX_STEP = 2 ** (16 - COMPACT_SLOT_BITS) - 1
 _TOGETHER = 3  # levels that lie together below the first ones
 
 Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class CompactForest:
+    """sp_forest.h: nodes as pairs (step, bin) of uint16.
+
+    top: (15, padded trees, 2), by heap position and tree; nodes: (nodes, 2); roots: (padded
+    trees,) uint32.
+    thresholds: of each used feature, sorted float32; none where features are quantised.
+    leaf_step_n, bias_n: force = bias_n + leaf_step_n x sum; leaf_error_n: max error of that,
+    leaves being quantised.
+    longest_paths: (trees,), splits on the longest way to a leaf of each.
+    """
+
+    top: NDArray[np.uint16]
+    nodes: NDArray[np.uint16]
+    roots: NDArray[np.uint32]
+    n_trees: int
+    thresholds: tuple[NDArray[np.float32], ...]
+    leaf_step_n: Real
+    bias_n: Real
+    leaf_error_n: float
+    longest_paths: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

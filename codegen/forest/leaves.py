@@ -1,13 +1,18 @@
-"""Leaves of a forest in 16 bits: what every way of traversing it adds up."""
+"""What a forest has in 16 bits: its leaves, which every way of traversing it adds up, and features.
+
+Features in fixed point are what sp_quantise.h makes, for a forest that was fitted on them.
+"""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.model.regressors import Forest
+from springpot.codegen.model.regressors import Forest, Quantisation
 
 _MAX_QUANTISED = 2**16 - 1
+MAX = 2**16 - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,3 +84,20 @@ def level_order(forest: Forest) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
             level = np.stack([forest.left[inner], forest.right[inner]], axis=1).ravel()
             depth += 1
     return place, level_of
+
+
+def rounded(quantisation: Quantisation, features: NDArray[Any]) -> NDArray[np.float32]:
+    """Bins of features (n, features), 0 .. 65535, as the float32 that scikit-learn takes."""
+    feature_min = quantisation.feature_min.astype(np.float32)
+    bins_per_unit = quantisation.bins_per_unit.astype(np.float32)
+    steps = (features.astype(np.float32) - feature_min) * bins_per_unit + np.float32(0.5)
+    inside = np.clip(steps, np.float32(0), np.float32(MAX))
+    whole: NDArray[np.float32] = np.floor(inside)
+    return whole
+
+
+def quantisation_over(features: NDArray[np.float64]) -> Quantisation:
+    """Bins that cover the values of each column, (n, features)."""
+    feature_min, feature_max = features.min(axis=0), features.max(axis=0)
+    span = np.where(feature_max > feature_min, feature_max - feature_min, 1.0)
+    return Quantisation(feature_min=feature_min, bins_per_unit=MAX / span)

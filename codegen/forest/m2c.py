@@ -6,8 +6,7 @@ from m2cgen import ast
 from m2cgen.interpreters import CInterpreter
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.tables import ForestTable
-from springpot.codegen.forest.wide import LEAF_SLOT, WIDE_SLOT_BITS
+from springpot.codegen.forest.wide import LEAF_SLOT, WIDE_SLOT_BITS, ForestTable
 from springpot.codegen.model.regressors import Forest
 
 MAX_NODES = 20_000

@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.forest.compact import COMPACT_SLOT_BITS, ENTRIES, LEVELS
-from springpot.codegen.forest.tables import CompactForest, ForestTable
-from springpot.codegen.forest.wide import LEAF_SLOT
+from springpot.codegen.forest.compact import COMPACT_SLOT_BITS, ENTRIES, LEVELS, CompactForest
+from springpot.codegen.forest.wide import LEAF_SLOT, ForestTable
 
 _CHUNK = 4096  # samples whose traversal stays in the cache
 Bins = NDArray[np.int32]

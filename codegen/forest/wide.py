@@ -1,8 +1,10 @@
 """IR forest -> the 8-byte nodes of sp_forest_wide.h: where sp_forest.h's are too small."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real
 from springpot.codegen.errors import UsageError
@@ -12,13 +14,32 @@ from springpot.codegen.forest.leaves import (
     quantised_leaves,
     used_features,
 )
-from springpot.codegen.forest.tables import ForestTable
 from springpot.codegen.model.regressors import Forest
 
 # Metadata of sp_forest_wide.h; a test compares them with the header.
 WIDE_SLOT_BITS = 4
 LEAF_SLOT = (1 << WIDE_SLOT_BITS) - 1
 WIDE_VECTOR_WIDTH = 16
+
+
+@dataclass(frozen=True, eq=False)
+class ForestTable:
+    """sp_forest_wide.h: node table.
+
+    value: (nodes,) float32; link: (nodes,) uint32; roots: (padded trees,) uint32.
+    depth: longest path in levels. leaf_step_n: force of one step of the sum, N; bias_n: beside it.
+    leaf_error_n: bound of what the leaves' rounding adds to the force, N.
+    leaf: (IR nodes,) int32, row of each IR node in this table.
+    """
+
+    value: NDArray[np.float32]
+    link: NDArray[np.uint32]
+    roots: NDArray[np.uint32]
+    depth: int
+    leaf_step_n: Real
+    bias_n: Real
+    leaf_error_n: float
+    leaf: NDArray[np.int32]
 
 
 def forest_table(forest: Forest, real: Callable[[float], Real]) -> ForestTable:

@@ -24,8 +24,7 @@ from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.model.places import Places
 from springpot.codegen.model.provenance import require_provenance
-from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
-from springpot.codegen.model.tree_shape import require_trees
+from springpot.codegen.model.regressors import Forest, Quantisation, Rbf, require_trees
 
 # Far beyond what a hand, a soft object and a control loop can have.
 _MAX_M, _MAX_MPS, _MAX_N = 100.0, 1e4, 1e4

@@ -1,7 +1,6 @@
 """Constants of the account of energy: what the object can store at each depth, at most."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.plan.limits import OutputConfig
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import RangeConfig, Stages, model_force
+from springpot.codegen.stages.stage import SceneTicks
 
 _POINTS = 128  # of the trained depth, in the integral
 # An encoder at rest goes to and fro by one step: a spring in ticks would lose K dx^2/2 each time.
@@ -36,21 +36,21 @@ class StorageBounds:
 
     trained: RangeConfig
     output: OutputConfig
-    contact: bool
     coupling: Coupling
 
 
 def energy_config(
-    stages: Stages, bounds: StorageBounds, resolution_m: float, dt_s: float, real: type[Any]
+    stages: Stages, bounds: StorageBounds, resolution_m: float, ticks: SceneTicks
 ) -> EnergyConfig:
     """The account over the trained depth: a parabola above the energy of every press.
 
     Its slope beyond the trained depth is the maximum force at least.
     """
+    dt_s, real = ticks.dt_s, ticks.dtype
     from_m, to_m = float(bounds.trained.min_m), float(bounds.trained.max_m)
     span_m, max_n = to_m - from_m, _max_force_n(bounds.output)
     way_m = span_m * np.arange(1, _POINTS + 1) / _POINTS
-    force_n = _most_force_n(stages, bounds, from_m + way_m, real)
+    force_n = _most_force_n(stages, bounds, from_m + way_m, ticks)
     work_j = np.cumsum(np.diff(way_m, prepend=0.0) * force_n)  # from above: the force never falls
     push_n = float(force_n[0]) + (0.0 if bounds.coupling.mode == "off" else 0.5 * max_n)
     rest_npm = float(np.max((work_j - push_n * way_m) / way_m**2))
@@ -58,7 +58,7 @@ def energy_config(
         slack_m=real(ENCODER_STEPS * resolution_m),
         from_m=real(from_m),
         # Without a surface it is not known what was stored above the lowest position.
-        most_j=real(0.0 if bounds.contact else max_n * span_m),
+        most_j=real(0.0 if ticks.surface else max_n * span_m),
         push_n=real(push_n),
         stiffness_npm=real(max(rest_npm, (max_n - push_n) / (2.0 * span_m), 0.0)),
         look_ticks=real(LOOK_S / dt_s),
@@ -66,16 +66,18 @@ def energy_config(
     )
 
 
-def _most_force_n(stages: Stages, bounds: StorageBounds, depths_m: Reals, real: type[Any]) -> Reals:
+def _most_force_n(
+    stages: Stages, bounds: StorageBounds, depths_m: Reals, ticks: SceneTicks
+) -> Reals:
     """Force at each depth, (n,), N, that no motion passes: pressed there in one tick from rest.
 
     That is the sum of a passive model's curves; what a regressor gives is bounded by the clamp. A
     coupling's spring k stores F^2/(2 k) <= F x/2 besides, F its force.
     """
     most_n = np.full(len(depths_m), _max_force_n(bounds.output))
-    if stages.regressor is not None or not bounds.contact:
+    if stages.regressor is not None or not ticks.surface:
         return most_n
-    motion = np.stack([np.zeros_like(depths_m), depths_m], axis=1).astype(real).ravel()
+    motion = np.stack([np.zeros_like(depths_m), depths_m], axis=1).astype(ticks.dtype).ravel()
     starts = np.arange(0, len(motion), 2)
     motions = {"penetration": motion, "clipped": motion}
     pressed_n = model_force(stages, motions, starts, np.ones(len(motion), dtype=bool))[1::2]

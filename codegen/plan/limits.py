@@ -1,12 +1,12 @@
 """Limits of a scene: positions that are believed, forces that leave, when the watchdog falls."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from springpot.codegen.arrays import Real
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
+from springpot.codegen.stages.stage import SceneTicks
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
 MIN_JUMP_MPS = 1.0
@@ -71,20 +71,19 @@ def watchdog_s_of(scene: Scene, dt_s: float) -> float:
     return watchdog_s
 
 
-def guard_config(
-    model: Model, watchdog_s: float, dt_s: float, contact: bool, real: type[Any]
-) -> GuardConfig:
+def guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> GuardConfig:
     """Positions that are believed: up to ten trained depths, by steps of at most a hand's speed.
 
-    contact: a tool may also wait far above the surface.
+    A tool may also wait far above a surface.
     """
+    dt_s, real = ticks.dt_s, ticks.dtype
     trained = model.trained
     deepest_m = max(abs(trained.min_m), abs(trained.max_m))
     believed_m = max(MIN_BELIEVED_M, BELIEVED_PER_RANGE * deepest_m)
     before_latch = int(watchdog_s / dt_s) - 1
     return GuardConfig(
         jump_m=real(dt_s * max_mps(model)),
-        min_m=real(-_FREE_M if contact else -believed_m),
+        min_m=real(-_FREE_M if ticks.surface else -believed_m),
         max_m=real(believed_m),
         resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
     )
@@ -95,10 +94,9 @@ def max_mps(model: Model) -> float:
     return max(MIN_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.max_mps)
 
 
-def output_config(
-    model: Model, scene: Scene, dt_s: float, contact: bool, real: type[Any]
-) -> OutputConfig:
+def output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig:
     """Forces that leave. Raises DataError where the model never pushes out."""
+    dt_s, contact, real = ticks.dt_s, ticks.surface, ticks.dtype
     trained = model.trained
     peak_n = trained.max_n if contact else max(abs(trained.min_n), abs(trained.max_n))
     max_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n
@@ -118,8 +116,9 @@ def output_config(
     )
 
 
-def silence_config(watchdog_s: float, dt_s: float, real: type[Any]) -> SilenceConfig:
+def silence_config(watchdog_s: float, ticks: SceneTicks) -> SilenceConfig:
     """When silence is latched: half a tick late, so that rounded sums of ticks agree on it."""
+    dt_s, real = ticks.dt_s, ticks.dtype
     return SilenceConfig(
         dt_s=real(dt_s), per_dt=real(1.0 / dt_s), watchdog_s=real(watchdog_s + 0.5 * dt_s)
     )

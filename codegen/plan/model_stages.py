@@ -20,12 +20,7 @@ from springpot.codegen.stages import (
 )
 from springpot.codegen.stages.model_force import Stages
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.codegen.stages.stage import (
-    feature_stage,
-    padded,
-    regressor_stage,
-    vector_width_of,
-)
+from springpot.codegen.stages.stage import SceneTicks, feature_stage, padded, regressor_stage
 
 # Importing them registers their stages.
 REGISTERED = (fast_fir, fir, forest, lags, position_velocity, rbf, recursive)
@@ -40,18 +35,14 @@ class LeftOut:
     bytes: int
 
 
-def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> Stages:
+def model_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
     """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
     falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
     passive, excess = None, None
 
     def along(follows: str) -> HammersteinStage:
         assert model.hammerstein is not None
-        return hammerstein_stage(
-            model.hammerstein, dt_s, dtype, follows, vector_width_of(scene.runtime),
-            surface=(scene.guard.contact or model.contact) == "surface",
-            worn=scene.runtime.start == "conditioned",
-        )  # fmt: skip
+        return hammerstein_stage(model.hammerstein, ticks, follows)
 
     if model.hammerstein is not None and model.hammerstein_adds:
         passive = along("penetration" if falls_back else "clipped")
@@ -61,9 +52,9 @@ def model_stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> S
         return Stages(None, None, passive, excess)
     kept = model.regressor.used_columns(model.features.n_features)
     with blaming("the stage of the features", type(model.features), UsageError):
-        features = feature_stage(model.features, kept, dt_s, dtype)
+        features = feature_stage(model.features, kept, ticks.dt_s, ticks.dtype)
     with blaming("the stage of the regressor", type(model.regressor), UsageError):
-        regressor = regressor_stage(model.regressor, kept, scene.runtime, dtype)
+        regressor = regressor_stage(model.regressor, kept, scene.runtime, ticks.dtype)
     return Stages(features, regressor, passive, excess)
 
 

@@ -34,7 +34,7 @@ from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.model_force import RangeConfig, Stages
 from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
 from springpot.codegen.stages.passive.lateral import LateralStage, lateral_stage
-from springpot.codegen.stages.stage import vector_width_of
+from springpot.codegen.stages.stage import SceneTicks, vector_width_of
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
 
 RATES_HZ = (10.0, 8000.0)
@@ -46,7 +46,10 @@ FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
 
 @dataclass(frozen=True, eq=False)
 class Plan(Stages):
-    """Everything the emitted C contains. Fields that are None are units left out."""
+    """Everything the emitted C contains. Fields that are None are units left out.
+
+    chose_rate: whether it ticks at a rate that neither the scene nor the recordings state.
+    """
 
     scene: Scene
     model: Model
@@ -72,6 +75,7 @@ class Plan(Stages):
     stiffness_npm: float
     coupling: CouplingChoice
     outside: str
+    chose_rate: bool = False
     __repr__ = short_repr
 
     @property
@@ -157,24 +161,22 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
         if plan.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm:
             return plan
     served = replace(scene, runtime=replace(runtime, rate_hz=SERVED_HZ[0]))
-    return _plan(model, served, accept_unsafe)
+    return replace(_plan(model, served, accept_unsafe), chose_rate=True)
 
 
 def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
-    dtype: type[Any] = np.float32 if scene.runtime.number == "float32" else np.float64
-    dt_s = _time_step(model, scene)
+    ticks = _ticks(model, scene)
+    dt_s, dtype, contact = ticks.dt_s, ticks.dtype, ticks.surface
     watchdog_s = watchdog_s_of(scene, dt_s)
-    contact = (scene.guard.contact or model.contact) == "surface"
-    stages, outside = _stages(_sliding(model, scene), scene, dt_s, dtype)
+    stages, outside = _stages(model, scene, ticks)
     trained = RangeConfig(
         min_m=dtype(0.0 if contact else model.trained.min_m),
         max_m=dtype(model.trained.max_m),
     )
     placed = stages.passive.placed if stages.passive is not None else None
-    slides = scene.places.mode == "lateral"
-    limit_npm = spring_limit_npm(dt_s, loop_device(scene.device, dt_s)) if slides else 0.0
+    limit_npm = spring_limit_npm(dt_s, loop_device(scene.device, dt_s)) if ticks.slides else 0.0
     fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
-    stiffness_npm = max_stiffness_npm(stages, model, trained, dt_s, dtype)
+    stiffness_npm = max_stiffness_npm(stages, model, trained, ticks)
     choice = _coupling(scene, stiffness_npm, dt_s)
     couple = None
     if choice.coupling.mode != "off":
@@ -183,37 +185,36 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
-    output = output_config(model, scene, dt_s, contact, dtype)
+    output = output_config(model, scene, ticks)
     energy = None
     if scene.guard.energy != "off":
-        bounds = StorageBounds(trained, output, contact, choice.coupling)
+        bounds = StorageBounds(trained, output, choice.coupling)
         resolution_m = 1e-6 * scene.device.resolution_um
-        energy = energy_config(stages, bounds, resolution_m, dt_s, dtype)
+        energy = energy_config(stages, bounds, resolution_m, ticks)
     return Plan(
         **vars(stages),
         scene=scene,
         model=model,
         real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
-        guard=guard_config(model, watchdog_s, dt_s, contact, dtype),
+        guard=guard_config(model, watchdog_s, ticks),
         range=trained,
         per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
         per_fade=dtype(1.0 / fade_m) if scene.guard.outside == "zero" else None,
-        velocity=tool_velocity_stage(dt_s, dtype) if estimates else None,
+        velocity=tool_velocity_stage(ticks) if estimates else None,
         couple=couple,
         at_proxy=choice.coupling.mode == "proxy",
         max_mps=dtype(max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
         output=output,
         energy=energy,
-        viscous_npm=_viscous_npm(scene, dt_s, dtype),
-        silence=silence_config(watchdog_s, dt_s, dtype),
+        viscous_npm=_viscous_npm(scene, ticks),
+        silence=silence_config(watchdog_s, ticks),
         watchdog_s=float(dtype(watchdog_s)),
-        lateral=lateral_stage(model, placed, scene, dt_s, dtype, limit_npm, dt_s * max_mps(model)),
+        lateral=lateral_stage(model, placed, scene, ticks, limit_npm, dt_s * max_mps(model)),
         left_out=(
             *unused_orders(model, dtype),
-            *_units_left_out(contact, couple is not None, estimates, alpha, dtype),
-            *_energy_left_out(scene, dtype),
+            *_units_left_out(scene, ticks, couple is not None, estimates, alpha),
         ),
         accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,
@@ -222,24 +223,24 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
     )
 
 
-def _sliding(model: Model, scene: Scene) -> Model:
-    """Give a model that is slid on a surface that recovers: without one it would pull."""
-    if scene.places.mode == "held" or model.hammerstein is None:
-        return model
-    return replace(model, hammerstein=replace(model.hammerstein, recovers=True))
+def _ticks(model: Model, scene: Scene) -> SceneTicks:
+    return SceneTicks(
+        dt_s=_time_step(model, scene),
+        dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
+        vector_width=vector_width_of(scene.runtime),
+        surface=(scene.guard.contact or model.contact) == "surface",
+        slides=scene.places.mode == "lateral",
+        worn=scene.runtime.start == "conditioned",
+    )
 
 
-def _stages(model: Model, scene: Scene, dt_s: float, dtype: type[Any]) -> tuple[Stages, str]:
+def _stages(model: Model, scene: Scene, ticks: SceneTicks) -> tuple[Stages, str]:
     """The model's stages, and what pushes back beyond the trained depth."""
-    stages = model_stages(model, scene, dt_s, dtype)
+    stages = model_stages(model, scene, ticks)
     if scene.guard.outside != "fallback" or model.hammerstein is not None:
         return stages, _outside_note(model, scene)
-    tangent = tangent_fallback(stages, model, dt_s, dtype)
-    penetration = hammerstein_stage(
-        tangent, dt_s, dtype, "penetration", vector_width_of(scene.runtime),
-        surface=(scene.guard.contact or model.contact) == "surface",
-    )  # fmt: skip
-    return replace(stages, passive=penetration), (
+    tangent = tangent_fallback(stages, model, ticks)
+    return replace(stages, passive=hammerstein_stage(tangent, ticks, "penetration")), (
         "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
         f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
     )
@@ -290,37 +291,28 @@ def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
 
 
 def _units_left_out(
-    contact: bool, coupled: bool, estimates: bool, alpha: float | None, dtype: type[Any]
+    scene: Scene, ticks: SceneTicks, coupled: bool, estimates: bool, alpha: float | None
 ) -> list[LeftOut]:
-    size = np.dtype(dtype).itemsize
-    left_out = []
-    if not contact:
-        left_out.append(LeftOut("contact and onset", "the recordings never leave the object", size))
-    if not coupled:
+    size = np.dtype(ticks.dtype).itemsize
+    needless = "the device gives it" if coupled else "nothing in this scene needs a velocity"
+    found = (
+        (ticks.surface, "contact and onset", "the recordings never leave the object", size),
         # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
-        saved = 8 * size + 2 * size + 4
-        left_out.append(LeftOut("coupling", "coupling.mode is off", saved))
-    if not estimates:
-        why = "the device gives it" if coupled else "nothing in this scene needs a velocity"
-        left_out.append(LeftOut("velocity estimate", why, 4 * size))
-    if alpha is None:
-        left_out.append(LeftOut("smoothing", "smoothing.time_constant_s is 0", 2 * size))
-    return left_out
+        (coupled, "coupling", "coupling.mode is off", 8 * size + 2 * size + 4),
+        (estimates, "velocity estimate", needless, 4 * size),
+        (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
+        # constants, state
+        (scene.guard.energy != "off", "account of energy", "guard.energy is off", (7 + 7) * size),
+    )
+    return [LeftOut(what, why, saved) for kept, what, why, saved in found if not kept]
 
 
-def _viscous_npm(scene: Scene, dt_s: float, dtype: type[Any]) -> Real | None:
+def _viscous_npm(scene: Scene, ticks: SceneTicks) -> Real | None:
     """Damping of the device over a tick, b/dt, for the account; None if it is not known, or 0."""
     if scene.guard.energy == "off" or not scene.device.viscous_nspm:
         return None
-    viscous_npm: Real = dtype(scene.device.viscous_nspm / dt_s)
+    viscous_npm: Real = ticks.dtype(scene.device.viscous_nspm / ticks.dt_s)
     return viscous_npm
-
-
-def _energy_left_out(scene: Scene, dtype: type[Any]) -> list[LeftOut]:
-    if scene.guard.energy != "off":
-        return []
-    saved = (7 + 7) * np.dtype(dtype).itemsize  # constants, state
-    return [LeftOut("account of energy", "guard.energy is off", saved)]
 
 
 def _outside_note(model: Model, scene: Scene) -> str:

@@ -1,6 +1,14 @@
-"""Headers of a plan's units, and the members of sp_state."""
+"""Headers of a plan's units, and the members of sp_state.
+
+And the bound of the instructions of one tick, which a budget is checked against: a tick that
+restarts (the first one, and one that takes a new position as true) fills the memory besides; the
+first after a silence is all the ticks without a sample too.
+"""
+
+from dataclasses import dataclass
 
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.stages.costs import COSTS
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
@@ -11,6 +19,8 @@ from springpot.codegen.stages.stage import (
     Stage,
     padded,
 )
+
+_MAKE_UP = 60.0  # beside its ticks
 
 
 def stages(plan: Plan) -> list[Stage]:
@@ -98,3 +108,36 @@ def _layout(plan: Plan) -> tuple[dict[str, int], int]:
         total += padded(size, align)
         widest = max(widest, align)
     return offsets, padded(total, widest)
+
+
+@dataclass(frozen=True)
+class InstructionBound:
+    """Instructions of sp_step. tick: after a tick with a sample; after_silence: the longest."""
+
+    tick: int
+    restart: int
+    after_silence: int
+
+
+def instruction_bound(plan: Plan) -> InstructionBound | None:
+    """Bound for the plan's target; None for a PC, doubles in software, nested ifs, three axes."""
+    costs = COSTS.get(plan.scene.runtime.target)
+    if costs is None or plan.real == "double" or plan.lateral is not None:
+        return None
+    regressor = 0.0 if plan.regressor is None else plan.regressor.instructions(costs)
+    if regressor is None:
+        return None
+    passive = sum(
+        stage.instructions(costs) for stage in (plan.passive, *(plan.excess or ())) if stage
+    )
+    coupling = costs.coupling if plan.couple is not None else 0.0
+    energy = costs.energy if plan.energy is not None else 0.0
+    features = 0.0 if plan.features is None else plan.features.instructions(costs)
+    tick = costs.tick + coupling + energy + features + regressor + passive
+    forget = sum(stage.restart_instructions(costs) for stage in stages(plan))
+    longest = 1 + round(plan.watchdog_s / plan.dt_s)
+    return InstructionBound(
+        tick=round(tick),
+        restart=round(tick + forget),
+        after_silence=round(longest * tick + _MAKE_UP),
+    )

@@ -8,9 +8,8 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.plan.limits import GuardConfig
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.guarding import SILENCE_WORTH
-from springpot.codegen.reference.lateral_energy import Account3, squared
 from springpot.codegen.reference.lateral_motion import LateralMotion
-from springpot.codegen.reference.lateral_output import Output3
+from springpot.codegen.reference.lateral_output import Account3, Output3, squared
 from springpot.codegen.reference.notes import HELD, OUTSIDE, RESYNC
 from springpot.codegen.reference.run import Run
 from springpot.codegen.stages.model_force import clip

@@ -6,12 +6,11 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Reals
-from springpot.codegen.forest.compact import LEVELS, compact_forest, work_at_most
-from springpot.codegen.forest.quantisation import rounded
-from springpot.codegen.forest.tables import CompactForest, ForestTable
+from springpot.codegen.forest.compact import LEVELS, CompactForest, compact_forest, work_at_most
+from springpot.codegen.forest.leaves import rounded
 from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
-from springpot.codegen.forest.wide import forest_table
-from springpot.codegen.literals import array_text, literal, members_text, wrapped
+from springpot.codegen.forest.wide import ForestTable, forest_table
+from springpot.codegen.literals import array_text, constant_text, literal, members_text, wrapped
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
@@ -270,6 +269,6 @@ def _rounding(quantisation: Quantisation) -> list[str]:
 
 def _scale(table: ForestTable | CompactForest) -> list[str]:
     return [
-        f"static const sp_real leaf_step_n = {literal(table.leaf_step_n)};",
-        f"static const sp_real forest_bias_n = {literal(table.bias_n)};",
+        constant_text("leaf_step_n", table.leaf_step_n),
+        constant_text("forest_bias_n", table.bias_n),
     ]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.literals import array_text, literal
+from springpot.codegen.literals import array_text, constant_text
 from springpot.codegen.model.features import PositionVelocity
 from springpot.codegen.model.formulas import foaw
 from springpot.codegen.stages.costs import Costs
@@ -46,7 +46,7 @@ class PositionVelocityStage(FeatureStage):
         return [
             f"enum {{\n    N_CLIPPED_STEPS = {len(self.per_step)}\n}};",
             array_text("clipped_per_step", "sp_real", self.per_step),
-            f"static const sp_real clipped_band_m = {literal(self.band_m)};",
+            constant_text("clipped_band_m", self.band_m),
         ]
 
     def restart(self) -> list[str]:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from springpot.codegen.arrays import Real
-from springpot.codegen.literals import literal
-from springpot.codegen.stages.stage import REAL, Member, Stage, flushed
+from springpot.codegen.literals import constant_text
+from springpot.codegen.stages.stage import REAL, Member, SceneTicks, Stage, flushed
 
 TIME_S = 0.004  # of the low-pass
 
@@ -22,8 +22,8 @@ class ToolVelocityStage(Stage):
 
     def tables(self) -> list[str]:
         return [
-            f"static const sp_real rate_hz = {literal(self.rate_hz)};",
-            f"static const sp_real velocity_weight = {literal(self.weight)};",
+            constant_text("rate_hz", self.rate_hz),
+            constant_text("velocity_weight", self.weight),
         ]
 
     def restart(self) -> list[str]:
@@ -41,6 +41,7 @@ class ToolVelocityStage(Stage):
         return flushed(velocity_mps + self.weight * (difference - velocity_mps))
 
 
-def tool_velocity_stage(dt_s: float, dtype: type) -> ToolVelocityStage:
+def tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:
     """Difference at 1/dt_s, low-passed over TIME_S by backward Euler."""
+    dt_s, dtype = ticks.dt_s, ticks.dtype
     return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + TIME_S)))

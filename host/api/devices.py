@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         OpenedDevice as OpenedDevice,
         VirtualDevice as VirtualDevice,
         at_most as at_most,
+        require_sample_rate as require_sample_rate,
         too_weak as too_weak,
     )
     from springpot.host.devices.drivers import (
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
         open_device as open_device,
         parse_device as parse_device,
     )
-    from springpot.host.devices.sample_rate import require_sample_rate as require_sample_rate
     from springpot.host.devices.url import (
         Address as Address,
         parse_address as parse_address,

@@ -37,9 +37,9 @@ if TYPE_CHECKING:
         selftest as selftest,
     )
     from springpot.codegen.literals import literal as literal
-    from springpot.codegen.plan.instructions import instruction_bound as instruction_bound
     from springpot.codegen.plan.plan import Plan as Plan, make_plan as make_plan
     from springpot.codegen.plan.units import (
+        instruction_bound as instruction_bound,
         planned_headers as planned_headers,
         state_bytes as state_bytes,
         state_members as state_members,

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
         LoopSettings as LoopSettings,
         LoopState as LoopState,
     )
-    from springpot.host.session.note_words import (
+    from springpot.host.session.outcome import (
         NOTE_WORDS as NOTE_WORDS,
         notes_in_words as notes_in_words,
     )

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from springpot.codegen.forest.leaves import level_order as level_order
-    from springpot.codegen.forest.quantisation import (
+    from springpot.codegen.forest.leaves import (
+        level_order as level_order,
         quantisation_over as quantisation_over,
         rounded as rounded,
     )
@@ -43,11 +43,11 @@ if TYPE_CHECKING:
         Coverage as Coverage,
         find_coverage as find_coverage,
     )
-    from springpot.trainer.features.exponentials import recursive_bank as recursive_bank
     from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
     from springpot.trainer.features.fractional import (
         fir_derivatives as fir_derivatives,
         gl_taps as gl_taps,
+        recursive_bank as recursive_bank,
     )
     from springpot.trainer.features.values import (
         feature_values as feature_values,

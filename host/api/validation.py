@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from springpot.codegen.arrays import rms as rms
     from springpot.host.metrics import (
         JND_WORDS as JND_WORDS,
         SCORED_ABOVE_N as SCORED_ABOVE_N,
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
         floor_keys as floor_keys,
         floor_words as floor_words,
         just_noticeable_percent as just_noticeable_percent,
-        rms as rms,
         start_up_ramp as start_up_ramp,
     )
     from springpot.host.stiffness import (
@@ -27,13 +27,14 @@ if TYPE_CHECKING:
         slope_keys as slope_keys,
         slope_words as slope_words,
     )
-    from springpot.host.validation.by_place import (
-        PlaceError as PlaceError,
-        place_line as place_line,
-    )
     from springpot.host.validation.compared import bits_differ as bits_differ
+    from springpot.host.validation.parts import (
+        PlaceError as PlaceError,
+        SlideError as SlideError,
+        place_line as place_line,
+        slide_line as slide_line,
+    )
     from springpot.host.validation.seen import known_among as known_among, seen_line as seen_line
-    from springpot.host.validation.slides import SlideError as SlideError, slide_line as slide_line
     from springpot.host.validation.store import (
         Series as Series,
         Stored as Stored,

@@ -1,23 +1,25 @@
 """The quality of recordings, before they are used: warnings as messages, a refusal as an error."""
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from springpot.host.console.in_python import errors_in_python, in_python
 from springpot.host.console.output import say
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import Recordings
 
 _CALLER = 5  # frames above `warn`: of who called the public function that judges recordings
 
 
 def report_quality(
-    recordings: Sequence[Recording],
+    recordings: Recordings,
     doubt: Callable[[str], None] = say,
     good: Callable[[str], None] = say,
 ) -> QualityReport:
     """Say the warnings and which way is in, by default on standard error.
+
+    recordings: or files and folders of them; `given` of the report has what was read.
 
     Raises DataError at a refusal.
     """
@@ -32,7 +34,7 @@ def report_quality(
     return report
 
 
-def warn_of_quality(recordings: Sequence[Recording]) -> QualityReport:
+def warn_of_quality(recordings: Recordings) -> QualityReport:
     """Warn in Python's way, and log which way is in. Raises DataError at a refusal."""
     with errors_in_python():
         return report_quality(recordings, _warn, notice)

@@ -1,7 +1,9 @@
 """What every opened device offers to a session."""
 
 import math
+import time
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -13,9 +15,13 @@ if TYPE_CHECKING:
     from springpot.host.devices.url import Address
     from springpot.host.native.c_library import CLibrary
 
+
 RECONNECT_S = 10.0  # a device that was unplugged is waited for so long
 FORCE_ZERO = "force zero"  # its own watchdog, or it is no hardware
 ZERO_S = 0.2  # without a host, a device's own watchdog ends its force within so long
+_ENOUGH = 0.9  # of the wanted samples: below it, they are no longer losses
+# A hundred periods tell a tenth from what a few losses take; again, as a busy machine holds back.
+_PERIODS, _MIN_S, _MAX_S, _TIMES = 100, 0.1, 2.0, 3
 
 
 def at_most(value: float) -> str:
@@ -153,3 +159,26 @@ class VirtualDevice(OpenedDevice):
 
     def close(self) -> None:
         """Close nothing."""
+
+
+def require_sample_rate(
+    url: str, rate_hz: float, count: Callable[[float], int], advice: str
+) -> None:
+    """Raise DeviceError where a device sends less than 90 % of rate_hz samples a second.
+
+    count: how many come until a time of time.monotonic. advice: what mends it. A device that sends
+    none is not refused here: the session waits for it, and says so.
+    """
+    window_s = min(max(_PERIODS / rate_hz, _MIN_S), _MAX_S)
+    most_hz = 0.0
+    for _ in range(_TIMES):
+        begin_s = time.monotonic()
+        samples = count(begin_s + window_s)
+        most_hz = max(most_hz, samples / (time.monotonic() - begin_s))
+        if most_hz >= _ENOUGH * rate_hz:
+            return
+    if most_hz:
+        raise DeviceError(
+            f"{url}: sends {most_hz:.3g} samples a second, the scene runs at {rate_hz:g} Hz: "
+            f"{advice}"
+        )

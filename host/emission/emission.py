@@ -65,7 +65,7 @@ def emit(
         write_emission(plan, plan.scene, model_file, aside, single)
         write_s = time.perf_counter() - begin
         emission = _built(plan, aside, folder, write_s, accept_unmeasured)
-        return replace(emission, notices=(*rate_notices(plan, scene), *emission.notices))
+        return replace(emission, notices=(*rate_notices(plan), *emission.notices))
 
 
 @dataclass(frozen=True, eq=False)

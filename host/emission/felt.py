@@ -4,7 +4,6 @@ from dataclasses import replace
 
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.plan import FELT_SHARE, SERVED_HZ, Plan, make_plan
-from springpot.codegen.scene import Scene
 
 
 def felt_notices(plan: Plan) -> list[str]:
@@ -25,9 +24,9 @@ def felt_notices(plan: Plan) -> list[str]:
     ]
 
 
-def rate_notices(plan: Plan, asked: Scene) -> list[str]:
+def rate_notices(plan: Plan) -> list[str]:
     """Say that a scene without a rate does not tick at that of the recordings; else nothing."""
-    if plan.scene.runtime.rate_hz == asked.runtime.rate_hz:
+    if not plan.chose_rate:
         return []
     return [
         f"warning: the scene ticks at {1.0 / plan.dt_s:g} Hz, for at the recordings' "

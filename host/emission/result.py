@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from springpot.codegen.errors import BudgetError
-from springpot.codegen.plan.instructions import instruction_bound
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import instruction_bound
 from springpot.codegen.scene import Budget
 from springpot.host.native.footprint import Footprint
 from springpot.host.stability.check import Check

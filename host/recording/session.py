@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
+from springpot.codegen.arrays import rms
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.drivers import parse_device
 from springpot.host.recording.indentation import Limits, PressedDevice
@@ -117,5 +116,5 @@ def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality
         max_depth_m=float(recording.position_m.max()),
         max_force_n=float(recording.force_n.max()),
         max_command_n=float(profile.command_n.max()),
-        tracking_rms_n=float(np.sqrt(np.mean(error_n**2))),
+        tracking_rms_n=rms(error_n),
     )

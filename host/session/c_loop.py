@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError
@@ -36,6 +36,15 @@ class StepFunctions:
     kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
     __repr__ = short_repr
 
+    @classmethod
+    def of(cls, library: CLibrary, name: str, state: Any, kept: Any, **more: int) -> Self:
+        """Functions `name`_step, _idle and _reset of a library's C on a state that it declares."""
+        step, idle, reset = (
+            library.address(getattr(library.c, f"{name}_{each}"))
+            for each in ("step", "idle", "reset")
+        )
+        return cls(library, step, idle, reset, library.address(state), kept=kept, **more)
+
 
 def scene_step_functions(
     scene: SceneLibrary, place_m: tuple[float, float] | None = None
@@ -54,12 +63,8 @@ def slide_step_functions(scene: SceneLibrary) -> StepFunctions:
     state, library = scene.new_state(), loop_library(scene.real)
     calls = {name: library.pointer(scene.address(name)) for name in ("step3", "idle3", "reset")}
     slide = library.ffi.new("sp_slide *", {**calls, "state": library.pointer(state.address)})
-    step, idle, reset = (
-        library.address(getattr(library.c, f"sp_slide_{name}"))
-        for name in ("step", "idle", "reset")
-    )
-    at = library.address(slide)
-    return StepFunctions(library, step, idle, reset, at, slide=at, kept=(scene, state, slide))
+    kept = (scene, state, slide)
+    return StepFunctions.of(library, "sp_slide", slide, kept, slide=library.address(slide))
 
 
 class CLoop:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import CLAMPED, ENERGY, HELD, LATCHED, LIMITED, OUTSIDE
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
-from springpot.host.session.note_words import NOTE_WORDS
+from springpot.host.session.outcome import NOTE_WORDS
 
 WINDOW_S = 0.05  # rows are looked at together
 CALM_S = 0.5  # without the condition: it is over

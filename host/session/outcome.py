@@ -1,11 +1,13 @@
-"""How a session went, for people and programs: why it stopped, what the system had granted."""
+"""How a session went, in words: why it stopped, what the system granted, what the C noted."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.errors import DeviceError, SpringpotError
+from springpot.codegen.reference import notes
 from springpot.host.native.loop_library import (
     COLUMN,
     GOT_CPU,
@@ -18,6 +20,18 @@ from springpot.host.session.loop import LoopSettings, LoopState
 
 BY_USER = "stopped by the user"
 _FIRST_SAMPLE_S = 0.2  # no device takes longer for it
+_WORDS = {
+    "held": "no sample: the last one was held",
+    "resync": "history begins anew here",
+    "outside": "beyond what was recorded",
+    "clamped": "force kept within its limits",
+    "ramped": "force rising after a start or a silence",
+    "latched": "watchdog: no force until a reset",
+    "limited": "force held back: faster than a touch",
+    "energy": "force cut to what the hand has paid for",
+}
+NOTE_NAMES: dict[int, str] = {getattr(notes, name.upper()): name for name in _WORDS}
+NOTE_WORDS = {bit: _WORDS[name] for bit, name in NOTE_NAMES.items()}
 
 
 def why_stopped(
@@ -113,3 +127,11 @@ def spread_us(seconds: Any) -> dict[str, float]:
     seconds = seconds if len(seconds) else np.zeros(1)
     shares = {"p50": 50, "p99": 99, "p999": 99.9, "max": 100}
     return {name: round(1e6 * float(np.percentile(seconds, q)), 3) for name, q in shares.items()}
+
+
+def notes_in_words(counts: Mapping[str, int]) -> str:
+    """What the C noted; counts: of the ticks with each note, by its name."""
+    told = [
+        f"{name} {counts[name]} ({words})" for name, words in _WORDS.items() if counts.get(name)
+    ]
+    return ", ".join(told) or "none"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.short_repr import short_repr
-from springpot.host.simulation.losses import loss_ticks
+from springpot.host.simulation.cases import loss_ticks
 from springpot.host.simulation.scenarios import RISE_S, Workspace, smooth
 
 _SHARES, _HOLD_S = (0.3, 0.9), 7.0  # of the trained depth, on each place

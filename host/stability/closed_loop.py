@@ -5,16 +5,15 @@ from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.codegen.progress import at_step
 from springpot.codegen.scene import ScenePlaces
 from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.simulation.cases import cases, stiff_case
+from springpot.host.simulation.cases import cases, losing_cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
-from springpot.host.simulation.losses import losing_cases
 from springpot.host.simulation.scenarios import Case, Workspace
 from springpot.host.stability.losses import Losses, Stroked, ended, latched_s, losses_of
 from springpot.host.stability.vibration import Vibration, high_passed_rms, vibration_of
@@ -150,7 +149,7 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
     give_m = max_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
     inside = deepest_m <= _deepest_m(rendered, space, case) + give_m
     still = [trace.velocity_mps[part] for part in case.still or (slice(None),)]
-    error_n = np.sqrt(np.mean((trace.felt_n - model_only_n) ** 2))
+    error_n = rms(trace.felt_n - model_only_n)
     return Outcome(
         played=case,
         hand=hand.name,

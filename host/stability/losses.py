@@ -11,8 +11,8 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference import notes
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.simulation.cases import LATE, TAKEN
 from springpot.host.simulation.hand_loop import Scenario, Trace
-from springpot.host.simulation.losses import LATE, TAKEN
 from springpot.host.simulation.scenarios import Workspace
 
 RIGHT_S, NOT_ABOVE_S = 0.010, 0.005  # after samples are back: within the error; never above it

@@ -18,8 +18,8 @@ from springpot.host.metrics import start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, motions_of
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.session.note_words import NOTE_NAMES
-from springpot.host.validation.slides import SlideError, slide_error
+from springpot.host.session.outcome import NOTE_NAMES
+from springpot.host.validation.parts import SlideError, slide_error
 from springpot.host.validation.ticks import at_samples, samples_of
 from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.recording import Recording

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import rms
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, MismatchError, UsageError
@@ -17,14 +18,13 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan
 from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
-from springpot.host.metrics import Accuracy, accuracy, error_ratios, rms
+from springpot.host.metrics import Accuracy, accuracy, error_ratios
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
-from springpot.host.validation.by_place import PlaceError, place_errors
 from springpot.host.validation.compared import compared_all, is_log_of
+from springpot.host.validation.parts import PlaceError, SlideError, place_errors, require_slides
 from springpot.host.validation.seen import seen_by
-from springpot.host.validation.slides import SlideError, require_slides
 from springpot.host.validation.ticks import at_samples, at_ticks
 from springpot.trainer.faces import Faces
 from springpot.trainer.models.compatibility import require_compatible

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.plan.instructions import instruction_bound
+from springpot.codegen.plan.units import instruction_bound
 from springpot.codegen.reference.notes import RESYNC
 from springpot.codegen.scene import Coupling, Runtime, Scene
 from springpot.host.emission.emission import emit

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.codegen.model.features import Features, Lags
-from springpot.trainer.features.exponentials import recursive_bank
+from springpot.trainer.features.fractional import recursive_bank
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.forests import depth_scale, fit_forest
 from springpot.trainer.models.passive.passive_fit import timed_passive

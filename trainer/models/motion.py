@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.slides import is_slide
 
@@ -93,9 +93,3 @@ def in_ticks(motion: DepthMotion, dt_s: float) -> DepthMotion:
         begin = sample
     parts.append(motion.depth_m[begin:])
     return replace(motion, depth_m=np.concatenate(parts), starts=tuple(starts.tolist()), pauses=())
-
-
-def rows_in(motion: DepthMotion, rows_of: Sequence[Indices]) -> Indices:
-    """Samples of a motion, (rows,), for the rows of each of its recordings, one after another."""
-    pairs = zip(motion.recordings, motion.starts, strict=True)
-    return np.concatenate([start + rows_of[number] for number, start in pairs])

@@ -6,8 +6,7 @@ from functools import singledispatch
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.forest.leaves import used_features
-from springpot.codegen.forest.quantisation import rounded
+from springpot.codegen.forest.leaves import rounded, used_features
 from springpot.codegen.forest.traverse import forest_force, table_sums
 from springpot.codegen.forest.wide import forest_table
 from springpot.codegen.model.model import Model

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
 from springpot.trainer.features.values import feature_values
@@ -158,5 +158,5 @@ def _paper_errors(
         normal = normal_equations(system / size, force_n)
         weights = _ridge_solve(normal.matrix, normal.vector) / size
         predicted_n = kernel(scaling(tested[:, pair]), centers) @ weights
-        errors[pair] = float(np.sqrt(np.mean(np.square(predicted_n - measured_n))))
+        errors[pair] = rms(predicted_n - measured_n)
     return errors

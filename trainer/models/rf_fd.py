@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.quantisation import quantisation_over, rounded
+from springpot.codegen.forest.leaves import quantisation_over, rounded
 from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
 from springpot.codegen.model.regressors import Forest
-from springpot.trainer.features.exponentials import recursive_bank
 from springpot.trainer.features.fast_fir import fast_fir_bank
-from springpot.trainer.features.fractional import gl_taps
+from springpot.trainer.features.fractional import gl_taps, recursive_bank
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
 from springpot.trainer.models.forests import boosted_forest, depth_scale, fit_forest
 from springpot.trainer.models.passive.passive_fit import fit_passive
@@ -74,29 +73,32 @@ def fit_rf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Kind `rf-fd`: the paper's forest on fractional derivatives (section IV-B)."""
-    return _fit("rf-fd", name, data, options, _asked_features(data, options))
+    return _fit("rf-fd", name, data, options)
 
 
 def fit_rf_history(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """A forest on past positions: the negative control, known to act with negative damping."""
-    return _fit("rf-history", name, data, options, history_features(data.dt_s, options.window_s))
+    return _fit("rf-history", name, data, options)
 
 
 def fit_boosted(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Gradient-boosted trees on fractional derivatives."""
-    return _fit("boosted", name, data, options, _asked_features(data, options))
+    return _fit("boosted", name, data, options)
 
 
-def _asked_features(data: TrainingSet, options: FitOptions) -> FractionalBank:
+def _asked_features(kind: str, data: TrainingSet, options: FitOptions) -> Features:
+    if kind == "rf-history":
+        return history_features(data.dt_s, options.window_s)
     orders = options.orders or PAPER_ORDERS
     return fractional_features(data.dt_s, options.window_s, options.engine, orders)
 
 
-def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions, features: Features) -> Fit:
+def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions) -> Fit:
+    features = _asked_features(kind, data, options)
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
     force_n = data.force_n(rows)

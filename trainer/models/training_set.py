@@ -16,7 +16,7 @@ from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.codegen.short_repr import short_repr
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
-from springpot.trainer.models.motion import DepthMotion, motions, rows_in
+from springpot.trainer.models.motion import DepthMotion, motions
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
@@ -107,7 +107,13 @@ class TrainingSet:
     def motion_rows(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
         """Samples of each motion, (its rows,), for rows of all recordings."""
         rows_of = self.split(rows)
-        return [rows_in(motion, rows_of) for motion in self.motions]
+        return [
+            np.concatenate([
+                start + rows_of[number]
+                for number, start in zip(motion.recordings, motion.starts, strict=True)
+            ])
+            for motion in self.motions
+        ]  # fmt: skip
 
     def in_order(self, rows: NDArray[np.intp], found: Sequence[Samples]) -> Samples:
         """Values at `motion_rows`, of each motion (its rows, ...), in the order of the rows."""
@@ -171,7 +177,7 @@ def training_set(
         depths_m=depths_m,
         dt_s=dt_s,
         contact=contact,
-        trained=trained_range(prepared, contact),
+        trained=_trained_range(prepared, depths_m, contact),
         warnings=tuple(warnings),
     )
 
@@ -192,9 +198,10 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
     return first.dt_s
 
 
-def trained_range(recordings: Sequence[Recording], contact: Contact) -> TrainedRange:
+def _trained_range(
+    recordings: Sequence[Recording], depths: Sequence[Samples], contact: Contact
+) -> TrainedRange:
     """Extremes over all recordings. Raises DataError where nothing moved."""
-    depths = [depth_m(recording, contact) for recording in recordings]
     min_m = min(float(depth.min()) for depth in depths)
     max_m = max(float(depth.max()) for depth in depths)
     if max_m <= (0.0 if contact == "surface" else min_m):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Indices, Samples, rms
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families
@@ -54,7 +54,7 @@ class FoldedRows:
 
     def passive_errors_n(self) -> list[float]:
         """RMSE of the passive part alone on each fold, N."""
-        return [_rms(fold.tested_n[fold.held]) for fold in self.folds]
+        return [rms(fold.tested_n[fold.held]) for fold in self.folds]
 
     def tree_errors_n(self, wanted: TreeFit) -> Iterator[float]:
         """RMSE of a forest on each fold, N, one after another."""
@@ -72,7 +72,7 @@ class FoldedRows:
             forest = fitted_forest(
                 wanted.trees, wanted.leaf, self.seed, values[kept], target_n[kept]
             )
-            yield _rms(forest.predict(test_values[held]) - wanted_n[held])
+            yield rms(forest.predict(test_values[held]) - wanted_n[held])
 
 
 def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
@@ -98,7 +98,3 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
                     test_left_n = test_n - passive.rows.given_n(test_values @ weights)
                     folds.append(RowFold(family, kept, held, left_n, test_left_n))
     return FoldedRows(data, options.seed, fitted, tested, tuple(folds))
-
-
-def _rms(error_n: Samples) -> float:
-    return float(np.sqrt(np.mean(np.square(error_n))))

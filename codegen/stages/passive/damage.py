@@ -1,7 +1,6 @@
 """What was pressed deeper before is softer: sp_damage.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import Place, curve_nodes, curve_values
 from springpot.codegen.model.passive import Damage
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.stage import REAL, Member, numbers
+from springpot.codegen.stages.stage import REAL, Member, SceneTicks, numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,17 +90,18 @@ class DamageCurves:
         return force_n, ends
 
 
-def damage_curves(damage: Damage, worn: bool, dt_s: float, dtype: type[Any]) -> DamageCurves:
-    """The curves of a model, those of power 1 first. worn: after it was pressed as in training."""
+def damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
+    """The curves of a model, those of power 1 first; worn: after it was pressed as in training."""
+    dtype = ticks.dtype
     order = np.argsort(damage.power, kind="stable")
     heal_s = damage.heal_s[order]
     rate = np.where(heal_s > 0.0, 1.0 / np.where(heal_s > 0.0, heal_s, 1.0), 0.0)
     pressed = np.where(heal_s > 0.0, 0.0, 1.0)  # to the trained depth; what heals has healed
     return DamageCurves(
         curves=curve_nodes(damage.curve_n[order]).astype(dtype),
-        healed=(-np.expm1(-dt_s * rate)).astype(dtype),
+        healed=(-np.expm1(-ticks.dt_s * rate)).astype(dtype),
         rate=rate.astype(dtype),
-        worn=pressed.astype(dtype) if worn else None,
+        worn=pressed.astype(dtype) if ticks.worn else None,
         n_linear=int(np.count_nonzero(damage.power == 1)),
     )
 

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import flow_functions, flow_loss
 from springpot.codegen.model.passive import Flow
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.stage import LARGEST, REAL, SMALLEST, Member, numbers
+from springpot.codegen.stages.stage import LARGEST, REAL, SMALLEST, Member, SceneTicks, numbers
 
 FUNCTIONS = (1, 2, 4)  # degrees, SP_FLOW_FUNCTIONS of sp_flow.h
 
@@ -98,15 +97,15 @@ class FlowBranches:
         return force_n, functions[-1], ends
 
 
-def flow_branches(flow: Flow, dt_s: float, dtype: type[Any]) -> FlowBranches:
+def flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
     """The branches of a model, those of power 3 first."""
     order = np.argsort(flow.power, kind="stable")
     power, rate = flow.power[order], flow.rate_ps[order]
     degrees = flow.degree[order].tolist()
     return FlowBranches(
-        loss=flow_loss(rate, power, dt_s).astype(dtype),
-        rate=flow_loss(rate, power, 1.0).astype(dtype),
-        force_n=flow.force_n[order].astype(dtype),
+        loss=flow_loss(rate, power, ticks.dt_s).astype(ticks.dtype),
+        rate=flow_loss(rate, power, 1.0).astype(ticks.dtype),
+        force_n=flow.force_n[order].astype(ticks.dtype),
         function=np.array([FUNCTIONS.index(degree) for degree in degrees], dtype=np.uint8),
         n_cubic=int(np.count_nonzero(power == 3)),
     )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.literals import array_text, members_text, struct_text
+from springpot.codegen.literals import array_text, constant_text, members_text
 from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.costs import Costs
@@ -22,6 +22,7 @@ from springpot.codegen.stages.stage import (
     REAL,
     Measured,
     Member,
+    SceneTicks,
     Stage,
     Starts,
     segments,
@@ -147,11 +148,11 @@ class HammersteinStage(Stage):
         if self.placed is not None:
             mixed = tuple(f"static const sp_real {name}[" for name in self.curves)
             constant = [part for part in parts[1:] if not part.startswith(mixed)]
-            config = struct_text("passive", "sp_hammerstein_config", self.config)
+            config = constant_text("passive", self.config)
             return [*self.placed.tables(), *constant, config]
         return [
             *parts,
-            struct_text("passive", "sp_hammerstein_config", self.config),
+            constant_text("passive", self.config),
             members_text(
                 "passive_tables",
                 "sp_hammerstein_tables",
@@ -312,25 +313,21 @@ class HammersteinStage(Stage):
         return force_n if self.pulls else np.where(force_n > 0, force_n, u.dtype.type(0))
 
 
-def hammerstein_stage(
-    model: Hammerstein, dt_s: float, dtype: type[Any], follows: str, vector_width: int,
-    surface: bool, worn: bool = False,
-) -> HammersteinStage:  # fmt: skip
+def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> HammersteinStage:
     """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
 
-    The branches are padded to whole vectors of `vector_width`, with curves of 0. surface: the
-    object has one, which recovers if the model's does. worn: it is as after training.
+    The branches are padded to whole vectors of the ticks, with curves of 0. The surface of the
+    ticks, if there is one, recovers if the model's does, or a tool slides on it.
     """
 
     def curves_of(material: Hammerstein) -> dict[str, Reals]:
-        like = (dt_s, dtype, follows, vector_width, surface, worn)
-        return hammerstein_stage(material, *like).curves
+        return hammerstein_stage(material, ticks, follows).curves
 
-    n_stops = len(model.radius_m)
-    steps, slopes_n = branch_steps(model, dt_s, dtype, vector_width)
+    dtype, n_stops = ticks.dtype, len(model.radius_m)
+    steps, slopes_n = branch_steps(model, ticks)
     spring_n = model.elastic_n + model.stop_n.sum(axis=0)
-    flow = None if model.flow is None else flow_branches(model.flow, dt_s, dtype)
-    damage = None if model.damage is None else damage_curves(model.damage, worn, dt_s, dtype)
+    flow = None if model.flow is None else flow_branches(model.flow, ticks)
+    damage = None if model.damage is None else damage_curves(model.damage, ticks)
     stops = curve_nodes(model.stop_n).astype(dtype)
     return HammersteinStage(
         config=HammersteinConfig(
@@ -349,9 +346,9 @@ def hammerstein_stage(
         flow=flow,
         damage=damage,
         surface=_surface(model, spring_n + slopes_n.sum(axis=0), flow, dtype)
-        if surface and model.recovers
+        if ticks.surface and (model.recovers or ticks.slides)
         else None,
-        pulls=not surface,
+        pulls=not ticks.surface,
         follows=follows,
         placed=placed_curves(model, curves_of, dtype),
     )

@@ -1,14 +1,13 @@
 """Materials side by side for a tool that slides on their map: sp_lateral.h."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals, Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.literals import array_text, literal, struct_text
+from springpot.codegen.literals import array_text, constant_text
 from springpot.codegen.model.formulas import curve_place, curve_values, pieces_of_one
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
@@ -17,7 +16,7 @@ from springpot.codegen.scene import Scene
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.placed import PlacedCurves
 from springpot.codegen.stages.passive.stored import RENEWED, stored_areas
-from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, vector_width_of
+from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, SceneTicks
 
 # Of a contact of incompressible bodies, sideways over along the depth: 2 (1 - v) / (2 - v), v = 1/2
 # (Mindlin 1949, Compliance of elastic bodies in contact).
@@ -98,9 +97,9 @@ class LateralStage:
         return [
             "/* Integrals of the curves of each material up to each node (sp_stored.h). */",
             array_text("areas", "sp_real", self.areas),
-            f"static const sp_real m_per_piece = {literal(self.m_per_piece)};",
-            struct_text("drag", "sp_drag_config", self.drag),
-            struct_text("anchor", "sp_anchor_config", self.anchor),
+            constant_text("m_per_piece", self.m_per_piece),
+            constant_text("drag", self.drag),
+            constant_text("anchor", self.anchor),
         ]
 
 
@@ -108,8 +107,7 @@ def lateral_stage(
     model: Model,
     placed: PlacedCurves | None,
     scene: Scene,
-    dt_s: float,
-    dtype: type[Any],
+    ticks: SceneTicks,
     limit_npm: float,
     jump_m: float,
 ) -> LateralStage | None:
@@ -127,12 +125,9 @@ def lateral_stage(
     if placed is None:
         raise _refused(_NO_MAP)
     hammerstein, places, radius_mm = _slid(model, scene)
-    vector_width = vector_width_of(scene.runtime)
+    dtype, pulls = ticks.dtype, replace(ticks, surface=False)
     materials = tuple(
-        hammerstein_stage(
-            hammerstein.with_slopes(its), dt_s, dtype, "lateral", vector_width, surface=False
-        )
-        for its in places.slopes_n
+        hammerstein_stage(hammerstein.with_slopes(its), pulls, "lateral") for its in places.slopes_n
     )
     areas = np.stack([stored_areas(stage) for stage in materials])
     m_per_piece = hammerstein.span_m / pieces_of_one(hammerstein.nodes)

@@ -20,7 +20,7 @@ from springpot.codegen.model.formulas import (
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.recursive import SLOW_TICKS, pole_states
-from springpot.codegen.stages.stage import SMALLEST, numbers, padded
+from springpot.codegen.stages.stage import SMALLEST, SceneTicks, numbers, padded
 
 
 @dataclass(frozen=True)
@@ -136,15 +136,15 @@ class MaxwellBranches:
 
 
 def branch_steps(
-    model: Hammerstein, dt_s: float, dtype: type, vector_width: int
+    model: Hammerstein, ticks: SceneTicks
 ) -> tuple[tuple[MaxwellBranches, ...], Reals]:
     """The branches by who steps them, and their slopes in that order, (capacity, J).
 
-    Those in float first, of constant rate first among them and filled up to whole vectors of
-    `vector_width`.
+    Those in float first, of constant rate first among them and filled up to whole vectors.
     """
+    dt_s, dtype = ticks.dt_s, ticks.dtype
     double = (model.slowest_s > SLOW_TICKS * dt_s) & (dtype is np.float32)
-    filled = padded(max(len(double), 1), vector_width) - len(double)
+    filled = padded(max(len(double), 1), ticks.vector_width) - len(double)
     steps: list[MaxwellBranches] = []
     slopes_n = [np.zeros((0, model.nodes))]
     first = 0

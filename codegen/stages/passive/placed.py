@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.literals import array_text, literal, struct_text
+from springpot.codegen.literals import array_text, constant_text, literal
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import amounts_at, grid_steps, mixed
 from springpot.codegen.stages.passive.surface import LEAST
@@ -73,7 +73,7 @@ class PlacedCurves:
             "/* A map: amounts at the nodes, and the curves of each material (sp_map.h). */",
             array_text("amounts", "sp_real", self.amounts.reshape(-1, materials)),
             array_text("materials", "sp_real", self.materials),
-            struct_text("place_map", "sp_map_config", self.config),
+            constant_text("place_map", self.config),
         ]
 
     def take(self, name: str) -> list[str]:

@@ -1,5 +1,6 @@
 """Result of `springpot train`: the fit, and the model's own error on other recordings."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +114,7 @@ def _law(result: dict[str, Any]) -> str:
 
 
 def errors(
-    fit: "Fit", training: list[Recording], testing: list[Recording], compared_s: float
+    fit: "Fit", training: Sequence[Recording], testing: Sequence[Recording], compared_s: float
 ) -> tuple[Accuracy, dict[str, Any]]:
     """The error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
 

@@ -19,8 +19,7 @@ from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
-    from springpot.trainer.models.fit import Fit, FitOptions
-    from springpot.trainer.recordings.recording import Recording
+    from springpot.trainer.models.fit import Fit
 
 
 @click.command()
@@ -120,17 +119,19 @@ def train(
     from springpot.host.console.quality import report_quality
     from springpot.host.validation.seen import seen_line
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
-    from springpot.trainer.recordings.recording_file import read_recordings
+    from springpot.trainer.recordings.recording_file import given_recordings
 
     options = FitOptions(**of_fit)
-    training = read_recordings(map(Path, recordings))
-    testing = read_recordings(map(Path, validation))
+    testing = given_recordings(validation)
+    report = report_quality(recordings)
+    training = report.given
     planning: Any = part("next-presses")
     if next_file is not None:
         planning = required_part("next-presses", "--next")
         planning.require_surface(next_file, training)
-    said = {finding.text for finding in report_quality(training).findings}
-    fit = _fitted(kind, out, training, testing, options)
+    said = {finding.text for finding in report.findings}
+    with progress_bar(f"fitting {kind} on {len(training)} recordings"):
+        fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:
         if line not in said:
             say(f"warning: {line}")
@@ -145,17 +146,6 @@ def train(
         told, rows["record next"] = planning.next_told(training, fit.model, next_file)
         result |= told
     print_result(result, as_json, rows)
-
-
-def _fitted(
-    kind: str,
-    out: Path,
-    training: "list[Recording]",
-    testing: "list[Recording]",
-    options: "FitOptions",
-) -> "Fit":
-    with progress_bar(f"fitting {kind} on {len(training)} recordings"):
-        return fit_model(kind, out.stem.split(".")[0], training, options, testing)
 
 
 def _require_model_file(out: Path) -> None:

@@ -81,11 +81,10 @@ def _deepest(validation: Validation) -> str:
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
     from springpot.host.metrics import error_ratios, ratio_rows
-    from springpot.host.session.note_words import notes_in_words
+    from springpot.host.session.outcome import notes_in_words
     from springpot.host.stiffness import slope_keys, slope_words
-    from springpot.host.validation.by_place import place_line
+    from springpot.host.validation.parts import place_line, slide_line
     from springpot.host.validation.seen import accepted_words, seen_line
-    from springpot.host.validation.slides import slide_line
 
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
     told = seen_line(validation.seen, len(validation.predicted_n))

@@ -22,6 +22,7 @@ from springpot import (
 )
 from springpot.basics import Samples, errors_in_python, given_numbers, in_python
 from springpot.modelling import Zero, extrapolation, fit_model, limited_n, zero_word
+from springpot.validation import rms
 
 Sequences = Sequence[ArrayLike | Recording]
 
@@ -194,7 +195,7 @@ def neg_rmse_n(estimator: Any, X: Sequences, y: Sequences) -> float:
     predicted = estimator.predict(X)
     _require_pairs(predicted, forces)
     errors_n = np.concatenate(predicted) - np.concatenate(forces)
-    return -float(np.sqrt(np.mean(np.square(errors_n))))
+    return -rms(errors_n)
 
 
 def _require_pairs(predicted: Sequence[Samples], measured: Sequence[Samples]) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot import FitOptions, Recording
-from springpot.basics import Samples, short_repr
+from springpot.basics import short_repr
 from springpot.modelling import (
     TrainingSet,
     contact_of,
@@ -17,6 +17,7 @@ from springpot.modelling import (
     repeats_apart,
     training_set,
 )
+from springpot.validation import rms
 
 _SEPARATE = 5  # as many recordings, or fewer, are held out one by one
 _BLOCKS = 3  # of each recording, where there are too few to hold any out
@@ -72,7 +73,7 @@ def cross_validated_rmse_n(
         model = fit_kind(kind, "held out", split.data, replace(options, fraction=fraction)).model
         rows = [(piece, np.arange(0, len(piece.force_n), step)) for piece in split.held]
         measured_n = np.concatenate([piece.force_n[::step] for piece in split.held])
-        errors.append(_rms(predict_each_n(model, rows) - measured_n))
+        errors.append(rms(predict_each_n(model, rows) - measured_n))
     return geometric_mean(errors)
 
 
@@ -115,7 +116,3 @@ def part_of(recording: Recording, begin: float, end: float) -> Recording:
         channels={},
         session="",  # what is left of a session has gaps
     )
-
-
-def _rms(error_n: Samples) -> float:
-    return float(np.sqrt(np.mean(np.square(error_n))))

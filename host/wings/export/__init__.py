@@ -3,5 +3,5 @@
 from springpot.console import LazyCommand
 
 _HERE = "springpot.host.wings.export"
-EXPORT = LazyCommand(f"{_HERE}.export_command:export_", place=6)
-PREDICT = LazyCommand(f"{_HERE}.predict_command:predict", place=7)
+EXPORT = LazyCommand(f"{_HERE}.commands:export_", place=6)
+PREDICT = LazyCommand(f"{_HERE}.commands:predict", place=7)

@@ -4,17 +4,32 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from springpot import Recording, UsageError
 from springpot.basics import Samples, write_file, written_aside
-from springpot.host.wings.export.mat_export import write_mat
 from springpot.modelling import SIGN_RULE
 
 ExportFormat = Literal["csv", "mat"]
 _RULE = {"sign_rule": SIGN_RULE}
+
+
+def write_mat(
+    path: Path, recording: Recording, time_s: Samples, metadata: Mapping[str, Any]
+) -> None:
+    """Write three vectors, (n,), those of the place, and the metadata as JSON: variables."""
+    from scipy.io import savemat
+
+    content = {
+        "time_s": time_s,
+        "position_m": recording.position_m,
+        "force_N": recording.force_n,
+        **recording.place_columns(),
+        "metadata": json.dumps(metadata, sort_keys=True),
+    }
+    savemat(path, content, appendmat=False, oned_as="column", do_compression=True)
 
 
 def export_recording(folder: Path, recording: Recording, form: ExportFormat) -> Path:

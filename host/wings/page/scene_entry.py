@@ -2,6 +2,7 @@
 
 import base64
 import json
+import math
 import re
 import zlib
 from pathlib import Path
@@ -23,15 +24,39 @@ from springpot.emission import (
 )
 from springpot.figures import plain
 from springpot.host.wings.page.hands import hands_entry
-from springpot.host.wings.page.page_map import map_entry
 from springpot.host.wings.page.page_module import page_module, port_hash
 from springpot.loop import NOTE_WORDS
 from springpot.native import Replay, SceneLibrary
 from springpot.simulation import Workspace
 from springpot.validation import Series, read_validation
 
+_ACROSS = 40  # steps of a survey along the longer side, at least: some 1600 presses
+_CELLS = 16384  # as sp_page_survey_cells
+_PRESS_S = 0.2
 MAX_RECORDED = 8000  # samples of a recording on the page: a few presses, some 40 kB
 _FULL_SCALE = 32767
+
+
+def map_entry(plan: Plan) -> dict[str, Any]:
+    """Return the grid, m, and the survey of a scene with places: its places have every node.
+
+    The object is pressed to depth_m within press_ticks at each of `survey` places, along x and y.
+    """
+    hammerstein = plan.model.hammerstein
+    assert hammerstein is not None and hammerstein.places is not None
+    places = hammerstein.places
+    steps = [nodes - 1 for nodes in places.nodes]
+    finer = max(1, math.ceil(_ACROSS / max(steps)))
+    while finer > 1 and math.prod(finer * its + 1 for its in steps) > _CELLS:
+        finer -= 1
+    return {
+        "first_m": places.first_m.tolist(),
+        "last_m": places.last_m.tolist(),
+        "nodes": list(places.nodes),
+        "survey": [finer * its + 1 for its in steps],
+        "depth_m": float(plan.range.max_m),
+        "press_ticks": max(50, round(_PRESS_S / plan.dt_s)),
+    }
 
 
 def scene_entry(folder: Path, accept_edited: bool = False, with_map: bool = True) -> dict[str, Any]:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, QhullError
 
-from springpot import Model, Recording
-from springpot.host.wings.presses.written import write_lines
+from springpot import Model, Recording, UsageError
+from springpot.basics import write_file
 
 COUNT = 6  # places to press before the map is looked at again
 _NEAREST_M = 2e-3  # of two places: what a place is off by on a rig is a quarter of that
@@ -70,3 +70,15 @@ def places_words(places_m: _Places, path: Path | None) -> str:
         else f"springpot record --protocol {shlex.quote(str(path))} --device URL --out FOLDER"
     )
     return f"at {named} mm, between neighbours that differ most\n{how}"
+
+
+def write_lines(path: Path, lines: Sequence[str]) -> None:
+    """Write a protocol. Raises UsageError where the file cannot be written."""
+    head = "# springpot record --device URL --protocol THIS_FILE.toml --out FOLDER"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_file(path, ("\n".join([head, *lines]) + "\n").encode())
+    except OSError as error:
+        raise UsageError(
+            f"--next {path}: {error.strerror}: give a file that can be written"
+        ) from None

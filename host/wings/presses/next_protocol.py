@@ -7,9 +7,13 @@ from typing import Any
 
 from springpot import DataError, Model, Recording, UsageError
 from springpot.host.wings.presses.coverage import find_coverage
-from springpot.host.wings.presses.next_places import places_of, places_words, write_places
+from springpot.host.wings.presses.next_places import (
+    places_of,
+    places_words,
+    write_lines,
+    write_places,
+)
 from springpot.host.wings.presses.next_presses import NextPress, next_presses
-from springpot.host.wings.presses.written import write_lines
 from springpot.modelling import contact_of, hold_spikes
 
 _SUFFIX = ".toml"

@@ -160,7 +160,7 @@ def _draw_validation(validation: Validation, axes: "Axes") -> None:
 
 
 def _draw_check(found: Stability | Emission, axes: "Axes") -> None:
-    from springpot.host.wings.report.stability_figures import draw_map, scale_of
+    from springpot.host.wings.report.stability_page import draw_map, scale_of
 
     if found.check is None:
         raise UsageError(f"no map of stability: {'; '.join(found.notices)}")

@@ -1,4 +1,7 @@
-"""A scene's wasm module in node: the same ticks as on this machine, and the time they take."""
+"""A scene as wasm32 in node: the same ticks as on this machine, their time, and its self-test.
+
+And the size of its module, which emission asks for.
+"""
 
 import json
 import shutil
@@ -11,8 +14,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot import SpringpotError, UsageError
+from springpot import MismatchError, SpringpotError, UsageError
 from springpot.basics import Reals
+from springpot.emission import Plan
+from springpot.host.wings.wasm.wasm_module import scene_functions, scene_module, wasm_module
 
 _LONGEST_S = 600.0
 
@@ -67,3 +72,22 @@ def run_in_node(module: bytes, prefix: str, position: Reals, velocity: Reals) ->
         selftest=int(told["selftest"]),
         tick_ns=float(told["tick_ns"]),
     )
+
+
+def module_bytes(folder: Path, source: str) -> int:
+    """Size of the module of folder/source without its self-test."""
+    functions = [name for name in scene_functions(folder) if not name.endswith("_selftest")]
+    return len(wasm_module([folder / source], [folder], functions))
+
+
+def selftest_in_node(plan: Plan, folder: Path) -> list[str]:
+    """Run the self-test as wasm; without node, return the notice that it was not run."""
+    if why := missing_node():
+        return [f"the self-test has not run as wasm32: {why}"]
+    none = np.zeros(1, dtype=plan.dtype)
+    if differs := run_in_node(scene_module(folder), plan.scene.runtime.prefix, none, none).selftest:
+        raise MismatchError(
+            f"{plan.scene.name}: the wasm module differs from its numpy reference at golden tick "
+            f"{differs - 1}: nothing was emitted; report clang and node"
+        )
+    return []

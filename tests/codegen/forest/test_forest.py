@@ -11,11 +11,10 @@ from support.paths import C_TESTS
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest import compact as compact_layout, wide as wide_layout
-from springpot.codegen.forest.compact import compact_forest
-from springpot.codegen.forest.leaves import used_features
-from springpot.codegen.forest.quantisation import quantisation_over, rounded
-from springpot.codegen.forest.tables import CompactForest, ForestTable
+from springpot.codegen.forest.compact import CompactForest, compact_forest
+from springpot.codegen.forest.leaves import quantisation_over, rounded, used_features
 from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force
+from springpot.codegen.forest.wide import ForestTable
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library

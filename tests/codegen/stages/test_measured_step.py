@@ -21,7 +21,7 @@ from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import INCLUDE, SOURCE
-from springpot.trainer.features.exponentials import recursive_bank
+from springpot.trainer.features.fractional import recursive_bank
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, RECURSIVE_S

@@ -9,6 +9,7 @@ from support.small import passive_model
 from springpot.codegen.model.formulas import curve_place, curve_values
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.stored import RENEWED, stored, stored_areas
+from springpot.codegen.stages.stage import SceneTicks
 
 STEPS = 20_000
 
@@ -26,7 +27,7 @@ def stage_of(rng: np.random.Generator, nodes: int) -> HammersteinStage:
         branch_n=weights(2, nodes), radius_m=np.array([1e-3]), stop_n=weights(1, nodes),
         flow=None, damage=None,
     )  # fmt: skip
-    return hammerstein_stage(model, 1e-3, np.float64, "lateral", 4, surface=False)
+    return hammerstein_stage(model, SceneTicks(1e-3, vector_width=4), "lateral")
 
 
 def between(nodes: np.ndarray, begin: float, end: float, less: float) -> float:

@@ -25,7 +25,7 @@ from support.small_study import (
 )
 
 from springpot.host.cli import springpot
-from springpot.host.validation.slides import SlideError
+from springpot.host.validation.parts import SlideError
 from springpot.trainer.recordings.recording_file import write_recording
 
 PAGE = (ROOT / "docs" / "reference" / "json.md").read_text()

@@ -6,8 +6,8 @@ from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.cli import exit_status
-from springpot.host.devices import sample_rate
-from springpot.host.devices.sample_rate import require_sample_rate
+from springpot.host.devices import device as device_module
+from springpot.host.devices.device import require_sample_rate
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import Stop
 from springpot.host.session.session import Session
@@ -17,7 +17,7 @@ from springpot.host.session.session import Session
 def count_of(monkeypatch):
     """Make a count that waits on a clock of its own: samples of each window, given as rates."""
     clock = [0.0]
-    monkeypatch.setattr(sample_rate.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(device_module.time, "monotonic", lambda: clock[0])
 
     def make(*rates_hz):
         rates, windows_s = iter(rates_hz), []

@@ -21,7 +21,7 @@ from springpot.codegen.reference.notes import (
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LINE_S, MAX_EVENTS, LiveWarnings
-from springpot.host.session.note_words import NOTE_WORDS
+from springpot.host.session.outcome import NOTE_WORDS
 from springpot.host.session.session import Session
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 

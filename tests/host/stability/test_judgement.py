@@ -24,7 +24,7 @@ from springpot.host.stability.judgement import Grade, device_advice, judge, judg
 from springpot.host.stability.losses import Losses
 from springpot.host.stability.verdict import map_words, why_unbounded
 from springpot.host.stability.vibration import Vibration
-from springpot.host.wings.report import stability_figures as figures
+from springpot.host.wings.report import stability_page as figures
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")

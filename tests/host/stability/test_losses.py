@@ -17,9 +17,8 @@ from springpot.codegen.plan.plan import Plan, make_plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.trial_build import built, uncoupled
-from springpot.host.simulation import losses
-from springpot.host.simulation.hand_loop import HandLoop
-from springpot.host.simulation.losses import (
+from springpot.host.simulation import cases as case_module
+from springpot.host.simulation.cases import (
     LATE,
     LOST,
     SPEEDS,
@@ -28,6 +27,7 @@ from springpot.host.simulation.losses import (
     loss_ticks,
     phase_gap,
 )
+from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import Outcome, Rendered, lossy_outcomes
 from springpot.host.stability.losses import Losses, Stroked, losses_of
 from springpot.runtime_c.paths import INCLUDE
@@ -134,7 +134,7 @@ def test_losses_come_at_any_speed_and_rate(
 ) -> None:
     """Each way of pressing an object, however slowly it was recorded, has losses in its strokes."""
     plan = replace(plan_of("off"), dt_s=dt_s)
-    monkeypatch.setattr(losses, "_stroke_ticks", lambda space, speed: 0.5 * cycle_s / dt_s)
+    monkeypatch.setattr(case_module, "_stroke_ticks", lambda space, speed: 0.5 * cycle_s / dt_s)
     for case, _ in losing_cases(plan, np.zeros_like, DESIGN_HAND):
         lossy = (case.scenario.dropped != TAKEN) | np.isnan(case.scenario.error_m)
         assert np.any(lossy), case.name

@@ -16,7 +16,7 @@ from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
 from springpot.host.session.session import Session
 from springpot.host.stability.judgement import Grade
-from springpot.host.validation.by_place import PlaceError, place_errors, place_line
+from springpot.host.validation.parts import PlaceError, place_errors, place_line
 from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.report.findings import by_place_findings

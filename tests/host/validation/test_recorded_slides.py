@@ -17,7 +17,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stability.judgement import Grade
-from springpot.host.validation.slides import SlideError
+from springpot.host.validation.parts import SlideError
 from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import Validation, validate
 from springpot.host.wings.report.findings import slide_findings

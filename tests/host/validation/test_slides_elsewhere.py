@@ -11,7 +11,7 @@ from codegen.stages.test_lateral import plan_of
 from support.small import passive_model
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.validation.slides import require_slides
+from springpot.host.validation.parts import require_slides
 from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
 from springpot.host.wings.export.exporting import export_recording
 from springpot.trainer.kinds import fit_model

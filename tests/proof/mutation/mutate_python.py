@@ -44,7 +44,7 @@ TESTS = {
     "codegen/scene.py": _SCENE,
     "host/emission/scene_file.py": _SCENE,
     "host/devices/url.py": _URL,
-    "host/devices/sample_rate.py": ("tests/host/devices/test_sample_rate.py",),
+    "host/devices/device.py": ("tests/host/devices/test_sample_rate.py",),
     "trainer/recordings/recording.py": _RECORDING,
     "trainer/recordings/recording_file.py": _RECORDING,
     "trainer/recordings/recording_hdf5.py": _RECORDING,

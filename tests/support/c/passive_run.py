@@ -8,6 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.stage import SceneTicks
 from springpot.host.native.c_library import CLibrary, load_c
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from support.paths import TESTS
@@ -25,7 +26,7 @@ class PassiveC:
     """One model at one time step. surface: the object has one."""
 
     def __init__(self, model: Hammerstein, dt_s: float, surface: bool) -> None:
-        stage = hammerstein_stage(model, dt_s, np.float64, "penetration", 1, surface)
+        stage = hammerstein_stage(model, SceneTicks(dt_s, surface=surface), "penetration")
         self._kept: list[Any] = []
         self._model = _library().ffi.new("passive_model *", self._tables(stage))
 

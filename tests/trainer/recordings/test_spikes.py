@@ -1,6 +1,7 @@
 """Spikes of position: what is held, what is a motion, and what a fit says of it."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import write_recording
 
 CYCLES = 0.006 + press(1.0, 0.004, 3)
 
@@ -42,6 +44,14 @@ def test_a_spike_is_held_and_counted(rows: list[int], to_m: float) -> None:
     assert f"{len(rows)} of 3000 samples of position" in finding.what
     np.testing.assert_allclose(held.position_m, item.position_m, atol=6e-5)
     assert held.force_n is item.force_n
+
+
+def test_a_report_gives_what_it_read_and_judges_it_without_spikes(tmp_path: Path) -> None:
+    item = spoiled(preloaded(1.0), [700], 0.03)
+    write_recording(tmp_path / "a.h5", item)
+    report = check_recordings([tmp_path])
+    assert [each.content_hash for each in report.given] == [item.content_hash]
+    assert report.checked[0].position_m.max() < 0.02
 
 
 @pytest.mark.parametrize("to_n", [900.0, -40.0])

@@ -10,7 +10,7 @@ import pytest
 from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import sample_rate
+from springpot.host.devices import device as device_module
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.wings.devices import odrive, odrive_device
@@ -376,7 +376,7 @@ def test_settings_of_a_drive_are_checked_before_its_port_is_opened(query: str, t
 def opened(monkeypatch: pytest.MonkeyPatch):
     def made(simulated: SimulatedDrive, needs=NEEDS, url: str = "slcan//dev/x") -> OdriveDevice:
         clock = types.SimpleNamespace(monotonic=simulated.monotonic)
-        for module in (odrive, odrive_device, sample_rate):
+        for module in (odrive, odrive_device, device_module):
             monkeypatch.setattr(module, "time", clock)
         asked: list[tuple[str, int]] = []
         monkeypatch.setattr(

@@ -13,7 +13,7 @@ from google_crc32c import value as crc32c
 from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import sample_rate
+from springpot.host.devices import device as device_module
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.wings.devices import serial_device
@@ -133,7 +133,7 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> Opened:
     ) -> SerialDevice:
         clock = types.SimpleNamespace(monotonic=simulated.monotonic, sleep=simulated.sleep)
         monkeypatch.setattr(serial_device, "time", clock)
-        monkeypatch.setattr(sample_rate, "time", clock)
+        monkeypatch.setattr(device_module, "time", clock)
         asked: list[tuple[str, int]] = []
 
         def open_port(place: str, baud: int) -> SimulatedDevice:

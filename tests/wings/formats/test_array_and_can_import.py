@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from scipy.io import savemat
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.wings.export.export_command import export_
+from springpot.host.wings.export.commands import export_
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 from springpot.trainer.recordings.recording import Recording

@@ -13,9 +13,9 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.wings.page.hands import hands_entry
-from springpot.host.wings.page.page_map import map_entry
 from springpot.host.wings.page.page_module import port_hash
 from springpot.host.wings.page.press_page import press_page
+from springpot.host.wings.page.scene_entry import map_entry
 
 AGAIN = "write it again: python tests/bench/press_pages.py"
 CASES = [(page, name) for page, names in PAGES.items() for name in names]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from support.small import passive_model, training
 
 import springpot
-from springpot.host.session.note_words import NOTE_WORDS
+from springpot.host.session.outcome import NOTE_WORDS
 from springpot.host.wings.report import faces
 
 # What the command line prints of each.

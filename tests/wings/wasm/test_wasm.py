@@ -26,7 +26,7 @@ from springpot.host.wings.evidence.benchmark.isolated import measure_on_target
 from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
 from springpot.host.wings.page.press_page import check_module, write_press_page
-from springpot.host.wings.wasm import emitted as emitted_module
+from springpot.host.wings.wasm import wasm_node
 from springpot.host.wings.wasm.wasm_module import scene_module
 from springpot.host.wings.wasm.wasm_node import WasmTicks, missing_node, run_in_node
 from springpot.runtime_c.paths import SIM
@@ -99,7 +99,7 @@ def test_emission_states_the_module_and_runs_its_selftest(
     def differs(*given: Any) -> WasmTicks:
         return replace(run_in_node(*given), selftest=8)
 
-    monkeypatch.setattr(emitted_module, "run_in_node", differs)
+    monkeypatch.setattr(wasm_node, "run_in_node", differs)
     with pytest.raises(MismatchError, match="golden tick 7: nothing was emitted"):
         emit(scene, model_file, tmp_path / "c")
     monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))

@@ -6,6 +6,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.motion import PassiveMotion
+from springpot.codegen.stages.stage import SceneTicks
 from springpot.trainer.models.motion import DepthMotion
 
 
@@ -46,4 +47,4 @@ def _rested(
 
 
 def _stage(model: Hammerstein, dt_s: float, surface: bool) -> HammersteinStage:
-    return hammerstein_stage(model, dt_s, np.float64, "penetration", 1, surface)
+    return hammerstein_stage(model, SceneTicks(dt_s, surface=surface), "penetration")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Indices, Samples, rms
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
     Folds,
@@ -83,8 +83,7 @@ class PassiveRows:
             for k, fold in enumerate(known):
                 out = folds.number == fold
                 if out.any():
-                    wrong_n = given_n[out, k] - self.force_n[out]
-                    errors.append(float(np.sqrt(np.mean(np.square(wrong_n)))))
+                    errors.append(rms(given_n[out, k] - self.force_n[out]))
             if errors:
                 means.append(geometric_mean(errors))
         return tuple(means)
@@ -98,8 +97,8 @@ def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
     rows = data.even_rows(_ROWS)
     if options.fraction is not None:
         rows = data.rows(options.fraction, 0)
-    families = fold_families(data, rows, options.seed)
     force_n = data.force_n(rows)
+    families = fold_families(data, rows, options.seed)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)
     surface = data.contact == "surface"
     varied = bool(held_out_whole(data, rows))

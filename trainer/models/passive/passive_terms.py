@@ -6,6 +6,7 @@ from itertools import compress
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import FLOW_SHARE, Damage, Flow, Hammerstein
 from springpot.codegen.stages.passive.flow import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
@@ -48,6 +49,11 @@ class Terms:
         return self.nodes + len(EXPONENTS)
 
     @property
+    def functions(self) -> Samples:
+        """`curve_nodes` of the columns of a curve, (nodes + 1, 2, width)."""
+        return curve_nodes(column_slopes(self.nodes))
+
+    @property
     def curves(self) -> tuple[int, int]:
         """Plain curves, and those of a richer law."""
         plain = 1 + len(self.tau_s) + len(self.radius_m)
@@ -70,6 +76,10 @@ class Terms:
         sizes = [self.width] * plain + [2] * self.bias + [self.width] * richer
         sizes += [1] * len(self.flow)
         return np.repeat(np.arange(len(sizes)), sizes)
+
+    def shares(self, depth_m: Samples) -> Samples:
+        """Depths as shares of the span, (n,): u of `Hammerstein`."""
+        return (depth_m - self.origin_m) / self.span_m
 
     def roughness(self) -> Samples:
         """Quadratic form of the weights, (terms, terms): how the slope of each curve changes.

@@ -11,7 +11,7 @@ from math import inf
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_force import model_along
@@ -66,8 +66,7 @@ class _Way:
             its_m - motion.depth_m for its_m, motion in zip(depths, data.motions, strict=True)
         ]
         self.away = self._at_rows(beyond) > _ROUNDING * model.span_m
-        wrong_n = self._at_rows(forces) - rows.force_n
-        self.error_n = float(np.sqrt(np.mean(np.square(wrong_n))))
+        self.error_n = rms(self._at_rows(forces) - rows.force_n)
 
     def fitted(self, terms: Terms, penalty: float, sparse: bool) -> tuple[Hammerstein, Terms]:
         """Fitted again, along this way, to the rows in which the tool was not away; its terms."""

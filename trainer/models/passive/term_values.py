@@ -7,7 +7,6 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.formulas import (
     Place,
-    curve_nodes,
     curve_place,
     curve_values,
     flow_functions,
@@ -21,7 +20,7 @@ from springpot.codegen.model.passive import FLOW_SHARE
 from springpot.codegen.stages.passive.flow import FUNCTIONS
 from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.motion import DepthMotion
-from springpot.trainer.models.passive.passive_terms import Terms, column_slopes
+from springpot.trainer.models.passive.passive_terms import Terms
 
 _AT_ONCE = 1 << 18  # samples of functions along a motion: those of a press fit into a cache
 _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
@@ -29,12 +28,9 @@ _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
 
 def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
     """Values of all terms along a motion from rest, at rows of it: shape (rows, terms)."""
-    u = (motion.depth_m - terms.origin_m) / terms.span_m
-    place = curve_place(u, terms.nodes)
-    plays = [
-        curve_place(play(u, radius_m / terms.span_m)[rows], terms.nodes)
-        for radius_m in terms.radius_m
-    ]
+    u = terms.shares(motion.depth_m)
+    played = [play(u, radius_m / terms.span_m)[rows] for radius_m in terms.radius_m]
+    place, *plays = (curve_place(each, terms.nodes) for each in (u, *played))
 
     def curves_of(along: Samples, some: Samples) -> list[Samples]:
         here = along[rows]
@@ -44,21 +40,25 @@ def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Sa
             *(here - curve_values(some, played) for played in plays),
         ]
 
-    values = _by_function(terms.nodes, place, curves_of)
+    values = _by_function(terms, place, curves_of)
     bias = np.tile([1.0, -1.0], (len(rows), 1)) if terms.bias else np.empty((len(rows), 0))
-    return np.concatenate([values, bias, added_columns(terms, motion, dt_s, rows)], axis=1)
+    return np.concatenate([values, bias, _added(terms, motion, dt_s, rows, place)], axis=1)
 
 
 def added_columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
     """Those of `columns` that a richer law adds to the plain ones, (rows, terms - plain ones)."""
-    u = (motion.depth_m - terms.origin_m) / terms.span_m
-    steps_s, place = _steps_s(motion, dt_s), curve_place(u, terms.nodes)
+    place = curve_place(terms.shares(motion.depth_m), terms.nodes)
+    return _added(terms, motion, dt_s, rows, place)
+
+
+def _added(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices, place: Place) -> Samples:
+    u, steps_s = terms.shares(motion.depth_m), _steps_s(motion, dt_s)
     lost = _lost(terms, place, steps_s)
     shares = [worn_share(u, heal_s, steps_s)[rows] ** power for heal_s, power in terms.damage]
     found = [np.empty((len(rows), 0))]
     if lost or shares:
         found.append(_by_function(
-            terms.nodes, place,
+            terms, place,
             lambda along, _: [*(highpass_by_depth(along, each)[rows] for each in lost),
                               *(along[rows] * share[:, None] for share in shares)],
         ))  # fmt: skip
@@ -68,14 +68,14 @@ def added_columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices)
 
 
 def _by_function(
-    nodes: int, place: Place, curves_of: Callable[[Samples, Samples], list[Samples]]
+    terms: Terms, place: Place, curves_of: Callable[[Samples, Samples], list[Samples]]
 ) -> Samples:
     """Columns of curves, (rows, curves x width): of each function of a curve, and its nodes.
 
     curves_of: from values of some functions along the motion, (n, k), and at their nodes, to those
     of each curve, (rows, k). Few functions at a time: a day's recording has 1e8 samples.
     """
-    functions = curve_nodes(column_slopes(nodes))
+    functions = terms.functions
     width, found = functions.shape[2], []
     at_once = max(1, _AT_ONCE // len(place[0]))
     for j in range(0, width, at_once):

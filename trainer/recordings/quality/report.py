@@ -53,12 +53,14 @@ _NOT_JUDGED = "signs of a slide are not judged"
 class QualityReport(Faces):
     """Findings of a set of recordings; figures, as JSON values, are computed when they are read.
 
-    cycles, signs: of each recording. repeats, skew: of the set.
+    given: the recordings as they were read; checked: without spikes. cycles, signs: of each.
+    repeats, skew: of the set.
 
     >>> check_recordings(recordings)
     QualityReport(3 recordings, findings: none)
     """
 
+    given: Sequence[Recording]
     checked: Sequence[Recording]
     findings: list[Finding]
     cycles: Sequence[Cycles | None]
@@ -179,7 +181,7 @@ def check_recordings(given: Recordings) -> QualityReport:
     skew = estimate_skew([found for found in cycles if found])
     findings += filter_findings(recordings, cycles, skew)
     findings += skew_findings(presses, skew)
-    return QualityReport(recordings, findings, cycles, signs, repeats, skew)
+    return QualityReport(whole, recordings, findings, cycles, signs, repeats, skew)
 
 
 def _figures(recording: Recording, cycles: Cycles | None, skew: Skew | None) -> dict[str, Any]:

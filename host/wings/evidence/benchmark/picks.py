@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from springpot.basics import Target
@@ -33,9 +33,6 @@ class PlatformBudget:
     ram_bytes: int | None = None
     instructions: int | None = None
     target: Target | None = None
-
-    def as_dict(self) -> dict[str, Any]:
-        return asdict(self)
 
 
 def budgets(target: Target) -> tuple[PlatformBudget, ...]:

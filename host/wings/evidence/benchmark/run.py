@@ -4,7 +4,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -220,7 +220,7 @@ class _Isolated:
 def _picked(budget: PlatformBudget, recorded_hz: float, isolated: _Isolated) -> Metadata:
     chosen = pick(isolated.points, budget, recorded_hz, isolated.complete)
     return {
-        "budget": budget.as_dict(),
+        "budget": asdict(budget),
         "point": chosen and chosen.key,
         "why": why(chosen, isolated.points, budget, recorded_hz)
         if chosen

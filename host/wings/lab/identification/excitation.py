@@ -106,13 +106,4 @@ def excite_step_functions(excitation: Excitation, limits: MoveLimits) -> tuple[S
         "latched_note": LATCHED,
     }
     excite = library.ffi.new("sp_excite *", settings)
-    c, address = library.c, library.address
-    steps = StepFunctions(
-        library=library,
-        step=address(c.sp_excite_step),
-        idle=address(c.sp_excite_idle),
-        reset=address(c.sp_excite_reset),
-        state=address(excite),
-        kept=(excite, command),
-    )
-    return steps, excite
+    return StepFunctions.of(library, "sp_excite", excite, kept=(excite, command)), excite

@@ -13,6 +13,7 @@ from scipy import linalg, ndimage, optimize, stats
 from springpot.basics import Samples
 from springpot.host.wings.lab.identification.free_motion import FreeMotion
 from springpot.host.wings.lab.identification.motion_model import ModelLanes, simulate_lanes
+from springpot.validation import rms
 
 Matrix = NDArray[np.float64]
 
@@ -94,7 +95,7 @@ class MotionFit:
 
     @property
     def rms_m(self) -> float:
-        return float(np.sqrt(np.mean(self.residual_m**2)))
+        return rms(self.residual_m)
 
 
 class _Segments:

@@ -29,10 +29,8 @@ class SwitchedScenes:
 
     def steps(self) -> StepFunctions:
         """Return what a loop calls."""
-        names = ("sp_switch_step", "sp_switch_idle", "sp_switch_reset")
-        step, idle, reset = (self._library.address(getattr(self._c, name)) for name in names)
-        state = self._library.address(self._switch)
-        return StepFunctions(self._library, step, idle, reset, state, kept=(self._switch, self))
+        kept = (self._switch, self)
+        return StepFunctions.of(self._library, "sp_switch", self._switch, kept)
 
     def place(self, scenes: Sequence[SceneLibrary | None]) -> None:
         """Put scenes into places 1, 2, ...; None: without one. Nothing may be felt meanwhile."""

@@ -7,7 +7,7 @@ import pytest
 from support.small import soft_force
 
 from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.quality.sensors.dead import dead_findings
+from springpot.trainer.recordings.quality.sensors.jumps import dead_findings
 from springpot.trainer.recordings.recording import Recording
 
 

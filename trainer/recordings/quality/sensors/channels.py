@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.formats.units import FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
-from springpot.trainer.recordings.quality.sensors.dead import dead_findings
-from springpot.trainer.recordings.quality.sensors.wraps import wrap_findings
+from springpot.trainer.recordings.quality.sensors.jumps import dead_findings, wrap_findings
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 

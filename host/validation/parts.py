@@ -1,4 +1,7 @@
-"""Slides in a validation: the error of the C along the depth and sideways, and the work done."""
+"""Errors of a validation in parts: by place on the object, and of slides.
+
+Of a slide they are along the depth and sideways, beside the work done.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,16 +9,58 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
-from springpot.host.metrics import rms
+from springpot.host.metrics import accuracy
+from springpot.trainer.models.folds import geometric_mean
+from springpot.trainer.recordings.quality.places import site_words, sites_of
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.slides import lateral_of, require_path, slide_path
 
 _ALONG = (-1.0, -1.0, 1.0)  # a hand puts in work against x and y, and along the depth
 _PRESSED = 0.1  # of the peak force: below it the ratio of two forces is of noise
 _MOVING = 0.2  # of the fastest way sideways in a sample: slower, the tip may stick
+
+
+@dataclass(frozen=True)
+class PlaceError:
+    """Error of the C on the recordings of one place."""
+
+    place_m: tuple[float, float]
+    recordings: int
+    rmse_n: float
+    rmse_percent_of_peak: float
+
+
+def place_errors(
+    recordings: Sequence[Recording], predicted_n: Sequence[Samples], ramped: Sequence[int]
+) -> tuple[PlaceError, ...]:
+    """Error of each place in the order of recording; none for recordings without places.
+
+    predicted_n: forces of the C along each, (n,), N; ramped: samples of each in the start-up ramp.
+    """
+    found = []
+    for place_m, numbers in sites_of(recordings).items():
+        its = accuracy(
+            [recordings[k].force_n for k in numbers],
+            [predicted_n[k] for k in numbers],
+            [ramped[k] for k in numbers],
+        )
+        found.append(PlaceError(place_m, len(numbers), its.rmse_n, its.rmse_percent_of_peak))
+    return tuple(found)
+
+
+def place_line(errors: Sequence[PlaceError]) -> str:
+    """Geometric mean and the worst place, for people; empty for fewer than two places."""
+    if len(errors) < 2:
+        return ""
+    percents = [error.rmse_percent_of_peak for error in errors]
+    worst = max(errors, key=lambda error: error.rmse_percent_of_peak)
+    return (
+        f"{len(errors)} places: {geometric_mean(percents):.3g} % of peak in geometric mean, worst "
+        f"{worst.rmse_percent_of_peak:.3g} % at {site_words(worst.place_m)}"
+    )
 
 
 @dataclass(frozen=True)
