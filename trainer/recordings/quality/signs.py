@@ -20,6 +20,7 @@ from springpot.trainer.recordings.quality.sign_evidence import (
     correlation,
     deeper_by_force,
     deeper_by_slope,
+    deeper_from_zero,
     dissipation,
 )
 from springpot.trainer.recordings.quality.spikes import hold_spikes
@@ -27,6 +28,7 @@ from springpot.trainer.recordings.recording import Recording
 
 _ENERGY = 0.01  # of travel times range of force: less is the sensors' alignment
 _WRONG_SIGN = -0.5  # correlation of the channels
+_POSITION_ZEROS = ("zero_position_m", "contact_position_m")  # what an import took off
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,8 @@ def find_signs(recording: Recording) -> Signs:
     # A lead of more than a quarter turn is no material's: one of the signs is wrong.
     relative = -1 if together < 0.0 else 1
     force_vote, shape_vote = deeper_by_force(x, raw_n), deeper_by_slope(x, raw_n)
+    raw_m = x + sum(float(recording.details.get(key, 0.0)) for key in _POSITION_ZEROS)
+    force_vote = force_vote or deeper_from_zero(raw_m, raw_n + recording.details.get("tare_n", 0.0))
     if not lost.loops and shape_vote * (x[-1] - x[0]) < 0.0:
         shape_vote = 0  # without a way back the object relaxes along the stroke: its slope falls
     if shape_vote < 0 and (tare_n := float(recording.details.get("tare_n", 0.0))):
