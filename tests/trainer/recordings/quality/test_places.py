@@ -76,7 +76,7 @@ def test_presses_of_several_places_without_one_are_no_noise(ratio: float) -> Non
     stiff = Recording("stiff", soft.position_m, ratio * soft.force_n, 1e-3)
     found = places_found(soft, stiff)
     assert len(found) == (abs(ratio - 1.0) > 0.1)
-    assert not found or "2 presses of one motion" in found[0] and "--place X,Y" in found[0]
+    assert not found or ("2 presses of one motion" in found[0] and "--place X,Y" in found[0])
 
 
 def test_check_finds_near_sites_repeats_that_disagree_and_missing_places() -> None:
