@@ -130,7 +130,7 @@ def test_windows_text_is_read(tmp_path: Path) -> None:
         assert "not UTF-8, read as Windows-1252" in result.guess
 
 
-@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+@pytest.mark.parametrize("delimiter", [",", ";", "|", "\t", " "])
 @pytest.mark.parametrize("names", ["time_s position_mm force_N", "t x f", "t[s] x[mm] F[N]"])
 @pytest.mark.parametrize("mark", ["# ", "#", "## "])
 @pytest.mark.parametrize("above", ["", "pressed by me, twice\n"])

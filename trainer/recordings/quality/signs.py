@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.quality.sign_evidence import (
     begins_at_no_force,
     correlation,
@@ -76,7 +76,7 @@ class Signs:
             return f"{text}; no closed loop shows its loss"
         turn = "clockwise, dissipating" if self.dissipated_j >= 0 else "anticlockwise, giving"
         count = "the loop turns" if self.loops == 1 else f"{self.loops} loops turn"
-        return f"{text}: {count} {turn} {_energy_text(abs(self.dissipated_j))}"
+        return f"{text}: {count} {turn} {three_digits(abs(self.dissipated_j), 'J')}"
 
     def metadata(self) -> dict[str, Any]:
         """JSON values; signs are those to multiply by."""
@@ -224,10 +224,3 @@ def _turned(recording: Recording, channel: str) -> str:
     else:
         opposite = f"-{unit}" if unit[0] in "0123456789." else f"-1{unit}"
     return f"{channel}={metadata.get('column', 'COL')}:{opposite}"
-
-
-def _energy_text(energy_j: float) -> str:
-    for scale, unit in ((1.0, "J"), (1e3, "mJ"), (1e6, "uJ")):
-        if energy_j * scale >= 1.0:
-            return f"{energy_j * scale:.3g} {unit}"
-    return f"{energy_j * 1e9:.3g} nJ"

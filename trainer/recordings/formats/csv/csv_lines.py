@@ -11,10 +11,10 @@ from springpot.trainer.recordings.formats.csv.decimals import (
     is_number,
 )
 
-DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "space"}
+DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar", " ": "space"}
 _BRACKETS = ("[", "(")
 _MIN_COLUMNS, _MAX_COLUMNS = 2, 1024
-_COMMENT = re.compile(r"\s*#+ *(?=[^\s,;])")
+_COMMENT = re.compile(r"\s*#+ *(?=[^\s,;|])")
 Cells = list[str]
 
 
