@@ -65,6 +65,8 @@ def import_recordings(
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_file
 
+    if not isinstance(path, str | PathLike):
+        raise UsageError(f"path: {type(path).__name__} is no file: give one, call it for each")
     with errors_in_python():
         mapping = parse_map(columns) if columns else None
         found = import_file(Path(path), mapping, zero, resample_hz, options)

@@ -125,11 +125,9 @@ if TYPE_CHECKING:
         FileFormat as FileFormat,
         FileRequest as FileRequest,
     )
+    from springpot.trainer.recordings.formats.missing_samples import GAP_STEPS as GAP_STEPS
     from springpot.trainer.recordings.formats.raw_channels import RawChannels as RawChannels
-    from springpot.trainer.recordings.formats.sampling import (
-        GAP_STEPS as GAP_STEPS,
-        MIN_ROWS as MIN_ROWS,
-    )
+    from springpot.trainer.recordings.formats.sampling import MIN_ROWS as MIN_ROWS
     from springpot.trainer.recordings.formats.units import (
         FRAME_NAME as FRAME_NAME,
         Quantity as Quantity,

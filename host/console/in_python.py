@@ -11,6 +11,17 @@ _ARGUMENTS = {
     **{"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"},
     **{"compliance": "frame_npm", "area": "area_m2", "height": "height_m"},
 }
+# Those that are not of a function, but of the settings that it takes.
+_SETTINGS = {
+    "Conditioning": (
+        *("align", "accept_signs", "contact_force", "tare", "mass_kg", "frame_npm"),
+        *("position_delay_s", "force_delay_s"),
+    ),
+    "ImportOptions": ("dbc", "block", "decimal", "place_m"),
+    "Specimen": ("area_m2", "height_m"),
+}
+_OWNERS = {argument: owner for owner, its in _SETTINGS.items() for argument in its}
+_OF_THE_COMMAND = ("rest-s",)  # it takes several files, import_recordings takes one
 _FLAGS = ("align", "accept-signs")
 _NUMBER_OR_NAME, _WORD = (
     r"-?[\d.]+(?:e[+-]?\d+)?\b|[A-Z][A-Z0-9,]*\b",
@@ -23,10 +34,10 @@ _OPTION = re.compile(
 
 
 def in_python(text: str) -> str:
-    """Write `--tare auto` as `tare='auto'`, an option without a value as its name.
+    """Write `--zero min` as `zero='min'`, an option without a value as its name.
 
-    >>> in_python("import with --contact-force auto, or --force-delay-s 0.01 and --align")
-    "import with contact_force='auto', or force_delay_s=0.01 and align=True"
+    >>> in_python("import with --contact-force auto, or --zero first")
+    "import with Conditioning(contact_force='auto'), or zero='first'"
     """
     return _OPTION.sub(_argument, text)
 
@@ -43,12 +54,12 @@ def errors_in_python() -> Iterator[None]:
 
 def _argument(found: re.Match[str]) -> str:
     name = found["name"]
+    if name in _OF_THE_COMMAND:
+        return f"{found[0]} of the command `springpot import`"
     argument = _ARGUMENTS.get(name, name.replace("-", "_"))
-    if name in _FLAGS:
-        return f"{argument}=True"
-    if found["text"]:
-        return f"{argument}={found['text'].strip(chr(39))!r}"
-    plain = found["plain"]
-    if plain and "," in plain:
+    plain = found["plain"] or ("True" if name in _FLAGS else "")
+    if "," in plain:
         plain = f"({plain.replace(',', ', ')})"
-    return f"{argument}={plain}" if plain else argument
+    value = repr(found["text"].strip("'")) if found["text"] else plain
+    given = f"{argument}={value}" if value else argument
+    return f"{_OWNERS[argument]}({given})" if argument in _OWNERS else given

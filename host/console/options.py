@@ -21,6 +21,10 @@ class FiniteRange(click.FloatRange):
             self.fail(f"{value} is not a finite number", param, ctx)
         return number
 
+    def _describe_range(self) -> str:
+        """What help shows; nothing of any number."""
+        return "any" if self.min is None and self.max is None else super()._describe_range()
+
 
 class Percent(click.ParamType[float]):
     """A share, written as a percentage: "1%" or "1"."""

@@ -39,7 +39,7 @@ def checked_keys(
 ) -> T:
     """Make the dataclass of JSON. Raises UsageError that names the key, and what it may be.
 
-    known: names of the keys of the section that a place in the file lies in.
+    known: names of the keys of the section that a place in the file lies in, () of the whole file.
     """
     try:
         return adapter.validate_json(text)
@@ -49,7 +49,10 @@ def checked_keys(
         if first["type"] == "missing":
             found = "missing: add this key"
         elif first["type"] == _NO_SUCH_KEY:
-            found = f"no such key: known here are {', '.join(known(place[:-1]))}"
+            here = known(place[:-1])
+            of = [f"[{name}]" for name in known(()) if place[-1] in known((name,))]
+            elsewhere = f"it is one of {' and of '.join(of)}; " if of else ""
+            found = f"no such key: {elsewhere}known here are {', '.join(here)}"
         else:
             found = f"{first['msg']} (found {first['input']!r})"
         raise UsageError(f"{where}: {'.'.join(map(str, place))}: {found}") from None

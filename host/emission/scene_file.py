@@ -109,4 +109,5 @@ def _checked(text: str, where: str) -> Scene:
 
 def _known_keys(place: tuple[Any, ...]) -> list[str]:
     section = getattr(_EXAMPLE, str(place[0]), None) if place else None
-    return [field.name for field in dataclasses.fields(section or _EXAMPLE)]
+    keys_of = section if dataclasses.is_dataclass(section) else _EXAMPLE
+    return [field.name for field in dataclasses.fields(keys_of)]

@@ -186,15 +186,21 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
     """Time step of all recordings, s. Raises DataError where there are none, or two."""
     if not recordings:
         raise DataError("no recordings: give files or folders of recordings")
-    first = recordings[0]
-    rates_hz = [recording.rate_hz for recording in recordings]
+    first, rates = recordings[0], dict[str, list[str]]()
     for recording in recordings:
-        if abs(recording.dt_s / first.dt_s - 1.0) > _STEP_TOLERANCE:
-            raise DataError(
-                f"{recording.name} is sampled at {recording.rate_hz:g} Hz, {first.name} at "
-                f"{first.rate_hz:g} Hz: import all with one rate, --resample-hz "
-                f"{min(max(rates_hz), MAX_UPSAMPLING * min(rates_hz)):.6g}"
-            )
+        rates.setdefault(f"{recording.rate_hz:.5g}", []).append(recording.name)
+    if any(abs(each.dt_s / first.dt_s - 1.0) > _STEP_TOLERANCE for each in recordings):
+        rates_hz = [recording.rate_hz for recording in recordings]
+        fewest_first = sorted(rates.items(), key=lambda item: (len(item[1]), first.name in item[1]))
+        sampled = ", ".join(
+            f"{names[0]}{f' and {len(names) - 1} more' if names[1:] else ''}"
+            f"{' is sampled' if k == 0 else ''} at {rate} Hz"
+            for k, (rate, names) in enumerate(fewest_first)
+        )
+        raise DataError(
+            f"{sampled}: import all again with one rate, --resample-hz "
+            f"{min(max(rates_hz), MAX_UPSAMPLING * min(rates_hz)):.6g}"
+        )
     return first.dt_s
 
 

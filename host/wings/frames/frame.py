@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot import UsageError
-from springpot.basics import Samples, given_numbers
+from springpot.basics import Samples, errors_in_python, given_numbers
 from springpot.modelling import (
     FRAME_NAME,
     FRAME_SOURCE,
@@ -51,7 +51,8 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
             continue
         own = split_unit(label, quantity)[1] if isinstance(label, str) else None
         texts = {"map": stated, FRAME_NAME: own}
-        unit = choose_unit(texts, quantity, where, str(label), in_python=True)
+        with errors_in_python():
+            unit = choose_unit(texts, quantity, where, str(label), in_python=True)
         scaled[quantity] = given_numbers(values, where) * unit.to_si
         units[quantity] = unit.metadata()
     rate_hz = None if "time" in scaled else stated_hz(str(columns["time"]))

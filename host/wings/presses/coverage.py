@@ -20,6 +20,7 @@ _SPEED_RANGE = 10.0
 _DEPTH_BANDS = 3
 _TOP = _DEPTH_BANDS - 1
 _LONG_HOLD_S = 5.0
+_NO_FORCE = 0.05  # of the peak
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Coverage:
     """strokes: (deepest position, m, mean speed, m/s, duration, s); holds: (position, m, s).
 
     band_hz: frequencies that the recordings hold, from the slowest cycle or the longest recording
-    to the fastest stroke. low_m, high_m: of all positions.
+    to the fastest stroke. low_m, high_m: of all positions in the object.
     """
 
     strokes: tuple[tuple[float, float, float], ...]
@@ -129,10 +130,19 @@ def find_coverage(recordings: Sequence[Recording]) -> Coverage:
     return Coverage(
         strokes=tuple(strokes),
         holds=tuple(holds),
-        low_m=min(float(recording.position_m.min()) for recording in recordings),
+        low_m=min(map(_lowest_m, recordings)),
         high_m=max(float(recording.position_m.max()) for recording in recordings),
         band_hz=(1.0 / longest_s, max(0.5 / shortest_s, 1.0 / longest_s)),
     )
+
+
+def _lowest_m(recording: Recording) -> float:
+    """Lowest position in the object, m: without force, what is below 0 is the tool's way there."""
+    below = recording.position_m < 0.0
+    peak_n = float(np.abs(recording.force_n).max())
+    if below.any() and np.median(np.abs(recording.force_n[below])) < _NO_FORCE * peak_n:
+        return min(0.0, float(recording.position_m.max()))
+    return float(recording.position_m.min())
 
 
 def _holds(recording: Recording, min_s: float) -> list[tuple[float, float]]:

@@ -78,6 +78,12 @@ def test_predict_asks_for_one_press_at_a_time(position_m):
     require_line(refused.value, "position_m: ", "give ")
 
 
+@pytest.mark.parametrize("several", [["a.csv", "b.csv"], ("a.csv",), None])
+def test_import_recordings_takes_one_file(several):
+    with pytest.raises(springpot.UsageError, match="call it for each"):
+        springpot.import_recordings(several)
+
+
 TURNED = {"force": (1.0, -1.0), "position": (-1.0, 1.0)}
 
 

@@ -1,7 +1,9 @@
 """What Python says names arguments, and no options of the command line."""
 
+import inspect
 import re
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -53,12 +55,39 @@ def test_a_remedy_is_an_argument(
         ("--zero first or min", "zero='first' or min"),
         (
             "pass --area M2, --place X,Y and --align",
-            "pass area_m2=M2, place_m=(X, Y) and align=True",
+            "pass Specimen(area_m2=M2), ImportOptions(place_m=(X, Y)) and Conditioning(align=True)",
         ),
-        ("--resample-hz 1e+06, --compliance 5e4", "resample_hz=1e+06, frame_npm=5e4"),
-        ("--decimal comma, or --decimal point", "decimal='comma', or decimal='point'"),
+        ("--resample-hz 1e+06, --compliance 5e4", "resample_hz=1e+06, Conditioning(frame_npm=5e4)"),
+        (
+            "--decimal comma, or --decimal point",
+            "ImportOptions(decimal='comma'), or ImportOptions(decimal='point')",
+        ),
         ("--smooth-s 0.025: lasts", "smooth_s=0.025: lasts"),
     ],
 )
 def test_words(shell: str, python: str) -> None:
     assert in_python(shell) == python
+
+
+def test_every_option_in_a_message_on_recordings_is_an_argument_that_exists() -> None:
+    """Of a function that takes recordings or files, or of the settings that are named with it."""
+    folder = Path(inspect.getfile(Recording)).parents[1]
+    assert folder.name == "trainer"
+    texts = "\n".join(file.read_text() for file in sorted(folder.rglob("*.py")))
+    options = set(re.findall(r"--([a-z][a-z-]*[a-z])", texts))
+    assert {"map", "contact-force", "area", "resample-hz", "rest-s"} <= options
+    functions = (
+        springpot.import_recordings,
+        springpot.train,
+        springpot.FitOptions,
+        springpot.record,
+        Recording.from_frame,
+        springpot.emit,
+    )
+    for option in options - {"json", "out"}:  # of commands that a message quotes whole
+        said = in_python(f"--{option} auto")
+        if "`springpot import`" in said:
+            continue
+        owner, argument = re.fullmatch(r"(?:(\w+)\()?(\w+?)(?:=\S+?)?\)?(?: auto)?", said).groups()
+        places = [getattr(springpot, owner)] if owner else functions
+        assert any(argument in inspect.signature(place).parameters for place in places), said

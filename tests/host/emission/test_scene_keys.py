@@ -117,6 +117,13 @@ def test_a_key_that_there_is_none_of_is_told_with_those_that_there_are(section: 
         scene_from_json(with_key(name, 1), "scene.toml")
 
 
+@pytest.mark.parametrize("section", SECTIONS)
+def test_a_key_that_stands_outside_its_section_is_told_with_it(section: str) -> None:
+    for field in dataclasses.fields(getattr(PLAIN, section)):
+        with pytest.raises(UsageError, match=rf"no such key: it is one of .*\[{section}\]"):
+            scene_from_json(with_key(field.name, 1), "scene.toml")
+
+
 @pytest.mark.parametrize("section", ["", *SECTIONS])
 def test_a_scene_is_not_changed_once_it_is_checked(section: str) -> None:
     place = getattr(PLAIN, section) if section else PLAIN

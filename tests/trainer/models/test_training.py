@@ -80,6 +80,20 @@ def test_recordings_that_do_not_fit_together_are_refused() -> None:
         fit_model("rf-fd", "x", [], options)
 
 
+def test_every_rate_of_a_set_is_named_and_the_one_that_is_advised_fits_all() -> None:
+    good = training()[0]
+    rates_hz = (1000.0, 50.0, 200.0, 1000.0)
+    mixed = [
+        dataclasses.replace(good, name=f"r{k}", dt_s=1.0 / rate_hz)
+        for k, rate_hz in enumerate(rates_hz)
+    ]
+    with pytest.raises(DataError) as refused:
+        fit_model("rf-fd", "x", mixed, FitOptions(trees=2))
+    for part in ("r1 is sampled at 50 Hz", "r2 at 200 Hz", "r0 and 1 more at 1000 Hz"):
+        assert part in str(refused.value)
+    assert str(refused.value).endswith("--resample-hz 1000")
+
+
 def test_what_holds_the_tool_is_not_let_go() -> None:
     glued = [lossy(item, pull=True) for item in training()]
     data = training_set(glued, smooth_s=0.0)

@@ -130,6 +130,30 @@ def test_windows_text_is_read(tmp_path: Path) -> None:
         assert "not UTF-8, read as Windows-1252" in result.guess
 
 
+@pytest.mark.parametrize("delimiter", [",", ";", "|", "\t", " "])
+@pytest.mark.parametrize("names", ["time_s position_mm force_N", "t x f", "t[s] x[mm] F[N]"])
+@pytest.mark.parametrize("mark", ["# ", "#", "## "])
+@pytest.mark.parametrize("above", ["", "pressed by me, twice\n"])
+def test_a_header_that_numpy_savetxt_writes(
+    tmp_path: Path, delimiter: str, names: str, mark: str, above: str
+) -> None:
+    """A mark of comments is no part of a header, nor of what a map names."""
+    header = above + names.replace(" ", delimiter).replace("[", " [")
+    table = np.c_[np.arange(4.0), np.arange(4.0), np.arange(4.0)]
+    np.savetxt(tmp_path / "a.csv", table, "%.18e", delimiter, header=header, comments=mark)
+    text = (tmp_path / "a.csv").read_text()
+    maps = ["time=t:s,position=x:mm,force=f:N", f"time={mark}t:s,position=x:mm,force=f:N"]
+    for mapping in maps if names == "t x f" else [""]:
+        found = load(tmp_path, text, mapping)
+        np.testing.assert_array_equal(found.position_m, np.arange(4.0) * 1e-3)
+        np.testing.assert_array_equal(found.force_n, np.arange(4.0))
+
+
+def test_a_mark_above_numbers_of_its_own_is_a_header(tmp_path: Path) -> None:
+    text = "# time_s position_m force_N\n" + "".join(f"{k} {k}.5 {k} {2 * k}\n" for k in range(4))
+    assert load(tmp_path, text).position_m.tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -243,6 +267,49 @@ def test_a_gap_is_found_at_any_row_and_a_logger_that_slows_down_has_none(
     even = np.arange(100) * 0.01
     even[row:] += draw.uniform(0.01, 5.0)
     assert f"row {row + 2}: gap of" in refusal(tmp_path, rows(even), rate=100.0)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_missing_can_be_mended_as_the_message_says(tmp_path: Path, seed: int) -> None:
+    """Rows at an end are cut, few between others are filled, many make two recordings."""
+    draw = np.random.default_rng(seed)
+    begin, many = int(draw.integers(20, 60)), int(draw.integers(1, 20))
+    lines = rows(np.arange(100) * 0.01).splitlines()
+    for first in (0, begin, 100 - many):
+        bad = range(first + 1, first + many + 1)
+        text = [
+            f"{line.rpartition(',')[0]},nan" if k in bad else line for k, line in enumerate(lines)
+        ]
+        message = refusal(tmp_path, "\n".join(text))
+        assert f"row {first + 2}: force is not a finite number ({many} such row" in message
+        whole = [line for k, line in enumerate(lines) if k not in bad]
+        if first != begin:
+            assert message.endswith("cut those rows in the source")
+            assert len(load(tmp_path, "\n".join(whole)).force_n) == 100 - many
+            continue
+        assert ("fill what is missing" in message) == (many < 5)
+        assert message.endswith("cut the recording there and import the parts")
+        assert message.endswith(refusal(tmp_path, "\n".join(whole)).rpartition("): ")[2])
+        for part in (whole[: begin + 1], [whole[0], *whole[begin + 1 :]]):
+            load(tmp_path, "\n".join(part))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_late_stamps_and_a_second_rate_are_resampled_and_are_no_gaps(
+    tmp_path: Path, seed: int
+) -> None:
+    """A logger in a loop stamps late, one of a machine holds at a lower rate."""
+    draw = np.random.default_rng(seed)
+    late = np.sort(np.arange(300) * 0.01 + draw.normal(0.0, draw.uniform(0.001, 0.002), 300))
+    hold = np.cumsum(np.repeat([0.01, 0.01 * draw.uniform(2.0, 25.0)], [200, 30]))
+    for time_s in (late, hold):
+        message = refusal(tmp_path, rows(time_s))
+        rate_hz = float(message.rpartition("pass --resample-hz ")[2])
+        assert 60.0 < rate_hz < 110.0  # at most that of the finest steps, at least the mean
+        found = load(tmp_path, rows(time_s), resample_hz=rate_hz)
+        expected = np.interp(np.arange(len(found.force_n)) / rate_hz, time_s - time_s[0],
+                             0.1 * np.arange(len(time_s)))  # fmt: skip
+        np.testing.assert_allclose(found.force_n, expected, atol=1e-3)
 
 
 @pytest.mark.parametrize(("zero", "position"), [("first", [0.0, -1.0, 1.0]), ("min", [1, 0, 2])])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from hypothesis import given, strategies as st
 from support.in_process import spring
 from support.small import training
 
@@ -18,7 +19,7 @@ from springpot.host.commands.recordings.import_ import import_
 from springpot.host.wings.report.commands.plot import plot
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.cycles import find_cycles
-from springpot.trainer.recordings.quality.finding import Finding
+from springpot.trainer.recordings.quality.finding import Finding, three_digits
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import write_recording
@@ -315,3 +316,11 @@ def test_a_slow_test_is_logged_slowly(
     text = "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
     result = run_import(tmp_path, text, *options)
     assert ("samples a second" in result.stderr) == doubted
+
+
+@given(st.floats(1e-8, 1e8))
+def test_a_value_has_three_digits_and_no_exponent(value: float) -> None:
+    written, _, unit = three_digits(value, "m").partition(" ")
+    scale = {"Mm": 1e6, "km": 1e3, "m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}[unit]
+    assert float(written) * scale == pytest.approx(value, rel=5.01e-3)
+    assert "e" not in written and (1.0 <= float(written) < 1000.0)

@@ -81,6 +81,41 @@ def test_every_mislabelled_file_ends_well(case: Mislabelled, tmp_path: Path) -> 
         assert model_is_right(tmp_path)
 
 
+@pytest.mark.parametrize("motion_name", ["steps", "triangles", "single"])
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_a_specimen_that_pulls_on_the_way_back_shows_which_way_is_in(
+    motion_name: str, exponent: float
+) -> None:
+    """Bonded to its plates, compressed from 0 on, by a machine that counts compression negative."""
+    time_s = np.arange(0.0, 60.0, 0.02)
+    knots = {
+        "steps": ([0, 2, 15, 17, 30, 32, 45, 47, 60], [0, 1, 1, 2, 2, 3, 3, 0, 0]),
+        "triangles": ([0, 10, 20, 30, 40, 50, 60], [0, 3, 0, 3, 0, 3, 0]),
+        "single": ([0, 5, 30, 55, 60], [0, 0, 3, 0, 0]),
+    }[motion_name]
+    x = 1e-3 * np.interp(time_s, *knots)
+    spring_n = 2000.0 * 3e-3 * (x / 3e-3) ** exponent
+    force_n, memory = spring_n.copy(), 0.0
+    for k, rise_n in enumerate(np.diff(spring_n, prepend=0.0)):
+        memory = np.exp(-0.02 / 20.0) * (memory + 0.5 * rise_n)
+        force_n[k] += memory
+    assert force_n.min() < -0.05 * force_n.max()
+    noisy_n = force_n + np.random.default_rng(1).normal(0.0, 0.005, len(x))
+    right = Recording("right", x, noisy_n, 0.02)
+    found = check_recordings([right])
+    assert not found.refused and found.sign_words.startswith("position grows into the object")
+    turned = Recording("turned", -x, -noisy_n, 0.02)
+    conditioned = [turned]
+    for shift_m, tare_n in ((3e-3, 0.0), (0.0, -6.0), (3e-3, -6.0)):
+        details = {"contact_position_m": -shift_m, "tare_n": tare_n}
+        conditioned.append(
+            Recording("turned", shift_m - x, -noisy_n - tare_n, 0.02, details=details)
+        )
+    for recording in conditioned:
+        with pytest.raises(DataError, match="--map position=COL:-1mm,force=COL:-1N"):
+            check_recordings([recording]).refuse()
+
+
 def test_every_fit_refuses_what_gives_energy() -> None:
     """Without `import` and `check` before it."""
     recordings = [recording_of("presses")]

@@ -7,18 +7,25 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.missing_samples import (
+    GAP_STEPS,
+    RUN,
+    at,
+    count,
+    require_finite,
+    require_no_gaps,
+    rounding_s,
+)
 from springpot.trainer.recordings.formats.raw_channels import RawChannels, without_odd_first
 from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 from springpot.trainer.recordings.slides import require_path
 
 MIN_ROWS = 3
-GAP_STEPS = 1.5  # a step longer than this many usual steps is a gap
 STEP_TOLERANCE = 0.01
 MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 # Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
 _DRIFT_STEPS = 100
-_MANY_STEPS = 30
 _FEW = 0.1  # of the rows
 
 
@@ -32,11 +39,11 @@ def to_recording(
     three arrays of one shape (n,). What was done is kept in `details`.
     """
     _check_shapes(raw)
-    _check_finite(raw)
+    require_finite(raw)
     _check_order(raw)
     if resample_hz is None:
         raw = without_odd_first(raw, _slack_s(raw, 1))
-    _check_gaps(raw)
+    require_no_gaps(raw)
     details = {**raw.details, "sampling": _sampling(raw)}
     given = {"position_m": raw.position_m, "force_n": raw.force_n, **raw.beside}
     last_even = None if resample_hz else _last_even(raw)
@@ -91,7 +98,7 @@ def _sampling(raw: RawChannels) -> dict[str, Any]:
 
 
 def _last_even(raw: RawChannels) -> int | None:
-    last_even = last_even_sample(raw.time_s, _slack_s(raw, 1), raw.time_digit_s + _rounding_s(raw))
+    last_even = last_even_sample(raw.time_s, _slack_s(raw, 1), raw.time_digit_s + rounding_s(raw))
     if last_even is not None:
         channels = (raw.time_s, raw.position_m, raw.force_n)
         time_s, position_m, force_n = (samples[: last_even + 1] for samples in channels)
@@ -101,7 +108,7 @@ def _last_even(raw: RawChannels) -> int | None:
 
 def _slack_s(raw: RawChannels, span: int) -> float:
     usual_s = float(np.median(np.diff(raw.time_s)))
-    return STEP_TOLERANCE * usual_s + (raw.time_digit_s + _rounding_s(raw)) / span
+    return STEP_TOLERANCE * usual_s + (raw.time_digit_s + rounding_s(raw)) / span
 
 
 def _check_shapes(raw: RawChannels) -> None:
@@ -111,17 +118,6 @@ def _check_shapes(raw: RawChannels) -> None:
     if not arrays or raw.time_s.ndim != 1 or len(set(shapes.values())) > 1:
         told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
         raise DataError(f"{raw.source}: {told}: give three 1-D numpy arrays of one length")
-
-
-def _check_finite(raw: RawChannels) -> None:
-    channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
-    for channel, samples in {**channels, **raw.beside}.items():
-        bad = np.flatnonzero(~np.isfinite(samples))
-        if len(bad):
-            raise DataError(
-                f"{_at(raw, bad[0])}: {channel} is not a finite number ({len(bad)} such rows): "
-                "cut or repair those rows in the source"
-            )
 
 
 def _check_order(raw: RawChannels) -> None:
@@ -139,27 +135,9 @@ def _check_order(raw: RawChannels) -> None:
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
         raise DataError(
-            f"{_at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s ({len(bad)} such rows): "
+            f"{at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s ({count(bad, 'such row')}): "
             "correct the time stamps in the source, cut it there or, where every row is one "
             f"step, state the rate in place of the column: {rate}"
-        )
-
-
-def _check_gaps(raw: RawChannels) -> None:
-    steps_s = np.diff(raw.time_s)
-    usual_s = float(np.median(steps_s))
-    # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
-    # along: where there are many, the mean is the better measure of what is usual.
-    if len(steps_s) >= _MANY_STEPS:
-        usual_s = max(usual_s, float(np.mean(steps_s)))
-    # A logger that slows down, as for a relaxation, has long steps; no step is much longer than the
-    # one before.
-    long_s = GAP_STEPS * np.maximum(usual_s, np.append(usual_s, steps_s[:-1])) + _rounding_s(raw)
-    bad = np.flatnonzero(steps_s > long_s)
-    if len(bad):
-        raise DataError(
-            f"{_at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "
-            f"{usual_s:.6g} s ({len(bad)} gaps): cut the recording there and import the parts"
         )
 
 
@@ -173,25 +151,25 @@ def _check_even(raw: RawChannels) -> None:
             continue
         steps_s = (raw.time_s[span:] - raw.time_s[:-span]) / span
         usual_s = median_s if span == 1 else float(np.mean(np.diff(raw.time_s)))
-        slack_s = STEP_TOLERANCE * usual_s + (raw.time_digit_s + _rounding_s(raw)) / span
+        slack_s = STEP_TOLERANCE * usual_s + (raw.time_digit_s + rounding_s(raw)) / span
         bad = np.flatnonzero(np.abs(steps_s - usual_s) > slack_s)
         if len(bad):
             what = "the time step" if span == 1 else f"the mean of the last {span} time steps"
             raise DataError(
-                f"{_at(raw, bad[0] + span)}: {what} is {steps_s[bad[0]]:.6g} s where "
-                f"{usual_s:.6g} s is usual ({len(bad)} such rows): {remedy}"
+                f"{at(raw, bad[0] + span)}: {what} is {steps_s[bad[0]]:.6g} s where "
+                f"{usual_s:.6g} s is usual ({count(bad, 'such row')}): {remedy}"
             )
 
 
 def _rates_hz(raw: RawChannels) -> tuple[float, float]:
-    """Mean rate of the samples, and that of the tenth of the steps that is finest."""
-    steps_s = np.diff(raw.time_s)
-    return 1.0 / float(np.mean(steps_s)), 1.0 / float(np.quantile(steps_s, 0.1))
+    """Mean rate of the samples, and that of the tenth of the steps, a few together, that is finest.
 
-
-def _rounding_s(raw: RawChannels) -> float:
-    """Return what the last bits of a double can add to a difference of two time stamps."""
-    return 4.0 * float(np.spacing(np.abs(raw.time_s[[0, -1]]).max()))
+    A stamp that is late makes one step long and the next one short.
+    """
+    few = min(RUN, len(raw.time_s) - 1)
+    steps_s = (raw.time_s[few:] - raw.time_s[:-few]) / few
+    mean_s = float(np.mean(np.diff(raw.time_s)))
+    return 1.0 / mean_s, 1.0 / float(np.quantile(steps_s, 0.1))
 
 
 def _grid(raw: RawChannels, rate_hz: float) -> Samples:
@@ -222,7 +200,3 @@ def _option(raw: RawChannels, rate_hz: str = "") -> str:
     """How the rate to resample at is given."""
     name, equals = ("resample_hz", "=") if raw.in_python else ("--resample-hz", " ")
     return f"{name}{equals}{rate_hz}" if rate_hz else name
-
-
-def _at(raw: RawChannels, sample: int | np.intp) -> str:
-    return f"{raw.source}, row {raw.line_of(int(sample))}"

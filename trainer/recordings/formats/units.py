@@ -204,6 +204,6 @@ def _near(unit: str, quantity: Quantity) -> str:
     """The unit that may be meant, but is not chosen unasked."""
     if unit.casefold() in OF_SPECIMEN[quantity]:
         what = "stress" if quantity == "force" else "strain"
-        return f", it is one of {what}: pass --area M2 and --height M, the specimen's; or"
+        return f", it is one of {what}: import with --area M2 and --height M, the specimen's; or"
     meant = _MEANT.get(unit.casefold()) if quantity == "force" else None
     return f" (did you mean {meant}?):" if meant else ":"

@@ -38,3 +38,16 @@ def refusal(kind: str, where: str, what: str, so_what: str, to_do: str) -> Findi
 def warning(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
     """Return a finding that is reported and refuses nothing."""
     return Finding(kind, "warning", where, what, so_what, to_do)
+
+
+def three_digits(value: float, unit: str) -> str:
+    """Write a value with a prefix of its unit.
+
+    >>> three_digits(9.996e-4, "m"), three_digits(7850.0, "N/m")
+    ('1 mm', '7.85 kN/m')
+    """
+    rounded = float(f"{value:.3g}")
+    for scale, prefix in ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n")):
+        if abs(rounded) >= scale:
+            return f"{rounded / scale:.3g} {prefix}{unit}"
+    return f"{rounded:.3g} {unit}"

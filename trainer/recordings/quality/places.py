@@ -10,7 +10,7 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.slides import SAME_PLACE_M, presses_of
 
 _NEAR = 0.25  # of the usual distance to the nearest other site
-_DISAGREE = 0.05  # of the peak force
+_DISAGREE = 0.05  # of the peak force: more is another place or object
 
 Site = tuple[float, float]
 
@@ -32,10 +32,8 @@ def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
 def place_findings(
     recordings: Sequence[Recording], repeats: Sequence[Repeats]
 ) -> Iterator[Finding]:
-    """Yield what is wrong with places; nothing if no recording has one.
-
-    repeats: those of the set.
-    """
+    """Yield what is wrong with places, and repeats, those of the set, that no one place gives."""
+    yield from _disagreeing(repeats)
     sites = sites_of(recordings)
     if not sites:
         return
@@ -47,13 +45,25 @@ def place_findings(
             "give it on import, --place X,Y, or leave those recordings out",
         )  # fmt: skip
     yield from _near(list(sites))
+
+
+def _disagreeing(repeats: Sequence[Repeats]) -> Iterator[Finding]:
     for group in repeats:
-        if group.place_m is not None and group.noise_n > _DISAGREE * group.peak_n:
+        if group.noise_n <= _DISAGREE * group.peak_n:
+            continue
+        differ = f"{group.names[0]} and {group.names[-1]} differ by {group.noise_n:.2g} N rms"
+        if group.place_m:
             yield warning(
-                "places", site_words(group.place_m),
-                f"{group.names[0]} and {group.names[-1]} differ by {group.noise_n:.2g} N rms",
+                "places", site_words(group.place_m), differ,
                 "the object moved or changed between them, or a place is wrong",
                 "record that site again, and check the place of each",
+            )  # fmt: skip
+        else:
+            yield warning(
+                "places", f"{len(group.names)} presses of one motion", differ,
+                "one model is fitted to all of them, and is right for none",
+                "if they are of several places of an object, import each with its --place X,Y; of "
+                "several objects, train each alone; of one, condition it by some cycles first",
             )  # fmt: skip
 
 

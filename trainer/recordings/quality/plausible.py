@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
+from springpot.trainer.recordings.quality.finding import three_digits
 from springpot.trainer.recordings.recording import Recording
 
 # Stiffness under a tip of a finger's size, 2 a E / (1 - nu^2) for a = 5 mm, from soft gels (1 kPa)
@@ -48,8 +49,9 @@ class Glance:
     def words(self) -> str:
         """One line for people."""
         text = (
-            f"stroke {_in(self.stroke_m, 'm')}, peak {_in(self.peak_n, 'N')}, "
-            f"up to {_in(self.speed_mps, 'm/s')}, {_in(self.stiffness_npm, 'N/m')} in the mean"
+            f"stroke {three_digits(self.stroke_m, 'm')}, peak {three_digits(self.peak_n, 'N')}, "
+            f"up to {three_digits(self.speed_mps, 'm/s')}, "
+            f"{three_digits(self.stiffness_npm, 'N/m')} in the mean"
         )
         return f"{text}: {self.doubt}" if self.doubt else text
 
@@ -100,16 +102,8 @@ def _doubt(recording: Recording, stiffness_npm: float, speed_mps: float) -> str:
         times = factor_to_si(unit, channel, "") / abs(taken)
         other_npm = stiffness_npm * (times if channel == "force" else 1.0 / times)
         if _LIKELY_NPM[0] <= other_npm <= _LIKELY_NPM[1]:
-            meant.append(f"if {channel} is in {unit}, it is {_in(other_npm, 'N/m')}")
+            meant.append(f"if {channel} is in {unit}, it is {three_digits(other_npm, 'N/m')}")
     taken = stored.get("position", {}).get("to_si")
     if stiff and taken and np.ptp(recording.position_m) <= _STRAIN * abs(taken):
         meant.append("if position is a strain, pass --area and --height")
     return "; ".join([what, *meant])
-
-
-def _in(value: float, unit: str) -> str:
-    """Three digits with a prefix: 7.85 kN/m."""
-    for scale, prefix in ((1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u")):
-        if abs(value) >= scale:
-            return f"{value / scale:.3g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"

@@ -12,6 +12,7 @@ _LEVEL = 0.05  # of the travel: at the greatest force all along
 _MIN_SAMPLES = 8  # of a slope
 _ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
 _NOTHING = 0.05  # of the greatest force
+_FIRST = 5  # samples
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
 _NOISES = 3.0  # standard deviations
 _DELAY = 0.5  # of a sample: channels that are read one after the other
@@ -34,6 +35,23 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
     if min(abs(least), abs(most)) > _ONE_SIDED * max(abs(least), abs(most)) and least * most < 0:
         return 0
     return _vote(high, low)
+
+
+def deeper_from_zero(x: Samples, f: Samples) -> int:
+    """Vote, as in `deeper_by_force`, of what begins at position 0 and force 0 and has no free end.
+
+    An object that is bonded to the tool pulls on the way back: position and force go to one side,
+    and the greatest force is that of the farthest position.
+    """
+    span = float(np.ptp(x))
+    side = 1 if x.max() > -x.min() else -1
+    away, force = side * x, side * f
+    far_n = float(np.median(force[away >= away.max() - _END * span]))
+    begins = (
+        abs(float(x[0])) <= _END * span and abs(float(np.median(f[:_FIRST]))) < _NOTHING * far_n
+    )
+    alone = away.min() >= -_END * span and far_n > -float(force.min())
+    return 2 * side if begins and alone else 0
 
 
 def begins_at_no_force(x: Samples, f: Samples) -> bool:

@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.quality.sign_evidence import (
     begins_at_no_force,
     correlation,
     deeper_by_force,
     deeper_by_slope,
+    deeper_from_zero,
     dissipation,
 )
 from springpot.trainer.recordings.quality.spikes import hold_spikes
@@ -27,6 +28,7 @@ from springpot.trainer.recordings.recording import Recording
 
 _ENERGY = 0.01  # of travel times range of force: less is the sensors' alignment
 _WRONG_SIGN = -0.5  # correlation of the channels
+_POSITION_ZEROS = ("zero_position_m", "contact_position_m")  # what an import took off
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class Signs:
             return f"{text}; no closed loop shows its loss"
         turn = "clockwise, dissipating" if self.dissipated_j >= 0 else "anticlockwise, giving"
         count = "the loop turns" if self.loops == 1 else f"{self.loops} loops turn"
-        return f"{text}: {count} {turn} {_energy_text(abs(self.dissipated_j))}"
+        return f"{text}: {count} {turn} {three_digits(abs(self.dissipated_j), 'J')}"
 
     def metadata(self) -> dict[str, Any]:
         """JSON values; signs are those to multiply by."""
@@ -99,6 +101,8 @@ def find_signs(recording: Recording) -> Signs:
     # A lead of more than a quarter turn is no material's: one of the signs is wrong.
     relative = -1 if together < 0.0 else 1
     force_vote, shape_vote = deeper_by_force(x, raw_n), deeper_by_slope(x, raw_n)
+    raw_m = x + sum(float(recording.details.get(key, 0.0)) for key in _POSITION_ZEROS)
+    force_vote = force_vote or deeper_from_zero(raw_m, raw_n + recording.details.get("tare_n", 0.0))
     if not lost.loops and shape_vote * (x[-1] - x[0]) < 0.0:
         shape_vote = 0  # without a way back the object relaxes along the stroke: its slope falls
     if shape_vote < 0 and (tare_n := float(recording.details.get("tare_n", 0.0))):
@@ -220,10 +224,3 @@ def _turned(recording: Recording, channel: str) -> str:
     else:
         opposite = f"-{unit}" if unit[0] in "0123456789." else f"-1{unit}"
     return f"{channel}={metadata.get('column', 'COL')}:{opposite}"
-
-
-def _energy_text(energy_j: float) -> str:
-    for scale, unit in ((1.0, "J"), (1e3, "mJ"), (1e6, "uJ")):
-        if energy_j * scale >= 1.0:
-            return f"{energy_j * scale:.3g} {unit}"
-    return f"{energy_j * 1e9:.3g} nJ"

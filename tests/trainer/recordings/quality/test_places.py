@@ -69,6 +69,16 @@ def test_half_a_place_is_refused() -> None:
         Recording("a", np.zeros(2), np.zeros(2), 1.0, place_x_m=0.1)
 
 
+@pytest.mark.parametrize("ratio", [0.5, 0.95, 1.05, 2.0])
+def test_presses_of_several_places_without_one_are_no_noise(ratio: float) -> None:
+    """Places or objects whose force differs by a factor, pressed along one path."""
+    soft = press("soft", None)
+    stiff = Recording("stiff", soft.position_m, ratio * soft.force_n, 1e-3)
+    found = places_found(soft, stiff)
+    assert len(found) == (abs(ratio - 1.0) > 0.1)
+    assert not found or ("2 presses of one motion" in found[0] and "--place X,Y" in found[0])
+
+
 def test_check_finds_near_sites_repeats_that_disagree_and_missing_places() -> None:
     grid = [press(f"p{i}{j}", (0.01 * i, 0.01 * j)) for i in range(3) for j in range(3)]
     assert not places_found(*grid)

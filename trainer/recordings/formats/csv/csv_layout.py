@@ -20,6 +20,8 @@ from springpot.trainer.recordings.formats.csv.csv_lines import (
     cells,
     is_value,
     split_line,
+    without_comment_marks,
+    without_mark,
 )
 from springpot.trainer.recordings.formats.csv.csv_missing import (
     Candidates,
@@ -82,6 +84,7 @@ def find_layout(
     columns, specimen = request.columns, request.specimen
     options = wanted_columns(columns)
     among = among or range(len(head))
+    head = without_comment_marks(head, among)
     if all(q in columns and not stated_header(columns[q]) for q in options):
         return _layout_by_numbers(path, head, request, among[0])
     best: tuple[int, Candidates, Cells] = (0, {}, [])
@@ -111,9 +114,11 @@ def _candidates(row: Cells, quantity: Quantity, column: Column | None) -> list[i
         return guess_column(row, quantity)
     if isinstance(column.header_or_number, int):
         return [column.header_or_number - 1] if column.header_or_number <= len(row) else []
-    options = stated_header(column)
-    exact = [i for i, cell in enumerate(row) if cell == options]
-    return exact or [i for i, cell in enumerate(row) if cell.casefold() == options.casefold()]
+    stated = stated_header(column)
+    options = (stated, without_mark(stated))
+    exact = [i for i, cell in enumerate(row) if cell in options]
+    folded = [option.casefold() for option in options]
+    return exact or [i for i, cell in enumerate(row) if cell.casefold() in folded]
 
 
 def _layout_by_numbers(path: Path, head: Sequence[str], request: FileRequest, begin: int) -> Layout:

@@ -1,6 +1,7 @@
 """Lines of a CSV file as cells, by each delimiter that may separate them."""
 
 import csv
+import re
 from collections.abc import Iterator, Sequence
 
 from springpot.trainer.recordings.formats.csv.clock import is_clock
@@ -10,9 +11,28 @@ from springpot.trainer.recordings.formats.csv.decimals import (
     is_number,
 )
 
-DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", " ": "space"}
+DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar", " ": "space"}
+_BRACKETS = ("[", "(")
 _MIN_COLUMNS, _MAX_COLUMNS = 2, 1024
+_COMMENT = re.compile(r"\s*#+ *(?=[^\s,;|])")
 Cells = list[str]
+
+
+def without_comment_marks(head: Sequence[str], among: Sequence[int]) -> Sequence[str]:
+    """Take the marks off lines such as "# time_s position_m force_N", as numpy.savetxt writes them.
+
+    A mark with a column of its own is a name: "# time position" above three numbers.
+    """
+    if not any(_COMMENT.match(head[index]) for index in among):
+        return head
+    found: list[str] = []
+    below = 0  # words of the row below
+    for line in reversed(head):
+        mark, words = _COMMENT.match(line), len(line.split())
+        is_name = mark and mark[0].endswith(" ") and words == below
+        found.append(line[mark.end() :] if mark and not is_name else line)
+        below = below if mark else words
+    return found[::-1]
 
 
 def cells(line: str, delimiter: str) -> Cells:
@@ -21,7 +41,26 @@ def cells(line: str, delimiter: str) -> Cells:
         rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error:
         return []
-    return [cell.strip() for cell in rows[0]] if rows else []
+    row = [cell.strip() for cell in rows[0]] if rows else []
+    if delimiter == " " and any(cell.startswith(_BRACKETS) for cell in row[1:]):
+        return _with_units(row)
+    return row
+
+
+def without_mark(header: str) -> str:
+    """The header without a comment's mark before it."""
+    return _COMMENT.sub("", header, 1)
+
+
+def _with_units(row: Cells) -> Cells:
+    """Cells between spaces where "time [s]" is one."""
+    found = row[:1]
+    for cell in row[1:]:
+        if cell.startswith(_BRACKETS):
+            found[-1] += f" {cell}"
+        else:
+            found.append(cell)
+    return found
 
 
 def split_line(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:

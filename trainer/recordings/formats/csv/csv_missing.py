@@ -45,8 +45,8 @@ def which_column(path: Path, index: int, row: Cells, found: Candidates) -> DataE
     if many and all(max(one) < min(other) for one, other in pairwise(sets)):
         maps = [",".join(f"{q}={i + 1}" for q, i in zip(found, one, strict=True)) for one in sets]
         return DataError(
-            f"{path}, row {index + 1}: {len(sets)} tests side by side: import each by itself, with "
-            f"an --out of its own: --map {', --map '.join(maps[:MAX_NAMED])}"
+            f"{path}, row {index + 1}: {len(sets)} tests side by side: import each by itself, into "
+            f"a folder of its own: --map {', --map '.join(maps[:MAX_NAMED])}"
         )
     quantity, columns = next((q, its) for q, its in found.items() if len(its) > 1)
     names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns[:MAX_NAMED])

@@ -1,4 +1,4 @@
-"""CSV files: numbers in columns with headers, separated by commas, semicolons or tabs."""
+"""CSV files: numbers in columns with headers, between marks of `csv_lines`."""
 
 import re
 from contextlib import suppress
