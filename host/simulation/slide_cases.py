@@ -15,6 +15,7 @@ _SHARES, _HOLD_S = (0.3, 0.9), 7.0  # of the trained depth, on each place
 _SPEEDS_MPS, _WAYS, _DEPTH = (0.02, 0.08), 6, 0.5
 _ROUNDS, _ROUND_S = 10, 1.0
 _LOST = 10  # ticks of a silence
+_APART = 2  # steps of the grid, which has twice as many nodes along an axis as sites
 _AIR_S, _SETTLE_S = 0.3, 1.0
 _NUDGE_M, _NUDGE_S = 5e-4, 0.02  # along x, as a hold begins: what rings, begins to
 
@@ -35,7 +36,7 @@ class SlideCase:
 
 
 def slide_cases(plan: Plan) -> list[SlideCase]:
-    """Cases about the steepest edge of the map: between two nodes that differ most."""
+    """Cases about the steepest edge of the map: between two sites that differ most."""
     soft_m, stiff_m = _steepest_m(plan)
     space, middle_m = Workspace.of(plan), 0.5 * (soft_m + stiff_m)
     places_m = (soft_m, middle_m, stiff_m)
@@ -52,20 +53,28 @@ def slide_cases(plan: Plan) -> list[SlideCase]:
 
 
 def _steepest_m(plan: Plan) -> tuple[Samples, Samples]:
-    """The two neighbouring nodes that differ most, softer and stiffer, (2,), m."""
+    """The two nodes, a site's distance apart, that differ most, softer and stiffer, (2,), m."""
     assert plan.lateral is not None
     placed = plan.lateral.placed
     config = placed.config
     worth = placed.amounts.astype(np.float64) @ np.abs(placed.materials).sum(axis=1)
     step_m = 1.0 / np.array([config.per_step_x, config.per_step_y], dtype=np.float64)
-    slopes = [np.abs(np.diff(worth, axis=k)) / step_m[k] for k in range(2)]
+    apart = np.minimum(_APART, np.array(worth.shape) - 1)
+    slopes = [_rises(worth, k, int(apart[k])) / (apart[k] * step_m[k]) for k in range(2)]
     axis = int(slopes[1].max() > slopes[0].max())
     node = np.array(np.unravel_index(np.argmax(slopes[axis]), slopes[axis].shape))
-    nodes = [node, node + np.eye(2, dtype=int)[axis]]
+    nodes = [node, node + apart * np.eye(2, dtype=int)[axis]]
     nodes.sort(key=lambda at: float(worth[tuple(at)]))
     first_m = np.array([config.first_x_m, config.first_y_m], dtype=np.float64)
     soft_m, stiff_m = (first_m + at * step_m for at in nodes)
     return soft_m, stiff_m
+
+
+def _rises(worth: Samples, axis: int, apart: int) -> Samples:
+    """How much nodes that lie so many steps apart along an axis differ."""
+    along = np.moveaxis(worth, axis, 0)
+    rises: Samples = np.moveaxis(np.abs(along[apart:] - along[:-apart]), 0, axis)
+    return rises
 
 
 def _slides(space: Workspace, soft_m: Samples, stiff_m: Samples) -> SlideCase:

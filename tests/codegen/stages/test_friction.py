@@ -155,7 +155,7 @@ PULLED = "sp_anchor_pulled(map, config, state, amounts, stored_j, drawn_m);"
 PLANTED: dict[str, Sequence[Fault]] = {
     "the object's pull the wrong way": [("+ state->object_n[k]", "- state->object_n[k]")],
     "the object's pull left out": [("+ state->object_n[k]", "")],
-    "a way of more than twice": [("m_per_n = excess_n", "m_per_n = (sp_real)2.5 * excess_n")],
+    "a way of more than twice": [("m_per_n = share", "m_per_n = (sp_real)2.5 * share")],
     "over the edge of a cell": [("*at = edge;", "*at = to;"),
                                 ("*at = edge - (sp_real)1;", "*at = to;"),
                                 (PULLED, "(void)amounts, (void)stored_j, (void)drawn_m;")],

@@ -67,12 +67,16 @@ def test_the_cases_are_about_the_steepest_edge_of_the_map() -> None:
     plan = sliding(0.0)
     assert plan.lateral is not None
     amounts = plan.lateral.placed.amounts[:, :, 0]
-    steepest = max(np.abs(np.diff(amounts, axis=axis)).max() for axis in (0, 1))
+    steepest = max(
+        np.abs(amounts[2:] - amounts[:-2]).max(), np.abs(amounts[:, 2:] - amounts[:, :-2]).max()
+    )
     slide = slide_cases(plan)[0]
     low_m, high_m = slide.path_m[:, :2].min(axis=0), slide.path_m[:, :2].max(axis=0)
-    assert sorted(np.round((high_m - low_m) / 0.005, 6).tolist()) == [0.0, 2.0]
-    nodes = np.round(np.stack([low_m, high_m]) / 0.005 + np.sign(high_m - low_m) * [[0.5], [-0.5]])
-    ends = [amounts[tuple(node)] for node in nodes.astype(int)]
+    step_m = 0.03 / (np.array(amounts.shape) - 1)
+    steps = (high_m - low_m) / step_m
+    assert sorted(np.round(steps, 4).tolist()) == [0.0, 4.0]
+    nodes = np.stack([low_m, high_m]) / step_m + np.sign(steps.round()) * [[1.0], [-1.0]]
+    ends = [amounts[tuple(node)] for node in np.round(nodes).astype(int)]
     assert abs(ends[1] - ends[0]) == pytest.approx(steepest)
 
 

@@ -6,6 +6,7 @@ A comment in front of a block, which a reader does not see, says what a test has
     <!-- test: URL = sim://pad, 60 = 1 -->     words that stand for others when it runs
     <!-- test: arm -->                 needs a cross compiler
     <!-- test: board -->               needs a cross compiler and an emulator
+    <!-- test: device -->              needs a device that no test has
     <!-- test: seen -->                lines of what the commands before it print, with any numbers
     <!-- test: prints URL -->          each line is a process that prints a URL, and goes on
 """
@@ -24,7 +25,7 @@ _BLOCK = re.compile(
     re.M | re.S,
 )
 _INLINE = re.compile(r"`((?:springpot|make) [^`]+)`")
-NEEDS = ("arm", "board")
+NEEDS = ("arm", "board", "device")
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Block:
 
     @property
     def need(self) -> str:
-        """What the block needs beside Python and a compiler: "arm", "board" or ""."""
+        """What the block needs beside Python and a compiler: one of NEEDS, or ""."""
         return next((word for word in self.note.split() if word in NEEDS), "")
 
     @property

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import Places
-from springpot.trainer.models.passive.map_grid import Grid
+from springpot.trainer.models.passive.map_grid import FINER, Grid
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_terms import Terms, reduced, to_model
 from springpot.trainer.models.passive.recovery import SPARSE_LOSS
@@ -120,7 +120,7 @@ class MapProblem:
             vector += np.kron(weight, materials @ site.vector / site.rows)
         usual = np.diag(np.diag(matrix).reshape(nodes, count).sum(axis=0) / len(inside))
         # A bend has the same worth on a finer grid: its square, over a step squared.
-        rough = _ROUGH * self.grid.finer**2 * np.kron(self.grid.roughness, usual)
+        rough = _ROUGH * FINER**2 * np.kron(self.grid.roughness, usual)
         solved = Normal(matrix + rough, vector, 0.0, len(inside)).solve()
         return solved.reshape(nodes, count)
 
