@@ -27,7 +27,12 @@ def read_recordings(*paths: File) -> list[Recording]:
     >>> len(read_recordings("training"))
     3
     """
-    return recording_file.read_recordings(map(Path, paths))
+    from springpot.host.console.in_python import errors_in_python
+
+    for path in paths:
+        _require_file(path, "read_recordings(*paths) takes several")
+    with errors_in_python():
+        return recording_file.read_recordings(map(Path, paths))
 
 
 def write_recording(path: File, recording: Recording) -> None:
@@ -65,8 +70,7 @@ def import_recordings(
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_file
 
-    if not isinstance(path, str | PathLike):
-        raise UsageError(f"path: {type(path).__name__} is no file: give one, call it for each")
+    _require_file(path, "call it for each")
     with errors_in_python():
         mapping = parse_map(columns) if columns else None
         found = import_file(Path(path), mapping, zero, resample_hz, options)
@@ -132,3 +136,8 @@ def write_scene(path: File, scene: Scene) -> None:
     from springpot.host.emission import scene_file
 
     scene_file.write_scene(Path(path), scene)
+
+
+def _require_file(path: object, several: str) -> None:
+    if not isinstance(path, str | PathLike):
+        raise UsageError(f"path: {type(path).__name__} is no file: give one, {several}")

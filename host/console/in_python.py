@@ -34,11 +34,12 @@ _OPTION = re.compile(
 
 
 def in_python(text: str) -> str:
-    """Write `--zero min` as `zero='min'`, an option without a value as its name.
+    """Write `--zero min` as `zero='min'`, an option without a value as its name; the commands too.
 
     >>> in_python("import with --contact-force auto, or --zero first")
     "import with Conditioning(contact_force='auto'), or zero='first'"
     """
+    text = re.sub(r"`springpot import`", "springpot.import_recordings", text)
     return _OPTION.sub(_argument, text)
 
 

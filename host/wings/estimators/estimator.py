@@ -146,6 +146,8 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         """Positions, for X, or forces, for y, of each recording, (n,)."""
         if isinstance(values, Recording):
             raise DataError(f"{name} is one recording: give a list of them")
+        if hasattr(values, "columns"):  # of a DataFrame, which gives their names
+            raise DataError(f"{name} is a table: make it one by Recording.from_frame, in a list")
         return [self._sequence(value, f"{name}[{i}]") for i, value in enumerate(values)]
 
     def _sequence(self, value: ArrayLike | Recording, name: str) -> Samples:

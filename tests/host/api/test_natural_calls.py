@@ -80,6 +80,8 @@ def test_predict_asks_for_one_press_at_a_time(position_m):
 
 @pytest.mark.parametrize("several", [["a.csv", "b.csv"], ("a.csv",), None])
 def test_import_recordings_takes_one_file(several):
+    with pytest.raises(springpot.UsageError, match=r"read_recordings\(\*paths\)"):
+        springpot.read_recordings(several)
     with pytest.raises(springpot.UsageError, match="call it for each"):
         springpot.import_recordings(several)
 

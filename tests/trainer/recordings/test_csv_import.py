@@ -15,6 +15,9 @@ from springpot.trainer.recordings.recording import Recording
 GOOD = "time_s,position_m,force_N\n0.000,0,0\n0.001,0.1,1\n0.002,0.2,2\n0.003,0.3,3\n0.004,0.4,4\n"
 
 
+BESIDE = "\n".join(f"{line},{'stage_x_mm' if line[0] == 't' else 5}" for line in GOOD.split())
+
+
 def load(
     path: Path, text: str | bytes, mapping: str = "", resample_hz: float | None = None
 ) -> Recording:
@@ -22,6 +25,7 @@ def load(
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     result = import_file(file, parse_map(mapping) if mapping else None, "none", resample_hz)
     assert str(file) in result.guess
+    assert ("'stage_x_mm'" in result.guess) == ("stage_x_mm" in str(text)), "columns not read"
     return result.recordings[0]
 
 
@@ -37,6 +41,10 @@ def refusal(path: Path, text: str | bytes, mapping: str = "", rate: float | None
 def rows(time_s: list[float] | np.ndarray, form: str = "%.6f") -> str:
     lines = [f"{form % t},{k * 1e-4!r},{k * 0.1!r}" for k, t in enumerate(time_s)]
     return "\n".join(["time_s,position_m,force_N", *lines]) + "\n"
+
+
+def test_columns_that_are_not_read_are_named(tmp_path: Path) -> None:
+    assert np.array_equal(load(tmp_path, BESIDE).force_n, load(tmp_path, GOOD).force_n)
 
 
 @pytest.mark.parametrize(

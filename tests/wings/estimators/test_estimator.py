@@ -3,6 +3,7 @@
 import pickle
 import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -92,6 +93,8 @@ def test_what_is_no_recording_is_refused() -> None:
     alone = training()[0]
     with pytest.raises(DataError, match="X is one recording: give a list of them"):
         small().fit(alone, alone)
+    with pytest.raises(DataError, match=r"X is a table: .*Recording\.from_frame"):
+        small().fit(SimpleNamespace(columns=["time_s", "x_m"]), Y)  # type: ignore[arg-type]
     with pytest.raises(DataError, match="11 position and 12 force"):
         small().fit(X[1:], Y)
     with pytest.raises(UsageError, match="kind 'forest': use one of auto, rf-fd"):

@@ -33,7 +33,11 @@ _SI: dict[Quantity, str] = {"position": "m", "force": "N"}
 
 @dataclass(frozen=True)
 class Specimen:
-    """Area under stress, m2, and height, m. Raises UsageError for a size that no specimen has."""
+    """Area under stress, m2, and height, m. Raises UsageError for a size that no specimen has.
+
+    >>> Specimen(area_m2=491e-6, height_m=0.025).height_m
+    0.025
+    """
 
     area_m2: float
     height_m: float

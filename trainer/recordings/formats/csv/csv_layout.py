@@ -44,6 +44,7 @@ from springpot.trainer.recordings.formats.units import Quantity, Unit
 
 _LINES = 400  # of numbers, that show their mark of decimals
 _ABOVE = 50  # lines of a LabVIEW header
+_SHOWN = 4  # columns that are not read
 _COMMENT = "comment"  # LabVIEW's last column, in which few rows have a cell
 
 
@@ -185,20 +186,24 @@ def _layout(
     between += "decimal comma, " if mark == "comma" else ""
     under = below if units_below else []
     place = pair_columns(path, header, under, "place", "position")
+    lateral = pair_columns(path, header, under, "lateral", "force") if place else ()
+    taken = {*chosen.values(), *(index for index, _ in (*place, *lateral))}
+    unread = [name for index, name in enumerate(header) if index not in taken and name]
     return Layout(
         delimiter,
         width=len(header) if max(chosen.values()) < len(header) else len(below),
         first_line=first + 1,
         columns=chosen,
         units=units,
-        guess=f"{_understood(labels, chosen, units, clock)}; {between}numbers from row {first + 1}",
+        guess=f"{_understood(labels, chosen, units, clock)}; {between}numbers from row {first + 1}"
+        f"{_not_read(unread)}",
         decimal=mark,
         stated=request.decimal is not None,
         clock=clock,
         beside=len(guess_column(header, "time")) > 1,
         unread_time=None if "time" in chosen else _time_beside(header),
         place=place,
-        lateral=pair_columns(path, header, under, "lateral", "force") if place else (),
+        lateral=lateral,
     )
 
 
@@ -215,6 +220,13 @@ def _understood(
         if clock and quantity == "time":
             found[-1] += " after its first clock stamp"
     return ", ".join(found)
+
+
+def _not_read(names: Sequence[str]) -> str:
+    """Name the columns that nothing is taken from, as far as a line has room."""
+    shown = ", ".join(repr(name) for name in names[:_SHOWN])
+    more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    return f"; not read: {shown}{more}" if names else ""
 
 
 def _time_beside(header: Cells) -> tuple[int, str] | None:
