@@ -84,6 +84,7 @@ if TYPE_CHECKING:
         unplaced as unplaced,
     )
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
+    from springpot.trainer.models.passive.passive_force import model_along as model_along
     from springpot.trainer.models.predict import (
         predict_each_n as predict_each_n,
         regressor_force as regressor_force,

@@ -32,7 +32,8 @@ def drift_findings(recording: Recording) -> Iterator[Finding]:
     """Yield a finding if force changes from visit to visit of the lowest position.
 
     An object that is pressed relaxes: where the tool is back, force is less than it was, and not
-    below 0. So a rise is the load cell's, and so is a fall below 0.
+    below 0. So a rise is the load cell's, and so is a fall below 0, but of an object that holds the
+    tool: its pull lets go while the tool rests there.
     """
     visits = list(_visits(recording))
     if len(visits) < 3:
@@ -43,8 +44,9 @@ def drift_findings(recording: Recording) -> Iterator[Finding]:
     pushed = bool(forces_n[0] > -least_n)  # what is pulled relaxes upwards
     rises = bool(np.all(np.diff(forces_n) > -least_n / 2.0))
     falls = bool(np.all(np.diff(forces_n) < least_n / 2.0)) and forces_n[-1] < -least_n
+    holds = any(_rise_n(recording.force_n[part]) > least_n / 4.0 for part in visits)
     moved_n = float(forces_n[-1] - forces_n[0])
-    if pushed and ((moved_n > least_n and rises) or (moved_n < -least_n and falls)):
+    if pushed and ((moved_n > least_n and rises) or (moved_n < -least_n and falls and not holds)):
         yield warning(
             "drift", recording.name,
             f"force at the lowest position drifts from {forces_n[0]:.3g} to {forces_n[-1]:.3g} N",
@@ -95,6 +97,12 @@ def hum_findings(recording: Recording, hum: tuple[float, float]) -> Iterator[Fin
 
 def _spectrum(samples: Samples, window: Samples) -> NDArray[np.complex128]:
     return np.asarray(np.fft.rfft((samples - samples.mean()) * window))
+
+
+def _rise_n(force_n: Samples) -> float:
+    """Rise from the first to the last tenth of a visit, N."""
+    tenth = max(1, len(force_n) // 10)
+    return float(np.median(force_n[-tenth:]) - np.median(force_n[:tenth]))
 
 
 def _visits(recording: Recording) -> Iterator[slice]:

@@ -112,19 +112,22 @@ def test_quantisation() -> None:
     assert "quantisation" not in findings(fine)
 
 
-def ramps(step_m: float, speeds: tuple[int, ...] = (1,)) -> np.ndarray:
+def ramps(step_m: float, speeds: tuple[int, ...] = (1,), samples: int = 60) -> np.ndarray:
     """Rest, ramps in at speeds in steps a sample, a hold after each, and the way out."""
     steps = [np.zeros(50)]
     for speed in speeds:
-        steps += [np.full(60, speed), np.zeros(300)]
-    steps += [np.full(60 * sum(speeds), -1)]
+        steps += [np.full(samples, speed), np.zeros(300)]
+    steps += [np.full(samples * sum(speeds), -1)]
     return step_m * np.cumsum(np.concatenate(steps))
 
 
+@pytest.mark.parametrize("samples", [4, 10, 60])
 @pytest.mark.parametrize("speeds", [(1,), (1, 2), (2, 1, 4)])
-def test_ramps_of_constant_speed_are_no_coarse_sensor(speeds: tuple[int, ...]) -> None:
+def test_ramps_of_constant_speed_are_no_coarse_sensor(
+    speeds: tuple[int, ...], samples: int
+) -> None:
     """20 um a sample are 1 mm/s at 50 Hz, not a sensor's step."""
-    position_m = np.round(ramps(20e-6, speeds), 8)
+    position_m = np.round(ramps(20e-6, speeds, samples), 8)
     item = Recording("a", position_m, 3e3 * position_m + noise(0.01)[: len(position_m)], 0.02)
     assert "quantisation" not in findings(item)
 

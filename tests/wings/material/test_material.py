@@ -66,6 +66,37 @@ def test_the_order_of_an_exact_springpot_comes_back(order: float) -> None:
     assert law.coefficient == pytest.approx(1.0, abs=0.03)
 
 
+def let_go(stiffness_npm: float, coefficient: float, order: float) -> Recording:
+    """Ramps and holds at three speeds on a surface that stays dented while the tool leaves it.
+
+    At each sample either the surface is at the tool, or nothing pushes it.
+    """
+    dt_s, knots = 0.02, [(0.0, 0.0)]
+    for speed_mps in (1e-4, 1e-3, 5e-3):
+        rise_s = 1e-3 / speed_mps
+        for more_s, depth_m in ((rise_s, 1e-3), (8.0, 1e-3), (rise_s, 0.0), (12.0, 0.0)):
+            knots.append((knots[-1][0] + more_s, depth_m))
+    x = np.interp(np.arange(0.0, knots[-1][0], dt_s), *zip(*knots, strict=True))
+    weights = coefficient * gl_weights(order, len(x)) * dt_s**-order
+    surface_m, force_n = np.zeros(len(x)), np.zeros(len(x))
+    for i in range(len(x)):
+        past_n = float(weights[1 : i + 1] @ surface_m[:i][::-1])
+        pushes_n = (stiffness_npm + weights[0]) * x[i] + past_n
+        force_n[i] = max(pushes_n, 0.0)
+        surface_m[i] = x[i] if pushes_n > 0.0 else -past_n / (stiffness_npm + weights[0])
+    noise_n = np.random.default_rng(1).normal(0.0, 0.005, len(x))
+    return Recording("let-go", x, force_n + noise_n, dt_s)
+
+
+@pytest.mark.parametrize("order", [0.15, 0.3])
+def test_an_object_that_lets_the_tool_go_has_the_law_of_where_it_pushes(order: float) -> None:
+    found = fit_model("springpot", "let-go", (let_go(2000.0, 800.0, order),), FitOptions())
+    law = law_of(found.model)
+    assert law.stiffness_npm == pytest.approx(2000.0, rel=0.01)
+    assert law.coefficient == pytest.approx(800.0, rel=0.02)
+    assert law.order == pytest.approx(order, abs=0.01)
+
+
 def test_the_published_ecoflex_comes_back() -> None:
     law = law_of(ecoflex())
     modulus_pa = TIP.shear_pa_per_npm * law.stiffness_npm

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from support.files.recording_files import PressedObject
 
 from springpot.host.wings.rig.disturbance import drift_findings, hum_of
@@ -33,6 +34,20 @@ def test_drift_either_way_is_named(rate_nps: float, offset_m: float) -> None:
     for position_m in (CYCLES_M, RECOVERING_M):
         (found,) = drift_findings(recorded(position_m, rate_nps * TIME_S, offset_m))
         assert "the load cell does" in found.text
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6])
+@pytest.mark.parametrize("tau_s", [1.0, 4.0])
+def test_what_holds_the_tool_pulls_it_ever_more_and_is_no_drift(share: float, tau_s: float) -> None:
+    """A bonded specimen that is pressed for longer and longer relaxes, and pulls at strain 0."""
+    ends_s = [0.0, 1.0, 2.0, 3.0, 4.0, 5.5, 6.0, 7.0, 10.0, 11.0, 12.0, 18.0, 19.0, 20.0]
+    low, high = [0.0, 0.0], [4e-3, 4e-3]
+    depths_m = [*low, *high, *low, *high, 4e-3, 0.0, *high, *low]
+    depth_m = np.interp(TIME_S, ends_s, depths_m)
+    relaxed_m = lfilter([1.0 - np.exp(-DT_S / tau_s)], [1.0, -np.exp(-DT_S / tau_s)], depth_m)
+    force_n = 2e3 * (depth_m - share * relaxed_m) + NOISE_N
+    assert force_n.min() < -0.1
+    assert not list(drift_findings(Recording("bonded", depth_m, force_n, DT_S)))
 
 
 def test_what_is_pulled_relaxes_upwards() -> None:

@@ -17,7 +17,7 @@ _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
 _NOISES = 6.0  # of that mean
 _HELD_S = 0.02
-_RAMP_CHANGES = 0.1  # of moves: fewer changes of the step come from a ramp's begin and end
+_ALONE = 0.02  # of moves: those unlike the one before and the one after, of a ramp at its ends
 _COARSE = 0.01  # quantisation step over the signal's range
 _JITTER = 0.05  # of a step
 # Beyond these a unit is doubted. Micrometres, millinewtons and 20 000 N load cells are real.
@@ -63,8 +63,9 @@ def quantisation_step(samples: Samples) -> float | None:
     if len(values) >= len(samples) / 2 or off_grid.max() >= 0.2:
         return None
     taken = np.round(np.diff(samples) / step)  # steps of the grid from sample to sample
-    changes, moves = np.count_nonzero(np.diff(taken)), np.count_nonzero(taken)
-    return step if changes > _RAMP_CHANGES * moves else None
+    before, after = np.append(0.0, taken[:-1]), np.append(taken[1:], 0.0)
+    alone = (taken != 0.0) & (taken != before) & (taken != after)
+    return step if np.count_nonzero(alone) > _ALONE * np.count_nonzero(taken) else None
 
 
 def _channels(recording: Recording) -> tuple[tuple[str, Samples, str], ...]:
