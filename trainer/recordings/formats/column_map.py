@@ -40,7 +40,7 @@ _OTHER_LABELS: dict[Quantity, set[str]] = {
         *("distance", "travel", "crosshead", "weg", "standardweg", "traversenweg", "eindringtiefe"),
         *("verlängerung", "verformung", "verschiebung", "kompressionsweg", "traverse", "pd"),
         *("déplacement", "deplacement", "enfoncement", "desplazamiento", "spostamento"),
-        "kompressionsverschiebung",
+        *("kompressionsverschiebung", "deformation", "deflection"),
     },
     "force": {
         *("kraft", "standardkraft", "prüfkraft", "kompressionskraft", "last", "fn", "charge"),
