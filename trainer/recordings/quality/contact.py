@@ -171,10 +171,10 @@ def _loaded_findings(loaded: Sequence[tuple[Recording, float]]) -> Iterator[Find
 def _other_zero_findings(
     loaded: Sequence[tuple[Recording, float]], shown: Sequence[Recording]
 ) -> Iterator[Finding]:
-    """Yield a finding for what is under preload and pushes more than others do at its depth.
+    """Yield a finding for what pushes more than others do at its depth, or pulls there.
 
     shown: those that meet the surface at position 0. An object that is kept pressed relaxes, so
-    that it pushes no more than one that is pressed from its surface.
+    that it pushes no more than one that is pressed from its surface, and it does not pull.
     """
     for recording, rest_n in loaded:
         lowest_m = float(recording.position_m.min())
@@ -182,7 +182,7 @@ def _other_zero_findings(
         there_n = max(
             float(each.force_n[each.position_m <= near_m].max(initial=0.0)) for each in shown
         )
-        if rest_n > _AS_MUCH * there_n + _NOISES * noise_n(recording.force_n):
+        if rest_n < 0.0 or rest_n > _AS_MUCH * there_n + _NOISES * noise_n(recording.force_n):
             yield warning(
                 "contact", recording.name,
                 f"never leaves the object, {rest_n:.3g} N at its lowest position, "

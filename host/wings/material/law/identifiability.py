@@ -18,7 +18,7 @@ from springpot.modelling import Coverage, find_coverage, find_cycles
 _NEARLY = 1.02  # of the lowest RMS error
 _ORDER_STEP = 3e-4  # to which the search for the order is carried
 _BRANCHED = 5e-4  # of a stiffness: a sum of branches is the law within this
-_PRELOAD = 0.05  # of the force's range, in the first sample
+_PRELOAD = 0.02  # of the force's range, in the first sample
 _RISING = 0.2  # of the mean stiffness: less is free air, in which a cell's offset is no load
 _START = 0.05  # of the travel, about the first sample
 _WIDEST_ORDER = 0.1  # half an interval

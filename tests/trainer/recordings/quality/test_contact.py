@@ -57,10 +57,11 @@ def test_a_zero_that_is_not_the_surface_is_said_once_for_the_set(seed: int) -> N
     assert "--contact-force auto" in found.to_do
 
 
-def under_preload(seed: int, shifted: bool) -> list[Recording]:
+def under_preload(seed: int, zero: str) -> list[Recording]:
     """Presses from the surface of a relaxing object, and one that keeps pressing it.
 
-    shifted: position 0 of the second is where that motion begins, not the surface.
+    zero: of the second, "theirs", "position" is 0 where its motion begins, or "both" are 0 there,
+    from where it goes up as well.
     """
     rng = np.random.default_rng(seed)
     power, share, tau_s = rng.uniform(1.0, 2.2), rng.uniform(0.1, 0.7), 10 ** rng.uniform(-1, 1)
@@ -73,16 +74,21 @@ def under_preload(seed: int, shifted: bool) -> list[Recording]:
             relaxing_n[i + 1] = np.exp(-1e-3 / tau_s) * relaxing_n[i] + share * step_n
         force_n = (1.0 - share) * elastic_n + relaxing_n
         force_n = np.maximum(force_n, 0.0) + rng.normal(0.0, 0.02, len(TIME_S))
-        moved_m = low_m if shifted and name == "kept" else 0.0
-        found.append(Recording(name, position_m - moved_m, force_n, 1e-3))
+        begin, from_m, from_n = 0, 0.0, 0.0
+        if name == "kept" and zero == "position":
+            from_m = low_m
+        elif name == "kept" and zero == "both":  # half way in
+            begin = len(TIME_S) // 8
+            from_m, from_n = position_m[begin], force_n[begin]
+        found.append(Recording(name, position_m[begin:] - from_m, force_n[begin:] - from_n, 1e-3))
     return found
 
 
-@pytest.mark.parametrize("shifted", [False, True])
-def test_a_preload_beside_presses_from_the_surface_has_their_zero_or_another(shifted: bool) -> None:
+@pytest.mark.parametrize("zero", ["theirs", "position", "both"])
+def test_a_preload_beside_free_presses_has_their_zero_or_another(zero: str) -> None:
     """Its --zero min would take the surface from a set that has one; another zero is said."""
-    said = [contacts(under_preload(seed, shifted)) for seed in range(30)]
-    if shifted:  # three begin with less than 5 % of the peak, as at a surface
+    said = [contacts(under_preload(seed, zero)) for seed in range(30)]
+    if zero != "theirs":  # three begin with less than 5 % of the peak, as at a surface
         assert sum(len(found) == 1 and found[0].where == "kept" for found in said) >= 27
     else:
         assert sum(map(bool, said)) <= 3
