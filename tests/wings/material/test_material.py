@@ -88,7 +88,7 @@ def let_go(stiffness_npm: float, coefficient: float, order: float) -> Recording:
     return Recording("let-go", x, force_n + noise_n, dt_s)
 
 
-@pytest.mark.parametrize("order", [0.15, 0.3])
+@pytest.mark.parametrize("order", [0.15, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_an_object_that_lets_the_tool_go_has_the_law_of_where_it_pushes(order: float) -> None:
     found = fit_model("springpot", "let-go", (let_go(2000.0, 800.0, order),), FitOptions())
     law = law_of(found.model)

@@ -23,6 +23,7 @@ _ZENER_ORDERS = _ORDERS[_ORDERS < 0.71]
 _TIMES = 25
 _NEARBY, _ZOOMS, _FIRST_FACTOR = np.arange(-3.0, 4.0), 5, 1.6
 _TOUCHES, _NOISES = 0.01, 4.0  # of the peak force, of noise
+_SELDOM = 0.002  # of the samples
 _ROUNDS = 3  # along the way of the surface
 _BETTER = 0.95  # of the error on what was left out: a fourth number has to be worth it
 
@@ -33,8 +34,7 @@ def fit_springpot(
     """Fit the law's numbers by least squares; intervals by leaving out each recording in turn."""
     begin = time.perf_counter()
     rows = data.even_rows() if options.fraction is None else data.rows(options.fraction, 0)
-    pressed = _pressed(data, rows)
-    way = data if len(pressed) == len(rows) else _own_way(data, pressed)
+    way, pressed = _own_way(data, rows)
     moments = law_moments(way, pressed)
     everything = np.ones(len(moments.products), dtype=bool)
     simple = _best(moments, everything, zener=False)
@@ -48,38 +48,38 @@ def fit_springpot(
     metadata = law_metadata(
         solid, others, _profile(moments, solid), _sizes_n(moments, solid), data.recordings
     )
-    passive = replace(
-        to_hammerstein(solid, moments.branches, data), recovers=len(pressed) < len(rows)
-    )
+    passive = replace(to_hammerstein(solid, moments.branches, data), recovers=way is not data)
     model = assemble(
         "springpot", name, data, options, len(rows), (None, None), passive, True, metadata
     )
     return Fit(model, len(rows), 0.0, time.perf_counter() - begin, metadata=metadata)
 
 
-def _pressed(data: TrainingSet, rows: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return the rows in which the object pushes: one that recovers lets the tool go, at 0 N.
+def _own_way(data: TrainingSet, rows: NDArray[np.intp]) -> tuple[TrainingSet, NDArray[np.intp]]:
+    """Return the set along the way of its surface, and the rows in which the object pushes.
 
-    The law is linear, and would pull there.
+    It lets the tool go where the law, which is linear, would pull: it gives 0 N there, and its
+    surface stays dented. The set and its rows as they are if that is seldom.
     """
-    if data.contact == "always":
-        return rows
     force_n = data.force_n(rows)
     noise_n = max(sensor_noise_n(each.force_n) for each in data.recordings)
-    pushes = force_n > max(_TOUCHES * float(force_n.max()), _NOISES * noise_n)
-    return rows[pushes] if pushes.any() else rows
-
-
-def _own_way(data: TrainingSet, rows: NDArray[np.intp]) -> TrainingSet:
-    """Return the set along the way of the surface, which stays dented while the tool leaves it."""
-    way = data
+    least_n = max(_TOUCHES * float(force_n.max()), _NOISES * noise_n)
+    pushes = force_n > least_n
+    if data.contact == "always" or pushes.all() or not pushes.any():
+        return data, rows
+    way, motions = data, data.motions
     for _ in range(_ROUNDS):
-        moments = law_moments(way, rows)
+        moments = law_moments(way, rows[pushes])
         solid = _best(moments, np.ones(len(moments.products), dtype=bool), zener=False)
-        law = replace(to_hammerstein(solid, moments.branches, data), recovers=True)
-        found = [model_along(law, motion, data.dt_s, surface=True)[1] for motion in data.motions]
+        law = to_hammerstein(solid, moments.branches, data)
+        if way is data:
+            bare = [model_along(law, motion, data.dt_s, surface=False)[0] for motion in motions]
+            if float(np.mean(np.concatenate(bare) < -least_n)) < _SELDOM:
+                return data, rows
+        law = replace(law, recovers=True)
+        found = [model_along(law, motion, data.dt_s, surface=True)[1] for motion in motions]
         way = replace(data, depths_m=tuple(found), _found={})
-    return way
+    return way, rows[pushes]
 
 
 def to_hammerstein(solid: Solid, branches: Branches, data: TrainingSet) -> Hammerstein:
