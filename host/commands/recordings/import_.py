@@ -95,7 +95,11 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     type=NOT_NEGATIVE,
     help="Time between the presses, if all are of one object in this order.",
 )
-@click.option("--place", metavar="X,Y", help="Where the object was pressed, such as 5,10mm.")
+@click.option(
+    "--place",
+    metavar="X,Y",
+    help="Where the object was pressed, such as 5,10mm, or the columns of it: x_mm,y_mm.",
+)
 @click.option("--accept-signs", is_flag=True, help="Take signs that the data speak against.")
 @click.option("--out", required=True, type=PATH, help="Folder to write into.")
 @json_option
@@ -126,13 +130,13 @@ def import_(
         ImportOptions,
         import_file,
         one_session,
-        parse_place,
+        place_or_columns,
     )
 
     mapping = parse_map(map_text) if map_text else None
     options = ImportOptions(
         dbc, block, decimal, Conditioning(**of_rig), _specimen(area, height),
-        place_m=parse_place(place) if place else None,
+        place_m=place_or_columns(place) if place else None,
     )  # fmt: skip
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")

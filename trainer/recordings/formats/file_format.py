@@ -25,8 +25,8 @@ class FileRequest:
     unit; what it leaves out is guessed, and without --map it is empty. dbc: database of a CAN log.
     block: only blocks of this kind of a Mach-1 file. decimal: mark of decimals in text, None:
     guessed. resampled: samples are interpolated afterwards. specimen: of columns of stress and
-    strain. A reader of a format without columns to choose refuses them with UsageError; other
-    settings it may pass over.
+    strain. place: headers of two columns, where the object is pressed. A reader of a format
+    without columns to choose refuses them with UsageError; other settings it may pass over.
     """
 
     columns: ColumnMap = field(default_factory=dict)
@@ -35,6 +35,7 @@ class FileRequest:
     decimal: DecimalMark | None = None
     resampled: bool = False
     specimen: Specimen | None = None
+    place: tuple[str, str] | None = None
     __repr__ = short_repr
 
 

@@ -33,6 +33,7 @@ from springpot.trainer.recordings.slides import is_slide, way_words
 
 _NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
 _PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
+_HEADERS = re.compile(r"\s*([^\W\d][^,]*?)\s*,\s*([^\W\d][^,]*?)\s*")
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ class ImportOptions:
     decimal: what marks decimals in a CSV file, None: guessed.
     specimen: sizes, if a CSV file has stress and strain in place of force and position.
     conditioning: delays, mass, tare and contact point.
-    place_m: where the object was pressed, x and y; None: what the file says.
+    place_m: where the object was pressed, x and y, or the headers of the two columns that say it;
+    None: what the file says.
 
     >>> ImportOptions(decimal="comma")
     ImportOptions(decimal='comma')
@@ -54,8 +56,16 @@ class ImportOptions:
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
     specimen: Specimen | None = None
-    place_m: tuple[float, float] | None = None
+    place_m: tuple[float, float] | tuple[str, str] | None = None
     __repr__ = short_repr
+
+    @property
+    def columns_of_place(self) -> tuple[str, str] | None:
+        """Headers of the columns that say where the object was pressed, if they were given."""
+        match self.place_m:
+            case (str() as x, str() as y):
+                return x, y
+        return None
 
 
 @dataclass(frozen=True)
@@ -86,12 +96,16 @@ def import_file(
     found = _imported(path, mapping, zero_word(zero), resample_hz, options)
     if options.place_m is None:
         return found
+    if options.columns_of_place:
+        if not all(each.place_x_m is not None or is_slide(each) for each in found.recordings):
+            raise UsageError(f"{path}: --place: only a table has columns of a place: state x and y")
+        return found
     for recording in filter(is_slide, found.recordings):
         raise UsageError(
             f"{path}: --place: the tool slides ({way_words(recording.channels)}), so each sample "
             "has a place of its own: leave --place out"
         )
-    x_m, y_m = options.place_m
+    x_m, y_m = map(float, options.place_m)
     placed = [replace(each, place_x_m=x_m, place_y_m=y_m) for each in found.recordings]
     return replace(found, recordings=placed)
 
@@ -115,7 +129,7 @@ def _imported(
             return _import_again(path, mapping, zero, resample_hz, options)
         request = FileRequest(
             mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None,
-            options.specimen,
+            options.specimen, options.columns_of_place,
         )  # fmt: skip
         raws, guess = _read(path, start, request)
     except OSError as error:
@@ -181,8 +195,14 @@ def _import_again(
     )
 
 
+def place_or_columns(text: str) -> tuple[float, float] | tuple[str, str]:
+    """Read the text of `--place`: a place as `parse_place`, or two headers, such as x_mm,y_mm."""
+    headers = _HEADERS.fullmatch(text)
+    return (headers[1], headers[2]) if headers else parse_place(text)
+
+
 def parse_place(text: str) -> tuple[float, float]:
-    """Read the text of `--place`, such as 5,10mm or 5mm,1cm: x and y, m.
+    """Read x and y, m, from a text such as 5,10mm or 5mm,1cm.
 
     Raises UsageError for anything else.
     """

@@ -62,8 +62,9 @@ def _disagreeing(repeats: Sequence[Repeats]) -> Iterator[Finding]:
             yield warning(
                 "places", f"{len(group.names)} presses of one motion", differ,
                 "one model is fitted to all of them, and is right for none",
-                "if they are of several places of an object, import each with its --place X,Y; of "
-                "several objects, train each alone; of one, condition it by some cycles first",
+                "if they are of several places of an object, import each with its --place X,Y, or "
+                "all with the columns that say it, --place COL,COL; of several objects, train each "
+                "alone; of one, condition it by some cycles first",
             )  # fmt: skip
 
 

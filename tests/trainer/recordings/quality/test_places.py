@@ -9,7 +9,12 @@ from click.testing import CliRunner
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
-from springpot.trainer.recordings.formats.importing import import_file, parse_place
+from springpot.trainer.recordings.formats.importing import (
+    ImportOptions,
+    import_file,
+    parse_place,
+    place_or_columns,
+)
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.journal_reader import journal_of, read_journal
 from springpot.trainer.recordings.quality.report import check_recordings
@@ -48,6 +53,28 @@ def test_columns_of_a_table_are_its_place(tmp_path: Path, header: str, cells: st
     (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N,{header}\n{rows}")
     (read,) = import_file(tmp_path / "a.csv", None, "none", None).recordings
     assert read.place_m == pytest.approx((0.005, -0.01))
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+@pytest.mark.parametrize("names", ["x_mm,y_mm", "Stage X (mm),Stage Y (mm)", "across,y_mm"])
+def test_columns_of_other_names_are_a_place_if_they_are_named(
+    tmp_path: Path, names: str, delimiter: str
+) -> None:
+    """x and y, in mm, beside z: without them, which column is the position is not known."""
+    rows = [[f"{k / 100}", "5", "-10", f"{k % 5}", f"{k % 7}"] for k in range(50)]
+    header = ["t_s", *names.split(","), "z_mm", "fz_N"]
+    if delimiter == " " and "(" in names:
+        header = [f'"{name}"' for name in header]
+    (tmp_path / "a.csv").write_text("\n".join(map(delimiter.join, [header, *rows])) + "\n")
+    options = ImportOptions(place_m=place_or_columns(names))
+    if "across" in names:
+        with pytest.raises(DataError, match="no unit of position"):
+            import_file(tmp_path / "a.csv", None, "none", None, options)
+        return
+    (read,) = import_file(tmp_path / "a.csv", None, "none", None, options).recordings
+    assert read.place_m == pytest.approx((0.005, -0.01))
+    with pytest.raises(DataError, match="'a' and 'b': correct --place"):
+        import_file(tmp_path / "a.csv", None, "none", None, ImportOptions(place_m=("a", "b")))
 
 
 def test_a_place_is_given_on_import_and_shown_by_check(tmp_path: Path) -> None:

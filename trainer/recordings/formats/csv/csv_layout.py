@@ -20,6 +20,7 @@ from springpot.trainer.recordings.formats.csv.csv_lines import (
     cells,
     is_value,
     split_line,
+    with_places,
     without_comment_marks,
     without_mark,
 )
@@ -86,6 +87,8 @@ def find_layout(
     options = wanted_columns(columns)
     among = among or range(len(head))
     head = without_comment_marks(head, among)
+    if request.place:
+        head = with_places(path, head, among, request.place)
     if all(q in columns and not stated_header(columns[q]) for q in options):
         return _layout_by_numbers(path, head, request, among[0])
     best: tuple[int, Candidates, Cells] = (0, {}, [])

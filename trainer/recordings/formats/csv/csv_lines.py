@@ -1,9 +1,13 @@
 """Lines of a CSV file as cells, by each delimiter that may separate them."""
 
 import csv
+import io
 import re
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.column_map import split_unit
 from springpot.trainer.recordings.formats.csv.clock import is_clock
 from springpot.trainer.recordings.formats.csv.decimals import (
     is_comma_number,
@@ -33,6 +37,30 @@ def without_comment_marks(head: Sequence[str], among: Sequence[int]) -> Sequence
         found.append(line[mark.end() :] if mark and not is_name else line)
         below = below if mark else words
     return found[::-1]
+
+
+def with_places(
+    path: Path, head: Sequence[str], among: Sequence[int], place: tuple[str, str]
+) -> Sequence[str]:
+    """Call two columns place_x and place_y, in the header that has both.
+
+    Raises DataError if no line has.
+    """
+    stated = dict(zip((name.casefold() for name in place), ("place_x", "place_y"), strict=True))
+    for index in among:
+        for delimiter, row in split_line(head, index):
+            if not stated.keys() <= {cell.casefold() for cell in row}:
+                continue
+            renamed = [_called(stated.get(cell.casefold()), cell) for cell in row]
+            text = io.StringIO()
+            csv.writer(text, delimiter=delimiter, lineterminator="").writerow(renamed)
+            return [*head[:index], text.getvalue(), *head[index + 1 :]]
+    raise DataError(f"{path}: no header has columns {place[0]!r} and {place[1]!r}: correct --place")
+
+
+def _called(name: str | None, header: str) -> str:
+    unit = split_unit(header, "position")[1]
+    return header if name is None else f"{name} [{unit}]" if unit else name
 
 
 def cells(line: str, delimiter: str) -> Cells:

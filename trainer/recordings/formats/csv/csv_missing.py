@@ -50,9 +50,10 @@ def which_column(path: Path, index: int, row: Cells, found: Candidates) -> DataE
         )
     quantity, columns = next((q, its) for q, its in found.items() if len(its) > 1)
     names = ", ".join(f"{i + 1} {row[i]!r}" for i in columns[:MAX_NAMED])
+    place = ", or name those of the place, --place X,Y" if quantity == "position" else ""
     return DataError(
         f"{path}, row {index + 1}: {quantity} may be column {names}: "
-        f"choose by number, --map {quantity}={columns[0] + 1}:UNIT"
+        f"choose by number, --map {quantity}={columns[0] + 1}:UNIT{place}"
     )
 
 
