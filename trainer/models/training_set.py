@@ -25,6 +25,7 @@ from springpot.trainer.recordings.smoothing import smoothed
 PAPER_FRACTION = 0.2  # of the rows, section IV-B
 ALL_BELOW = 20_000
 MAX_ROWS = 50_000
+_UNIT = 1e4  # times another rate: of time in another unit, or of a rate given as a time step
 _STEP_TOLERANCE = 1e-3
 MAX_SMOOTHED = 0.25  # of the shortest recording
 _Result = TypeVar("_Result")
@@ -197,6 +198,8 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
             f"{' is sampled' if k == 0 else ''} at {rate} Hz"
             for k, (rate, names) in enumerate(fewest_first)
         )
+        if max(rates_hz) > _UNIT * min(rates_hz):
+            raise DataError(f"{sampled}: one is no rate of its own: give time, and dt_s, in s")
         raise DataError(
             f"{sampled}: import all again with one rate, --resample-hz "
             f"{min(max(rates_hz), MAX_UPSAMPLING * min(rates_hz)):.6g}"

@@ -252,7 +252,8 @@ class SerialDevice(OpenedDevice):
         if self.renders and hello["model"].hex() != required.hash:
             raise DeviceError(
                 f"{url}: the board renders model {hello['model'].hex()[:12]}, the scene is "
-                f"{required.hash[:12] or 'none'}: flash the scene, or give the one that it renders"
+                f"{required.hash[:12] or 'none'}: flash this one (firmware --scene takes an "
+                "emitted folder, too), or give the one that it renders"
             )
         if not self.renders and hello["max_n"] < required.max_n * (1 - 1e-6):
             raise too_weak(url, f"gives at most {hello['max_n']:g} N", required, hello["max_n"])

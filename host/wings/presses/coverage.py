@@ -40,7 +40,9 @@ class Coverage:
 
     @property
     def longest_stroke_s(self) -> float:
-        return max((stroke[2] for stroke in self.strokes), default=0.0)
+        """Time that the slowest stroke takes without its holds, s."""
+        slowest_mps = min((stroke[1] for stroke in self.strokes), default=np.inf)
+        return (self.high_m - self.low_m) / slowest_mps
 
     @property
     def longest_hold_s(self) -> float:

@@ -92,6 +92,9 @@ def test_every_rate_of_a_set_is_named_and_the_one_that_is_advised_fits_all() -> 
     for part in ("r1 is sampled at 50 Hz", "r2 at 200 Hz", "r0 and 1 more at 1000 Hz"):
         assert part in str(refused.value)
     assert str(refused.value).endswith("--resample-hz 1000")
+    as_a_rate = [good, dataclasses.replace(good, name="q", dt_s=1.0 / good.dt_s)]
+    with pytest.raises(DataError, match="give time, and dt_s, in s"):
+        fit_model("rf-fd", "x", as_a_rate, FitOptions(trees=2))
 
 
 def test_what_holds_the_tool_is_not_let_go() -> None:

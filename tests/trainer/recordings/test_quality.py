@@ -20,6 +20,7 @@ from springpot.host.wings.report.commands.plot import plot
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import Finding, three_digits
+from springpot.trainer.recordings.quality.motion import find_strokes
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import write_recording
@@ -327,3 +328,18 @@ def test_a_value_has_three_digits_and_no_exponent(value: float) -> None:
     scale = {"Mm": 1e6, "km": 1e3, "m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}[unit]
     assert float(written) * scale == pytest.approx(value, rel=5.01e-3)
     assert "e" not in written and (1.0 <= float(written) < 1000.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_speed_of_a_staircase_is_that_of_its_ramps(seed: int) -> None:
+    """Ramps of one speed between holds of any length: the holds are no part of it."""
+    rng = np.random.default_rng(seed)
+    steps_m, holds_s = rng.uniform(2e-4, 1e-3, 6), rng.uniform(2.0, 60.0, 6)
+    knots = [(0.0, 0.0)]
+    for step_m, hold_s in zip(steps_m, holds_s, strict=True):
+        time_s, depth_m = knots[-1]
+        knots += [(time_s + step_m / 1e-3, depth_m + step_m)] * 2
+        knots[-1] = (knots[-2][0] + hold_s, knots[-2][1])
+    position_m = np.interp(np.arange(0.0, knots[-1][0], 0.02), *zip(*knots, strict=True))
+    ((_, _, speed_mps),) = find_strokes(Recording("stairs", position_m, 1e3 * position_m, 0.02))
+    assert speed_mps == pytest.approx(1e-3, rel=0.15)

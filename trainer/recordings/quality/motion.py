@@ -12,12 +12,14 @@ from springpot.trainer.recordings.recording import Recording
 _STROKE = 0.1  # of the travel: smaller strokes are noise, or nothing to learn from
 _MAX_SAMPLES = 20_000
 _SAME_SPEED = 1.3
+_PARTS, _HOLDS = 40, 5.0  # of a way; times as long as usual
 
 
 def find_strokes(recording: Recording) -> list[tuple[int, int, float]]:
     """First and last sample of each stroke between turning points, and its mean speed, m/s.
 
-    Rests are no strokes, and the ends of a stroke, where it may hold, are not in its speed.
+    Rests are no strokes; the ends of a stroke, where it may hold, are not in its speed, nor are
+    holds on its way.
     """
     step = max(1, len(recording.position_m) // _MAX_SAMPLES)
     position_m = recording.position_m[::step]
@@ -29,10 +31,18 @@ def find_strokes(recording: Recording) -> list[tuple[int, int, float]]:
         part = position_m[begin : end + 1]
         begin_m, way_m = float(part[0]), float(part[-1] - part[0])
         low_m, high_m = sorted((begin_m + 0.1 * way_m, begin_m + 0.9 * way_m))
-        inside = int(np.count_nonzero((part >= low_m) & (part <= high_m)))
-        speed_mps = (high_m - low_m) / (max(inside, 1) * step * recording.dt_s)
+        speed_mps = (high_m - low_m) / (_moving(part, low_m, high_m) * step * recording.dt_s)
         found.append((begin * step, end * step, speed_mps))
     return found
+
+
+def _moving(position_m: Samples, low_m: float, high_m: float) -> float:
+    """Samples that a way takes, but for those by which it stays longer in a part than usual."""
+    samples, _ = np.histogram(position_m, _PARTS, (low_m, high_m))
+    usual = float(np.median(samples))
+    if usual > 0.0:
+        samples = np.where(samples > _HOLDS * usual, usual, samples)
+    return max(float(samples.sum()), 1.0)
 
 
 def turning_points(position_m: Samples, min_m: float) -> list[int]:
