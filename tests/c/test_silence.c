@@ -71,8 +71,47 @@ static void silences_add_up(void)
     }
 }
 
+/* A tick of 2^-10 s: all that follows is exact, in float too. */
+#define TICK ((sp_real)0.0009765625)
+static const sp_silence_config exact = {
+    .dt_s = TICK, .per_dt = (sp_real)1024, .watchdog_s = (sp_real)20.5 * TICK};
+
+static void the_last_tick_lasts_what_the_missed_ones_leave(void)
+{
+    const struct {
+        double silent, tick;
+        uint32_t left;
+        double lasts;
+    } cases[] = {{3, 0.5, 3, 0.5}, {3, 1.25, 3, 1.25}, {0, 1, 0, 1}, {3, 0.25, 4, 0.0009765625}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const sp_silence_state state = {.silent_s = (sp_real)cases[i].silent * TICK};
+        const sp_real tick_s = (sp_real)cases[i].tick * TICK;
+        const sp_real last_s = sp_silence_last(&exact, &state, tick_s, cases[i].left);
+        CHECK(last_s == (sp_real)cases[i].lasts * TICK);
+    }
+}
+
+static void half_a_tick_more_is_a_tick_missed(void)
+{
+    const sp_silence_state one = {.silent_s = TICK};
+    CHECK(sp_silence_missed(&exact, &one, (sp_real)0.5 * TICK) == 1);
+    CHECK(sp_silence_missed(&exact, &one, (sp_real)0.375 * TICK) == 0);
+    CHECK(sp_silence_missed(&exact, &one, (sp_real)1.25 * TICK) == 1);
+}
+
+static void the_watchdogs_own_time_is_not_latched_and_what_is_begins_anew(void)
+{
+    sp_silence_state state = {0};
+    CHECK(sp_silence_passed(&exact, &state, exact.watchdog_s) == (sp_real)0 && !state.latched);
+    CHECK(sp_silence_passed(&exact, &state, (sp_real)2048) == (sp_real)1048577);
+    CHECK(state.latched && state.silent_s == (sp_real)0 && state.lost_s == (sp_real)0);
+}
+
 int main(void)
 {
+    the_last_tick_lasts_what_the_missed_ones_leave();
+    half_a_tick_more_is_a_tick_missed();
+    the_watchdogs_own_time_is_not_latched_and_what_is_begins_anew();
     silences_add_up();
     ticks_without_a_sample_are_counted();
     measured_times_are_rounded_to_ticks();
