@@ -56,7 +56,7 @@ static void what_cannot_be_paid_is_cut(void)
         double left_j, step_m, in, out;
     } cases[] = {{8, -1, 4, 4},  {8, -1, 5, 4},   {8, -2, 5, 2}, {8, 2, 5, 5},
                  {0, -1, 5, 0},  {-1, -1, 5, 0},  {-1, 1, 5, 5}, {0, 0, 5, 5},
-                 {8, 2, -5, -2}, {8, -2, -5, -5}, {0, 1, -5, 0}};
+                 {8, 2, -5, -2}, {8, -2, -5, -5}, {0, 1, -5, 0}, {0.25, -1, 4, 0.125}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const sp_energy_state state = {.left_j = (sp_real)cases[i].left_j};
         int notes = SP_NOTE_RAMPED;
@@ -72,9 +72,10 @@ static void every_four_ticks_a_look_at_the_motion(void)
 {
     const struct {
         double x, step_m, bend_m, turn_m, ticks;
-    } cases[] = {{1, 0, 0, 0, 1},     {2, 0, 0, 0, 2},        {3, 0, 0, 0, 3},
-                 {8, 2, 0.5, 0.5, 0}, {8, 2, 0.5, 0.5, 1},    {8, 2, 0.5, 0.5, 2},
-                 {8, 2, 0.5, 0.5, 3}, {12, 1, -0.25, 0.25, 0}};
+    } cases[] = {{1, 0, 0, 0, 1},         {2, 0, 0, 0, 2},         {3, 0, 0, 0, 3},
+                 {8, 2, 0.5, 0.5, 0},     {8, 2, 0.5, 0.5, 1},     {8, 2, 0.5, 0.5, 2},
+                 {8, 2, 0.5, 0.5, 3},     {12, 1, -0.25, 0.25, 0}, {13, 1, -0.25, 0.25, 1},
+                 {14, 1, -0.25, 0.25, 2}, {15, 1, -0.25, 0.25, 3}, {16, 1, 0, 0.125, 0}};
     sp_energy_state state = {0};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         pay(&config, &state, 0, cases[i].x);
@@ -95,8 +96,8 @@ static void the_force_falls_with_the_square_of_the_depth(void)
 {
     const struct {
         double from_m, to_m, share;
-    } cases[] = {{4, 2, 0.25}, {4, 4, 1},  {4, 5, 1},  {4, 0, 0},
-                 {4, -1, 0},   {0, -1, 1}, {-1, -2, 1}};
+    } cases[] = {{4, 2, 0.25}, {4, 4, 1},  {4, 5, 1},   {4, 0, 0},
+                 {4, -1, 0},   {0, -1, 1}, {-1, -2, 1}, {0.5, 0.25, 0.25}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         CHECK((double)sp_energy_share((sp_real)cases[i].from_m, (sp_real)cases[i].to_m) ==
               cases[i].share);
@@ -146,6 +147,46 @@ static void a_hand_turns_as_fast_as_it_did(void)
     CHECK(pulling.position_m == (sp_real)11 && pulling.left_j == (sp_real)8);
 }
 
+static void a_small_force_and_a_small_way_are_paid_as_great_ones(void)
+{
+    int notes = 0;
+    sp_energy_state state = {.left_j = (sp_real)8, .position_m = (sp_real)8, .turn_m = (sp_real)2};
+    (void)wait(&state, 0, 1, 0.5, &notes);
+    CHECK(state.position_m == (sp_real)5 && state.left_j == (sp_real)6.5);
+    sp_energy_state deeper = {
+        .left_j = (sp_real)8, .position_m = (sp_real)8, .step_m = (sp_real)0.125};
+    CHECK(wait(&deeper, 0, 1, 1, &notes) == 1.0);
+    CHECK(deeper.position_m == (sp_real)8 && deeper.left_j == (sp_real)8 && notes == 0);
+}
+
+static void where_nothing_is_given_nothing_is_paid(void)
+{
+    int notes = 0;
+    sp_energy_state state = {.left_j = (sp_real)8, .position_m = (sp_real)8, .step_m = (sp_real)-1};
+    CHECK(wait(&state, 0, 2, 0, &notes) == 0.0 && state.position_m == (sp_real)8 && notes == 0);
+}
+
+static void the_depth_is_counted_from_where_the_object_begins(void)
+{
+    sp_energy_config other = config;
+    other.from_m = (sp_real)4;
+    sp_energy_state state = {
+        .left_j = (sp_real)99, .position_m = (sp_real)8, .step_m = (sp_real)-2};
+    int notes = 0;
+    const sp_real force_n =
+        sp_energy_wait(&other, &state, (sp_real)0, (sp_real)1, (sp_real)4, &notes);
+    CHECK(force_n == (sp_real)1); /* half of 4 m, squared */
+}
+
+static void a_restart_forgets_the_motion(void)
+{
+    sp_energy_state state = {(sp_real)9, (sp_real)9, (sp_real)9, (sp_real)2,
+                             (sp_real)9, (sp_real)9, (sp_real)9};
+    sp_energy_restart(&config, &state, (sp_real)3);
+    CHECK(state.looked_m == (sp_real)3 && state.ticks == (sp_real)0);
+    CHECK(state.step_m == (sp_real)0 && state.bend_m == (sp_real)0 && state.turn_m == (sp_real)0);
+}
+
 static void steps_of_the_encoder_are_no_motion(void)
 {
     sp_energy_config coarse = config;
@@ -162,8 +203,8 @@ static void steps_of_the_encoder_are_no_motion(void)
 
 static void parts_of_a_tick_are_counted_to_the_nearest(void)
 {
-    const double ticks[] = {0.3, 0.5, 1.4, 1.6};
-    const double ways_m[] = {0, 1, 1, 2};
+    const double ticks[] = {0, -1, 0.3, 0.5, 1.4, 1.6};
+    const double ways_m[] = {0, 0, 0, 1, 1, 2};
     for (unsigned i = 0; i < sizeof ticks / sizeof ticks[0]; i++) {
         sp_energy_state state = {.left_j = (sp_real)1e3, .step_m = (sp_real)-1};
         int notes = 0;
@@ -182,6 +223,10 @@ int main(void)
     the_force_falls_with_the_square_of_the_depth();
     without_samples_the_tool_is_taken_to_go_on();
     a_hand_turns_as_fast_as_it_did();
+    a_small_force_and_a_small_way_are_paid_as_great_ones();
+    where_nothing_is_given_nothing_is_paid();
+    the_depth_is_counted_from_where_the_object_begins();
+    a_restart_forgets_the_motion();
     steps_of_the_encoder_are_no_motion();
     parts_of_a_tick_are_counted_to_the_nearest();
     return failed;
