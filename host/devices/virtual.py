@@ -68,7 +68,7 @@ class ReplayDevice(VirtualDevice):
         if abs(recording.dt_s * rate_hz - 1) > 1e-3:
             raise DataError(
                 f"{address.place} is sampled at {recording.rate_hz:g} Hz, the scene runs at "
-                f"{rate_hz:g} Hz: import it with --resample-hz {rate_hz:g}"
+                f"{rate_hz:g} Hz: import it from its source with --resample-hz {rate_hz:g}"
             )
         self._position_m = np.ascontiguousarray(recording.position_m)
         self._velocity_mps = np.ascontiguousarray(

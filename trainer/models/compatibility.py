@@ -26,7 +26,7 @@ def require_compatible(recording: Recording, model: Model, tick_s: float | None 
     if not slower and abs(ticks_between - 1.0) > 1e-3:
         raise DataError(
             f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
-            f"{1 / dt_s:g} Hz: import it with --resample-hz {1 / dt_s:g}"
+            f"{1 / dt_s:g} Hz: import it from its source with --resample-hz {1 / dt_s:g}"
         )
     moved = zero_of(model) != "none"
     if (recording.zero != "none") != moved:

@@ -119,6 +119,7 @@ def emission_rows(emission: Emission) -> dict[str, str]:
     left_out = emission.manifest["left_out"]
     rows = {
         "C source": str(emission.folder),
+        "tick": f"{1.0 / emission.manifest['dt_s']:.6g} Hz: call the step so often",
         "flash": f"{footprint.flash_bytes} bytes" if footprint else "unknown",
         "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
         "units": ", ".join(emission.manifest["units"]),

@@ -220,7 +220,8 @@ class _Feed:
         if abs(recording.dt_s / period_s - 1) > 1e-3:
             raise UsageError(
                 f"{file} is sampled at {recording.rate_hz:g} Hz, the board runs at "
-                f"{1 / period_s:g} Hz: import it with --resample-hz {1 / period_s:g}"
+                f"{1 / period_s:g} Hz: import it from its source with --resample-hz "
+                f"{1 / period_s:g}"
             )
         self._position_m = recording.position_m
         self._velocity_mps = backward_velocity(recording.position_m, recording.dt_s)
