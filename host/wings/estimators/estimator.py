@@ -35,7 +35,8 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     are lists of `Recording`. So a cross-validation holds out whole recordings. Score it by default
     or with scoring=`neg_rmse_n`: scikit-learn's own take samples for outputs, and are refused.
 
-    kind: a name of `springpot train --model`. dt_s: time between samples, s.
+    kind: a name of `springpot train --model`. dt_s: time between samples, s, which
+    arrays do not say: another one is another material.
     zero: "none" or None where position 0 is the object's surface, else "first" or "min".
     Other parameters as in FitOptions. After fit: model_ is a Model, for `springpot.write_model` and
     `springpot.emit`, fit_ what it took.
