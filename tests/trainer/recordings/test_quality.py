@@ -21,6 +21,7 @@ from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import Finding, three_digits
 from springpot.trainer.recordings.quality.motion import find_strokes
+from springpot.trainer.recordings.quality.plausible import glance
 from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import write_recording
@@ -343,3 +344,16 @@ def test_the_speed_of_a_staircase_is_that_of_its_ramps(seed: int) -> None:
     position_m = np.interp(np.arange(0.0, knots[-1][0], 0.02), *zip(*knots, strict=True))
     ((_, _, speed_mps),) = find_strokes(Recording("stairs", position_m, 1e3 * position_m, 0.02))
     assert speed_mps == pytest.approx(1e-3, rel=0.15)
+
+
+@pytest.mark.parametrize("samples", [5, 20])
+@pytest.mark.parametrize("hold", [200, 5000])
+def test_a_glance_has_the_speed_of_a_short_stroke_between_long_holds(
+    samples: int, hold: int
+) -> None:
+    position_m = np.interp(
+        np.arange(2 * (samples + hold)),
+        np.cumsum([0, hold, samples, hold, samples]), [0.0, 0.0, 1e-3, 1e-3, 0.0],
+    )  # fmt: skip
+    found = glance(Recording("a", position_m, 2e3 * position_m, 0.01))
+    assert found.speed_mps == pytest.approx(1e-3 / samples / 0.01, rel=0.2)

@@ -6,6 +6,7 @@ import numpy as np
 
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
 from springpot.trainer.recordings.quality.finding import three_digits
+from springpot.trainer.recordings.quality.motion import find_strokes
 from springpot.trainer.recordings.recording import Recording
 
 # Stiffness under a tip of a finger's size, 2 a E / (1 - nu^2) for a = 5 mm, from soft gels (1 kPa)
@@ -68,7 +69,9 @@ def glance(recording: Recording) -> Glance:
     stroke_m = float(np.ptp(recording.position_m))
     stiffness_npm = float(np.ptp(recording.force_n)) / stroke_m if stroke_m else 0.0
     steps_m = np.abs(np.diff(recording.position_m))
+    # Of a hundred samples one is noise; a fast stroke between long holds is in fewer.
     speed_mps = float(np.quantile(steps_m, 0.99)) / recording.dt_s
+    speed_mps = max(speed_mps, *(stroke[2] for stroke in find_strokes(recording)), 0.0)
     return Glance(
         stroke_m,
         float(np.abs(recording.force_n).max()),
