@@ -39,7 +39,7 @@ def in_python(text: str) -> str:
     >>> in_python("import with --contact-force auto, or --zero first")
     "import with Conditioning(contact_force='auto'), or zero='first'"
     """
-    text = re.sub(r"`springpot import`", "springpot.import_recordings", text)
+    text = text.replace("`springpot import`", "springpot.import_recordings")
     return _OPTION.sub(_argument, text)
 
 

@@ -174,9 +174,14 @@ def _other_zero_findings(
     """Yield a finding for what pushes more than others do at its depth, or pulls there.
 
     shown: those that meet the surface at position 0. An object that is kept pressed relaxes, so
-    that it pushes no more than one that is pressed from its surface, and it does not pull.
+    that it pushes no more than one that is pressed from its surface. Nor does it pull, if another
+    one was off it: what is pulled and pressed has no air.
     """
+    in_air = any(each.position_m.min() < -_NEAR * np.ptp(each.position_m) for each in shown)
     for recording, rest_n in loaded:
+        if rest_n < 0.0 and not in_air:
+            yield from _loaded_findings([(recording, rest_n)])
+            continue
         lowest_m = float(recording.position_m.min())
         near_m = lowest_m + _NEAR * float(np.ptp(recording.position_m))
         there_n = max(

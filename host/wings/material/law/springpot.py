@@ -50,9 +50,9 @@ def fit_springpot(
     )
     passive = replace(to_hammerstein(solid, moments.branches, data), recovers=way is not data)
     model = assemble(
-        "springpot", name, data, options, len(rows), (None, None), passive, True, metadata
+        "springpot", name, data, options, len(pressed), (None, None), passive, True, metadata
     )
-    return Fit(model, len(rows), 0.0, time.perf_counter() - begin, metadata=metadata)
+    return Fit(model, len(pressed), 0.0, time.perf_counter() - begin, metadata=metadata)
 
 
 def _own_way(data: TrainingSet, rows: NDArray[np.intp]) -> tuple[TrainingSet, NDArray[np.intp]]:

@@ -95,6 +95,17 @@ def test_a_preload_beside_free_presses_has_their_zero_or_another(zero: str) -> N
         assert not [its for found in said for its in found if "--zero" in its.to_do]
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_what_is_pulled_too_is_not_left_out_beside_a_press(seed: int) -> None:
+    """A strip with its zero in the middle, and a press of the same strip from there."""
+    rng = np.random.default_rng(seed)
+    wave_m, noise_n = 4e-3 * np.sin(2.0 * np.pi * TIME_S), rng.normal(0.0, 0.01, len(TIME_S))
+    both = Recording("both", wave_m, 2e3 * wave_m + noise_n, 1e-3)
+    pressed_m = 2e-3 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
+    press_only = Recording("press", pressed_m, 2e3 * pressed_m + noise_n, 1e-3)
+    assert not [found for found in contacts([both, press_only]) if "leave it out" in found.to_do]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["bergstrom-boyce", "mullins", "poro-viscoelastic"])
 def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path: Path) -> None:
