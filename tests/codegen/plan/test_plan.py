@@ -5,7 +5,7 @@ import pytest
 from support.small import DEPTH_M, scene, small_model
 
 from springpot.codegen.errors import UnsafeError, UsageError
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
 
 SCENE = Scene(schema=1, name="x", model="x")

@@ -11,7 +11,8 @@ import pytest
 from support.small import DT_S, model_file, press, scene, small_model, training, wandering
 
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference import run as codegen_reference
 from springpot.codegen.reference.notes import (
     CLAMPED,

@@ -22,7 +22,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.run import run_reference
 from springpot.host.native.replay import Replay

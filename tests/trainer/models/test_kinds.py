@@ -10,7 +10,7 @@ from support.small import press, recording, scene, training, wandering
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Guard
 from springpot.host.metrics import accuracy, rms

@@ -24,7 +24,7 @@ from support.small import recording, scene, training, wandering
 
 import springpot
 from springpot.codegen.errors import DataError, SpringpotError, UsageError
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.native.trial_build import built
 from springpot.host.wings.estimators.ensemble import ensemble_data, from_ensemble
 from springpot.host.wings.estimators.estimator import PositionRegressor
