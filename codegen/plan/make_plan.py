@@ -29,7 +29,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.model_force import RangeConfig, Stages
-from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
+from springpot.codegen.stages.passive.from_model import hammerstein_stage
 from springpot.codegen.stages.passive.lateral import lateral_stage
 from springpot.codegen.stages.stage import SceneTicks, vector_width_of
 from springpot.codegen.stages.tool_velocity import tool_velocity_stage

@@ -14,7 +14,8 @@ from springpot.codegen.stages import (
     recursive,
 )
 from springpot.codegen.stages.model_force import Stages
-from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.passive.from_model import hammerstein_stage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 from springpot.codegen.stages.stage import SceneTicks, feature_stage, regressor_stage
 
 # Importing them registers their stages.
