@@ -20,7 +20,7 @@ class LeftOut:
 
 
 def unused_orders(model: Model, dtype: type[Any]) -> list[LeftOut]:
-    """Fractional orders that no split uses."""
+    """List the fractional orders that no split uses."""
     if model.features is None or model.regressor is None:
         return []
     features = model.features
@@ -38,7 +38,7 @@ def unused_orders(model: Model, dtype: type[Any]) -> list[LeftOut]:
 def units_left_out(
     scene: Scene, ticks: SceneTicks, coupled: bool, estimates: bool, alpha: float | None
 ) -> list[LeftOut]:
-    """Units of the runtime that the scene does without."""
+    """List the units of the runtime that the scene does without."""
     size = np.dtype(ticks.dtype).itemsize
     needless = "the device gives it" if coupled else "nothing in this scene needs a velocity"
     found = (
