@@ -87,9 +87,7 @@ def running(program: Path) -> Iterator[str]:
     """The device as a process; its URL."""
     with subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                           text=True) as process:  # fmt: skip
-        assert process.stdout is not None
         yield process.stdout.readline().strip()
-        assert process.stdin is not None
         process.stdin.close()
 
 

@@ -80,7 +80,6 @@ def test_a_step_is_that_of_every_vector(seed: int, quantised: bool) -> None:
     # Vectors beyond the grid have the leaves of its border.
     beyond = [abs(force_n(forest, x) - force_n(forest, x - change)) for x in grid(3)]
     found = forest_step(forest, change)
-    assert found is not None
     assert found.exact
     assert found.force_n == pytest.approx(max(*steps, *beyond), abs=1e-12)
 

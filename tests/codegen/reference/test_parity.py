@@ -135,7 +135,6 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
     position = wandering(5, 1200).astype(plan.dtype)
     velocity = np.zeros_like(position)
     predicted_m = proxy_positions(plan, library, position, velocity)
-    assert predicted_m is not None
     right = run_reference(plan, position, velocity)
     assert_same_bits(run_reference(plan, position, velocity, predicted_m), right)
     assert_same_bits(run_reference(plan, position, velocity, 0.9 * predicted_m), right)

@@ -93,7 +93,6 @@ def pressed(way_m: np.ndarray, depth_m: float = 0.5 * DEPTH_M) -> np.ndarray:
 
 def test_the_force_sideways_is_a_spring_within_the_cone_and_the_cone_beyond() -> None:
     lateral = even().lateral
-    assert lateral is not None
     way_m = np.linspace(0.0, 6e-3, 600)
     with built(even()) as library:
         force_n, _ = slid(library, pressed(way_m))
@@ -168,7 +167,6 @@ PLANTED: dict[str, Sequence[Fault]] = {
 def test_the_adversary_finds_a_planted_fault(fault: str | None) -> None:
     """Behind a stiff spring, which takes little by itself."""
     plan = rough(random_model(0), 0.0)
-    assert plan.lateral is not None
     stiff = (literal(plan.lateral.anchor.stick_npm), literal(np.float64(2e4)))
     with sliding(plan, [stiff, *(PLANTED[fault] if fault else [])]) as emitted:
         found = least(emitted, range(40))

@@ -37,7 +37,6 @@ def plan_of(number: str = "float64") -> Plan:
 
 def slow() -> Model:
     model = placed("plain", 2)
-    assert model.hammerstein is not None
     return replace(model, hammerstein=replace(model.hammerstein, **SLOW))
 
 
@@ -88,7 +87,6 @@ def even() -> Plan:
     """A map of one amount, of a material with a slow branch."""
     model = placed("plain", 1)
     passive = model.hammerstein
-    assert passive is not None and passive.places is not None
     places = replace(passive.places, amounts=np.ones((3, 2, 1)))
     return make_plan(
         replace(model, hammerstein=replace(with_places(passive, places), recovers=True)), SLIDING

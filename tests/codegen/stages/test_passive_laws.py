@@ -48,7 +48,6 @@ LAWS: dict[str, dict[str, Any]] = {
 def model_of(kind: str, law: str, slow: bool = False) -> Model:
     fitted = small_model() if kind == "rf-fd" else passive_model()
     passive = fitted.hammerstein
-    assert passive is not None
     tau_s = np.array([0.01, 0.2, 2.0, HOUR_S if slow else 0.05])
     branch_n = np.linspace(0.1, 0.4, 4)[:, None] * CURVE_N
     stop_n = np.zeros((len(passive.radius_m), 9))
@@ -61,7 +60,6 @@ def model_of(kind: str, law: str, slow: bool = False) -> Model:
 
 
 def passive_of(model: Model) -> Hammerstein:
-    assert model.hammerstein is not None
     return model.hammerstein
 
 
@@ -140,7 +138,6 @@ def slow_model(kind: str, *ticks: float) -> Model:
         small_model() if kind == "rf-fd" else fit_model(kind, "x", training(), FitOptions()).model
     )
     passive = model.hammerstein
-    assert passive is not None
     weight = np.full_like(passive.elastic_n, 0.2)
     tau_s = np.array([ticks[0] * DT_S, 0.05, *(t * DT_S for t in ticks[1:])])
     slow = replace(passive, tau_s=tau_s, branch_n=np.tile(weight, (len(tau_s), 1)))

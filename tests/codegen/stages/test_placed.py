@@ -34,7 +34,6 @@ LAWS: dict[str, dict[str, Any]] = {"plain": {}, "all": RICH}
 def placed(law: str = "plain", materials: int = 2, seed: int = 0) -> Model:
     """Model of 3 x 2 nodes with random amounts."""
     fitted = passive_model()
-    assert fitted.hammerstein is not None
     rng = np.random.default_rng(seed)
     tau_s = np.array([0.01, 0.2, 2.0])
     passive = replace(
@@ -120,9 +119,7 @@ def test_a_reset_keeps_the_place() -> None:
 
 def test_the_emitted_force_is_that_of_the_place() -> None:
     model = placed("all", 2)
-    assert model.hammerstein is not None
     model = replace(model, hammerstein=replace(model.hammerstein, recovers=False))
-    assert model.hammerstein is not None
     here = (0.013, 0.002)
     one_place = replace(model, hammerstein=model.hammerstein.at(here))
     position = press(2.0)
@@ -141,7 +138,6 @@ def test_without_places_nothing_of_them_is_emitted() -> None:
 
 def test_limits_and_coupling_are_those_of_the_stiffest_place() -> None:
     model = placed()
-    assert model.hammerstein is not None and model.hammerstein.places is not None
     stiffest = model.hammerstein.at(None)
     here = make_plan(replace(model, hammerstein=stiffest), scene()).stiffness_npm
     assert make_plan(model, scene()).stiffness_npm >= here
@@ -155,7 +151,6 @@ def test_limits_and_coupling_are_those_of_the_stiffest_place() -> None:
 def test_a_map_that_would_not_be_passive_is_no_model(field: str, value: np.ndarray) -> None:
     model = placed()
     passive = model.hammerstein
-    assert passive is not None and passive.places is not None
     wrong = replace(passive, places=replace(passive.places, **{field: value}))
     with pytest.raises(DataError, match="places"):
         model_bytes(replace(model, hammerstein=wrong))
@@ -164,7 +159,6 @@ def test_a_map_that_would_not_be_passive_is_no_model(field: str, value: np.ndarr
 def min_work(model: Model, position: np.ndarray, taken: list[Any]) -> float:
     """Least work until any tick off the object, over peak force x depth."""
     passive = make_plan(model, scene(number="float64")).passive
-    assert passive is not None
     force_n = passive.reference(np.maximum(position, 0.0), np.array([0]), taken)
     force_n = np.where(position > 0, force_n, 0.0)
     work_j = np.cumsum(0.5 * (force_n[1:] + force_n[:-1]) * np.diff(position))
@@ -197,7 +191,6 @@ def test_no_press_on_a_thousand_maps_gives_energy_back(group: int) -> None:
 def test_a_place_that_changed_in_contact_would_give_energy_back() -> None:
     model = placed()
     passive = model.hammerstein
-    assert passive is not None and passive.places is not None
     amounts = np.full((3, 2, 2), 0.2)
     amounts[2, 1] = 2.0
     harder = with_places(passive, replace(passive.places, amounts=amounts))

@@ -27,7 +27,6 @@ class Watched(LateralMotion):
     """moved_j, renewed_j: by how much each tick's stored energy grew above what was paid for."""
 
     def __init__(self, plan: Plan) -> None:
-        assert plan.lateral is not None
         super().__init__(plan.lateral, np.float64)
         self.moved_j, self.renewed_j = [0.0], [0.0]
         self._paid_j = 0.0
@@ -76,7 +75,6 @@ def rubbed(seed: int, step_m: float, friction: float) -> tuple[float, float]:
     """The most that a move and a renewal add, over peak force x depth."""
     model, rng = random_model(seed), np.random.default_rng(seed)
     law = model.hammerstein
-    assert law is not None and law.places is not None
     size = (CELLS, CELLS, len(law.places.slopes_n))
     amounts = rng.exponential(5.0, size) * (rng.uniform(size=size) < 0.6) + 0.01
     grid = Places(np.zeros(2), np.full(2, step_m), amounts, law.places.slopes_n)

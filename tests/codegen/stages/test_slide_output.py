@@ -28,7 +28,6 @@ def on_grid(step_m: float, friction: float, rate_hz: float, number: str) -> Plan
     """A random material on a random map, with limits and account as they come."""
     model = random_model(3)
     passive = model.hammerstein
-    assert passive is not None and passive.places is not None
     rng = np.random.default_rng(10)
     size = (CELLS + 1, CELLS + 1, len(passive.places.slopes_n))
     amounts = rng.exponential(5.0, size) * (rng.uniform(size=size) < 0.6) + 0.01
@@ -109,7 +108,6 @@ def even(step_m: float, friction: float, rate_hz: float) -> Plan:
     """A map of one amount: its grid is nothing that a hand could feel."""
     plan = on_grid(step_m, friction, rate_hz, "float64")
     law = plan.model.hammerstein
-    assert law is not None and law.places is not None
     places = replace(law.places, amounts=np.full_like(law.places.amounts, 0.2))
     passive = replace(law, places=None)
     return make_plan(placed(passive, places), plan.scene)

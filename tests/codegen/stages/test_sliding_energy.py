@@ -141,7 +141,6 @@ def test_the_adversary_finds_a_planted_fault(fault: str) -> None:
 @pytest.mark.slow
 def test_the_adversary_finds_an_amount_below_0() -> None:
     model = random_model(0)
-    assert model.hammerstein is not None and model.hammerstein.places is not None
     amounts = model.hammerstein.places.amounts.copy()
     amounts[1:3, 1:3, 0] = -0.5 * amounts.max()  # of one material: the other one pushes on
     amounts[:, :, 1] = amounts.max()

@@ -77,7 +77,6 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     Where a tie decides, at few ticks, the forces may be those of neighbouring leaves or windows.
     """
     model = model_of(kind)
-    assert model.hammerstein is not None
     # The motion stays inside, where a surface that recovers changes nothing.
     model = dataclasses.replace(
         model, hammerstein=dataclasses.replace(model.hammerstein, recovers=False)

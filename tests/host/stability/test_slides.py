@@ -44,7 +44,6 @@ def test_slides_holds_and_rounds_are_bounded_and_quiet_with_every_hand(friction:
 
 def test_a_spring_that_the_device_does_not_bear_is_found() -> None:
     plan = sliding(0.8)
-    assert plan.lateral is not None
     stiff_npm = np.float32(1.2 * spring_limit_npm(plan.dt_s, plan.loop_device))
     anchor = replace(plan.lateral.anchor, stick_npm=stiff_npm)
     outcomes = found(replace(plan, lateral=replace(plan.lateral, anchor=anchor)))
@@ -65,7 +64,6 @@ def test_a_round_that_gives_energy_is_named() -> None:
 
 def test_the_cases_are_about_the_steepest_edge_of_the_map() -> None:
     plan = sliding(0.0)
-    assert plan.lateral is not None
     amounts = plan.lateral.placed.amounts[:, :, 0]
     steepest = max(
         np.abs(amounts[2:] - amounts[:-2]).max(), np.abs(amounts[:, 2:] - amounts[:, :-2]).max()

@@ -282,7 +282,6 @@ def test_a_push_is_judged_by_where_the_object_bears_it(relaxing: float, tau_s: f
     """A linear object that relaxes bears the clamp's push deep below the trained depth."""
     fitted = passive_model()
     law = fitted.hammerstein
-    assert law is not None
     curve_n = np.full(law.elastic_n.size, law.elastic_n.mean())
     linear = dataclasses.replace(
         law, elastic_n=(1.0 - relaxing) * curve_n, tau_s=np.array([tau_s]),

@@ -32,7 +32,6 @@ PLACES = ((0.0, 0.0), (0.007, 0.004), (0.01, 0.01))
 def placed_model() -> Model:
     model = passive_model()
     passive = model.hammerstein
-    assert passive is not None
     amounts = np.array([[[0.5], [0.7]], [[0.9], [1.0]]])
     grid = np.zeros(2), np.full(2, 0.01)
     places = Places(*grid, amounts, passive.slopes_n[None])

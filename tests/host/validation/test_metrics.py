@@ -26,7 +26,6 @@ def test_figures_of_a_known_error() -> None:
     assert found.rmse_percent_of_peak == pytest.approx(10 * found.rmse_n)
     each = [np.sqrt(1.36 / 4), np.sqrt(0.16 / 2)]
     assert found.mean_recording_rmse_n == pytest.approx(np.mean(each))
-    assert found.interval_n is not None
     assert min(each) - 1e-12 <= found.interval_n[0] <= found.interval_n[1] <= max(each) + 1e-12
     assert found.max_abs_error_n == 1.0
     # Above 2 N: 0, 0, 20 %, 0, 8 %.

@@ -92,7 +92,6 @@ def fitted() -> Hammerstein:
             recordings.append(Recording(f"{share}-{frequency_hz}", depth_m, force_n, DT_S))
     data = training_set(recordings, smooth_s=0.0)
     fit = fit_hammerstein("x", data, FitOptions())
-    assert fit.model.hammerstein is not None
     assert len(fit.model.hammerstein.radius_m) > 0
     assert len(fit.model.hammerstein.tau_s) > 0
     return fit.model.hammerstein
