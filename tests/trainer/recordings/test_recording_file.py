@@ -212,29 +212,23 @@ def test_an_existing_file_is_kept_where_that_is_asked(tmp_path: Path) -> None:
     [
         ({"position_m": np.zeros(4)}, r"press: position has \(4,\) samples and force \(3,\)"),
         ({"position_m": np.zeros((3, 1)), "force_n": np.zeros((3, 1))}, "give two 1-D channels"),
-        (
-            {"position_m": np.zeros(1), "force_n": np.zeros(1), "channels": {}},
-            "press: 1 rows: .* needs two",
-        ),
+        ({"position_m": [0.0], "force_n": [0.0], "channels": {}}, "press: 1 rows: .* needs two"),
         ({"channels": {"notes": np.zeros(2)}}, r"press: notes has \(2,\) samples"),
-        ({"dt_s": 0.0}, "press: dt_s=0.0 is not a time step"),
-        ({"dt_s": -1e-3}, "press: dt_s=-0.001 is not a time step"),
-        ({"dt_s": float("inf")}, "press: dt_s=inf is not a time step"),
-        ({"dt_s": float("nan")}, "press: dt_s=nan is not a time step"),
-        (
-            {"position_m": np.array([0.0, 1.0, np.nan])},
-            r"press: position is not finite at row 2 \(1 rows",
-        ),
-        (
-            {"force_n": np.array([0.0, np.inf, -np.inf])},
-            r"press: force is not finite at row 1 \(2 rows",
-        ),
-        ({"name": "a/b"}, "a recording named"),
+        *(({"dt_s": dt_s}, f"press: dt_s={dt_s} is not a time step")
+          for dt_s in (0.0, -1e-3, float("inf"), float("nan"))),
+        *(({"dt_s": dt_s}, "dt_s") for dt_s in ("0.001", None, True)),
+        ({"position_m": [0.0, 1.0, np.nan]}, r"press: position is not finite at row 2 \(1 rows"),
+        ({"force_n": [0.0, np.inf, -np.inf]}, r"press: force is not finite at row 1 \(2 rows"),
+        *(({"force_n": wrong}, "force_n: ") for wrong in ([True] * 3, [0j] * 3, ["0"] * 3)),
+        ({"position_m": np.ma.masked_less([0.0, 1.0, 2.0], 1.0)}, "position_m: "),
+        ({"position_m": [[0.0], [0.0, 1.0]]}, "position_m: "),
+        *(({"name": name}, "a recording named|name") for name in ("a/b", 5, None)),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_recording_is_refused(changes: dict[str, object], told: str) -> None:
-    with pytest.raises(DataError, match=told):
+    with pytest.raises(DataError, match=told) as refused:
         dataclasses.replace(PRESS, **changes)  # type: ignore[arg-type]
+    assert str(refused.value).isprintable()
 
 
 def test_two_samples_are_a_recording() -> None:
