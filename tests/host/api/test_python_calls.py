@@ -25,13 +25,6 @@ import springpot
 from springpot.trainer.models.predict import predict_n
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("emitted") / "c"
-    springpot.emit(folder, model=passive_model(), scene=scene())
-    return folder
-
-
 def test_emit_writes_what_the_command_writes(tmp_path, folder):
     model_file(tmp_path)
     file = tmp_path / "scene.toml"

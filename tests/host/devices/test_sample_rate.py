@@ -2,13 +2,11 @@
 
 import pytest
 from support.peer import peer, wait_until
-from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.cli import exit_status
 from springpot.host.devices import device as device_module
 from springpot.host.devices.device import require_sample_rate
-from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import Stop
 from springpot.host.session.session import Session
 
@@ -60,10 +58,9 @@ def test_a_silent_device_is_the_sessions_matter(count_of):
 
 
 @pytest.mark.realtime
-def test_a_rate_that_falls_in_a_session(tmp_path):
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
+def test_a_rate_that_falls_in_a_session(folder):
     with peer("serial_device", "--thin-after", 0.4) as device:
-        with Session(tmp_path / "c", device.url, report=list) as session:
+        with Session(folder, device.url, report=list) as session:
             session.start()
             wait_until(lambda: session.runner.over, 20, "does not end")
         assert device.wait_for("stop")["force_n"] == 0

@@ -7,11 +7,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from support.peer import peer, wait_until
-from support.small import model_file, scene
 
 from springpot.host.cli import exit_status
 from springpot.host.commands.scenes.run import run
-from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import Stop, empty_rows
 from springpot.host.recording.indentation import trip_error
 from springpot.host.session import runner
@@ -104,8 +102,7 @@ def test_a_trip_names_who_was_late() -> None:
 @pytest.mark.parametrize(
     ("number", "who"), [(signal.SIGTERM, "SIGTERM"), (signal.SIGINT, "Ctrl-C")]
 )
-def test_a_signal_is_named(tmp_path: Path, number: int, who: str) -> None:
-    folder = emit(scene(), model_file(tmp_path), tmp_path / "c").folder
+def test_a_signal_is_named(folder: Path, tmp_path: Path, number: int, who: str) -> None:
     told: list[str] = []
     session = Session(folder, "sim://ecoflex-00-30", tmp_path / "a.h5", report=told.append)
     with pytest.raises(KeyboardInterrupt), stopping_on_sigterm(), session:
@@ -119,10 +116,9 @@ def test_a_signal_is_named(tmp_path: Path, number: int, who: str) -> None:
 
 
 def test_ctrl_c_before_it_began_is_only_that(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """While the device is opened, for instance: no result of a session that never was."""
-    folder = emit(scene(), model_file(tmp_path), tmp_path / "c").folder
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -135,8 +131,7 @@ def test_ctrl_c_before_it_began_is_only_that(
     assert not [*tmp_path.glob("a.*")]
 
 
-def test_a_session_without_a_tick_leaves_no_log(tmp_path: Path) -> None:
-    folder = emit(scene(), model_file(tmp_path), tmp_path / "c").folder
+def test_a_session_without_a_tick_leaves_no_log(folder: Path, tmp_path: Path) -> None:
     with Session(folder, "sim://ecoflex-00-30", tmp_path / "a.h5", report=[].append) as session:
         pass
     assert session.result()["log"] is None

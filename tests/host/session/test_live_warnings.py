@@ -6,7 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from support.peer import wait_until
-from support.small import DEPTH_M, model_file, passive_model, press, recording, scene
+from support.small import DEPTH_M, passive_model, press, recording, scene
 
 from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.notes import (
@@ -18,7 +18,6 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
-from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LINE_S, MAX_EVENTS, LiveWarnings
 from springpot.host.session.outcome import NOTE_WORDS
@@ -155,14 +154,13 @@ def test_rows_may_come_in_any_number(drain):
     assert watched(rows, drain)[1] == watched(rows, 20)[1]
 
 
-def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(tmp_path):
+def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_path):
     """A recording a third deeper than the training, through the whole session."""
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
     deep = np.concatenate([np.zeros(200), press(1.0, 1.33 * DEPTH_M), np.zeros(800)])
     write_recording(tmp_path / "deep.h5", recording("deep", deep))
     said = []
     log = tmp_path / "log.h5"
-    with Session(tmp_path / "c", f"replay://{tmp_path}/deep.h5", log, report=list,
+    with Session(folder, f"replay://{tmp_path}/deep.h5", log, report=list,
                  alarm=lambda *line: said.append(line)) as session:  # fmt: skip
         session.start()
         wait_until(lambda: session.runner.over, 20, "the session does not end")
