@@ -3,12 +3,11 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from support.small import DT_S, model_file, press, scene, small_model, training, wandering
+from support.small import DT_S, press, scene, small_model, training, wandering
 
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.plan.plan import Plan, make_plan
@@ -26,7 +25,6 @@ from springpot.codegen.reference.notes import (
 from springpot.codegen.reference.run import Run, run_reference
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import Stages, model_force
-from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built
@@ -80,10 +78,6 @@ def compared(found: Emitted, position_m: np.ndarray, predicted: bool = True) -> 
     return Run(force_n, notes), run_reference(plan, position, velocity, predicted_m)
 
 
-def both(position_m: np.ndarray, **options: str) -> tuple[Run, Run]:
-    return compared(emitted(**options), position_m)
-
-
 def assert_same_bits(c: Run, reference: Run) -> None:
     bits = np.uint32 if c.force_n.dtype == np.float32 else np.uint64
     np.testing.assert_array_equal(c.force_n.view(bits), reference.force_n.view(bits))
@@ -126,37 +120,24 @@ def test_hostile_motion_raises_every_note() -> None:
 
 
 def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
-    tmp_path: Path,
+    shape_of: Callable[[str, str], Emitted],
 ) -> None:
-    chosen = scene(mode="proxy")
-    emit(chosen, model_file(tmp_path, small_model()), tmp_path / "c")
-    plan = make_plan(small_model(), chosen)
-    library = SceneLibrary(tmp_path / "c")
+    plan, library = shape_of("proxy", "float32")
     position = wandering(5, 1200).astype(plan.dtype)
     velocity = np.zeros_like(position)
     predicted_m = proxy_positions(plan, library, position, velocity)
     right = run_reference(plan, position, velocity)
-    assert_same_bits(run_reference(plan, position, velocity, predicted_m), right)
-    assert_same_bits(run_reference(plan, position, velocity, 0.9 * predicted_m), right)
+    for predicted in (predicted_m, 0.9 * predicted_m):
+        assert_same_bits(run_reference(plan, position, velocity, predicted), right)
     assert_same_bits(Run(*Replay(library).run(position, velocity)), right)
 
 
-def test_m2cgen_and_the_table_give_the_same_bits() -> None:
-    motion = wandering(4)
-    table, _ = both(motion)
-    ifs, _ = both(motion, forest="m2cgen")
-    assert_same_bits(table, ifs)
-
-
-def test_two_halves_give_what_the_whole_gives(tmp_path: Path) -> None:
-    emit(scene(mode="tool"), model_file(tmp_path), tmp_path / "c")
-    library = SceneLibrary(tmp_path / "c")
+def test_two_halves_give_what_the_whole_gives(shape_of: Callable[[str, str], Emitted]) -> None:
+    _, library = shape_of("tool", "float32")
     motion = press(2.0)
-    whole, _ = library.new_state().run(motion)
     state = library.new_state()
-    first, _ = state.run(motion[:217])
-    second, _ = state.run(motion[217:])
-    np.testing.assert_array_equal(np.concatenate([first, second]), whole)
+    halves = [state.run(part)[0] for part in (motion[:217], motion[217:])]
+    np.testing.assert_array_equal(np.concatenate(halves), library.new_state().run(motion)[0])
 
 
 def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from codegen.stages.test_lateral import SLIDING as FREE, at_depth, slid, slow
+from codegen.stages.test_lateral import SLIDING as FREE, at_depth, slid
 from codegen.stages.test_placed import placed
 from codegen.stages.test_sliding_energy import (
     BOUND,
@@ -21,7 +21,7 @@ from codegen.stages.test_sliding_energy import (
 )
 from codegen.stages.test_sliding_silence import SHARE, accounted, most_returned
 from support.c.sliding import Fault, sliding
-from support.small import DEPTH_M, DT_S, press, scene, wandering
+from support.small import DEPTH_M, DT_S
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import literal
@@ -29,8 +29,6 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.plan import Plan, make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.scene import ScenePlaces
 from springpot.host.native.trial_build import built
 
@@ -50,11 +48,6 @@ def rough(model: Model, friction: float = MU) -> Plan:
 
 
 @cache
-def plan_of(number: str = "float64") -> Plan:
-    return sticking(make_plan(slow(), replace(FREE, runtime=scene(number=number).runtime)))
-
-
-@cache
 def even() -> Plan:
     """A map of one amount, of a spring alone."""
     curve = np.ones(9)
@@ -64,24 +57,6 @@ def even() -> Plan:
     )  # fmt: skip
     grid = Places(np.zeros(2), np.full(2, STEP_M), np.ones((4, 4, 1)), passive.slopes_n[None])
     return rough(on_map(passive, grid))
-
-
-@pytest.mark.parametrize("number", ["float32", "float64"])
-def test_same_bits_as_the_reference(number: str) -> None:
-    plan = plan_of(number)
-    depth_m = np.concatenate([1.2 * press(6.0), wandering(3)[:100], press(6.0), np.zeros(5)])
-    turn = 12.0 * np.arange(len(depth_m)) / len(depth_m)
-    position_m = at_depth(depth_m, 0.01 + 0.015 * np.sin(turn), 0.012 * np.cos(turn))
-    position_m[100:103, 1] = np.nan
-    position_m = np.concatenate([position_m, np.full((40, 3), np.nan), position_m[-3:]])
-    with built(plan) as library:
-        assert library.selftest() == 0
-        assert library.state_bytes == state_bytes(plan)
-        force_n, notes = slid(library, position_m)
-    reference = run_lateral(plan, position_m)
-    np.testing.assert_array_equal(force_n, reference.force_n)
-    np.testing.assert_array_equal(notes, reference.notes)
-    assert np.ptp(force_n, axis=0).min() > 0.1
 
 
 def pressed(way_m: np.ndarray, depth_m: float = 0.5 * DEPTH_M) -> np.ndarray:

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from support.small import damage, flow, passive_model, press, scene, wandering
 
-from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_bytes
 from springpot.codegen.model.passive import Hammerstein
@@ -120,9 +119,8 @@ def test_a_reset_keeps_the_place() -> None:
 def test_the_emitted_force_is_that_of_the_place() -> None:
     model = placed("all", 2)
     model = replace(model, hammerstein=replace(model.hammerstein, recovers=False))
-    here = (0.013, 0.002)
+    here, position = (0.013, 0.002), press(2.0)
     one_place = replace(model, hammerstein=model.hammerstein.at(here))
-    position = press(2.0)
     forces = [
         run_reference(make_plan(each, scene(number="float64")), position, places=places).force_n
         for each, places in ((model, [(0, here)]), (one_place, []))
@@ -130,17 +128,10 @@ def test_the_emitted_force_is_that_of_the_place() -> None:
     np.testing.assert_allclose(forces[0], forces[1], atol=1e-12 * forces[1].max())
 
 
-def test_without_places_nothing_of_them_is_emitted() -> None:
-    files = emit_files(make_plan(passive_model(), scene()))
-    assert "sp_map.h" not in files
-    assert "sp_place" not in files["sp.h"]
-
-
 def test_limits_and_coupling_are_those_of_the_stiffest_place() -> None:
     model = placed()
-    stiffest = model.hammerstein.at(None)
-    here = make_plan(replace(model, hammerstein=stiffest), scene()).stiffness_npm
-    assert make_plan(model, scene()).stiffness_npm >= here
+    stiffest = replace(model, hammerstein=model.hammerstein.at(None))
+    assert make_plan(model, scene()).stiffness_npm >= make_plan(stiffest, scene()).stiffness_npm
 
 
 @pytest.mark.parametrize(
@@ -149,11 +140,10 @@ def test_limits_and_coupling_are_those_of_the_stiffest_place() -> None:
      ("amounts", 9.0 * np.ones((3, 2, 2))), ("amounts", np.ones((1, 2, 2)))],
 )  # fmt: skip
 def test_a_map_that_would_not_be_passive_is_no_model(field: str, value: np.ndarray) -> None:
-    model = placed()
-    passive = model.hammerstein
-    wrong = replace(passive, places=replace(passive.places, **{field: value}))
+    law = placed().hammerstein
+    wrong = replace(law, places=replace(law.places, **{field: value}))
     with pytest.raises(DataError, match="places"):
-        model_bytes(replace(model, hammerstein=wrong))
+        model_bytes(replace(placed(), hammerstein=wrong))
 
 
 def min_work(model: Model, position: np.ndarray, taken: list[Any]) -> float:
@@ -190,18 +180,9 @@ def test_no_press_on_a_thousand_maps_gives_energy_back(group: int) -> None:
 
 def test_a_place_that_changed_in_contact_would_give_energy_back() -> None:
     model = placed()
-    passive = model.hammerstein
     amounts = np.full((3, 2, 2), 0.2)
     amounts[2, 1] = 2.0
-    harder = with_places(passive, replace(passive.places, amounts=amounts))
+    harder = with_places(model.hammerstein, replace(model.hammerstein.places, amounts=amounts))
     position = np.concatenate([press(1.0), [-1e-4, -1e-4]])
     taken = [(0, (0.0, -0.01)), (int(np.argmax(position)), (0.02, 0.01))]
     assert min_work(replace(model, hammerstein=harder), position, taken) < -1e-2
-
-
-def test_a_scene_without_a_map_has_no_places() -> None:
-    with (
-        built(make_plan(passive_model(), scene())) as library,
-        pytest.raises(UsageError, match="map"),
-    ):
-        library.new_state().place((0.0, 0.0))

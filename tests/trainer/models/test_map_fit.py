@@ -23,7 +23,6 @@ from springpot.host.simulation.objects import parse_url
 from springpot.host.validation.validation import validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.passive.map_grid import grid_of
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
@@ -71,16 +70,6 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
     nowhere = Recording("lost", whole[0].position_m, whole[0].force_n, DT_S)
     with pytest.raises(DataError, match="others none"):
         fit_model("auto", "map", [*whole, nowhere], FitOptions())
-
-
-@pytest.mark.parametrize("sites", [SITES, [(0.0, 0.0), (0.03, 0.0), (0.02, 0.01), (0.0, 0.03)]])
-def test_the_nodes_of_a_grid_cover_the_sites(sites: list[Site]) -> None:
-    grid = grid_of(sites)
-    nodes = np.stack(np.meshgrid(*(
-        grid.first_m[axis] + grid.step_m[axis] * np.arange(grid.nodes[axis]) for axis in (0, 1)
-    ), indexing="ij"), axis=-1).reshape(-1, 2)  # fmt: skip
-    np.testing.assert_allclose(grid.weights @ nodes, sites, atol=1e-12)
-    np.testing.assert_allclose(grid.weights.sum(axis=1), 1.0)
 
 
 @cache

@@ -85,13 +85,6 @@ def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() 
                 assert normal_equations(values[out], force_n[out]).rmse(weights) < peak_n
 
 
-def test_what_no_shallow_press_tells_is_learnt_from_the_deep_one() -> None:
-    fit = fit_model("hammerstein", "x", one_twice_as_deep(), FitOptions(smooth_s=0.0))
-    test = tissue("other", press(0.7, 0.8 * DEPTH_M), 4.0)
-    found = accuracy([test.force_n], [predict_n(fit.model, test)])
-    assert found.rmse_percent_of_peak < 4.0
-
-
 @pytest.mark.parametrize(("stiffening", "percent"), [(4.0, 1.0), (12.0, 4.0)])
 def test_a_rise_between_two_trained_depths_goes_on_smoothly(
     stiffening: float, percent: float
