@@ -18,10 +18,6 @@ from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
-KEYS = {"ticks", "expected_ticks", "late", "lateness_us", "tick_us", "steal_ms", "ring_dropped",
-        "sequence_gaps", "stale_samples", "crc_errors", "watchdog_trips", "latched", "log",
-        "scheduler"}  # fmt: skip
-
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
@@ -63,7 +59,6 @@ def test_a_simulated_hand(tmp_path, folders, number):
         session.start()
         finish(session)
     result = session.result()
-    assert result.keys() >= KEYS
     assert abs(result["ticks"] - 1000) <= 1
     assert result["expected_ticks"] == 1000
     assert result["ring_dropped"] == result["stale_samples"] == result["watchdog_trips"] == 0

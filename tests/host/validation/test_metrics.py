@@ -9,11 +9,7 @@ import pytest
 from support.in_process import spring
 from support.small import press, recording, training
 
-from springpot.host.metrics import (
-    accuracy,
-    just_noticeable_percent,
-    start_up_ramp,
-)
+from springpot.host.metrics import accuracy, just_noticeable_percent, start_up_ramp
 from springpot.trainer.recordings.recording_file import write_recording
 
 
@@ -53,9 +49,6 @@ def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
     np.testing.assert_allclose(just_noticeable_percent(np.array([0.5, 2.0, 9.0])), [40, 10, 10])
 
 
-KEYS = {"noise_floor_n", "noise_floor_from", "noise_floor", "error_per_floor", "error_per_jnd"}
-
-
 def test_train_gives_both(tmp_path: Path) -> None:
     noise = np.random.default_rng(0)
     for folder, items in (("rec", training()), ("new", [recording("new", press(2.0))])):
@@ -70,7 +63,6 @@ def test_train_gives_both(tmp_path: Path) -> None:
         spring("train", tmp_path / "rec", "--model", "hammerstein", "--out", tmp_path / "m.spm",
                "--validate", tmp_path / "new", "--json").stdout
     )  # fmt: skip
-    assert set(trained) >= KEYS
     assert trained["noise_floor_n"] == pytest.approx(0.02, rel=0.1)
     assert trained["noise_floor"] == f"from 2 repeats of each of {len(training()) + 1} presses"
     assert trained["error_per_floor"] == pytest.approx(trained["rmse_n"] / trained["noise_floor_n"])
