@@ -233,10 +233,10 @@ def a_plan(
     )  # fmt: skip
 
 
-SCENES = itertools.product(
+SCENES = list(itertools.product(
     (False, True), ("auto", "off", "proxy"), ({}, {"viscous_nspm": 2.0}, {"delay_s": 0.002}),
     (False, True), (11.9, 12.0), (False, True),
-)  # fmt: skip
+))  # fmt: skip
 
 
 @pytest.mark.parametrize(("regressor", "mode", "device", "cut", "max_force_n", "slides"), SCENES)

@@ -193,9 +193,7 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
 
 def test_no_coupling_is_advised_where_none_is_stable() -> None:
     plan = make_plan(small_model().stiffened(2e3), scene(), accept_unsafe=True)
-    with pytest.raises(
-        UnsafeError, match=r"no coupling is stable at 1000 Hz .* record at a higher"
-    ):
+    with pytest.raises(UnsafeError, match=r"no coupling is stable at 1000 Hz .* record at a"):
         require_stable(plan)
 
 
