@@ -16,6 +16,7 @@ from springpot.codegen.plan.plan import make_plan
 from springpot.codegen.reference.notes import ENERGY
 from springpot.codegen.scene import Coupling, Device, Guard, Scene
 from springpot.host.commands.scenes.stability import stability_rows
+from springpot.host.emission.emission import _activity
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
 from springpot.host.stability.check import Stability
@@ -261,3 +262,13 @@ def test_no_remedy_is_what_the_scene_has_or_may_not_have(
         assert ("guard.max_force_n" in why) == (max_force_n >= 12.0)
         assert ("viscous_nspm" in why) == (cut and "viscous_nspm" not in device)
         assert ("one of these or several: " in why) == ("; " in why)
+
+
+@pytest.mark.parametrize("inside", [0, 3])
+@pytest.mark.parametrize("outside", [0, 1])
+def test_only_cells_that_give_energy_are_counted_by_emit(inside: int, outside: int) -> None:
+    counts = {False: (inside, 30), True: (outside, 18)}
+    told = " ".join(_activity(SimpleNamespace(model_map=SimpleNamespace(active=counts.get))))
+    assert " 0 of" not in told
+    assert ("3 of 30 small-signal cells" in told) == (inside > 0)
+    assert ("1 of 18 small-signal cells beyond the trained depth" in told) == (outside > 0)
