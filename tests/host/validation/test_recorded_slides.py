@@ -20,6 +20,7 @@ from springpot.host.stability.judgement import Grade
 from springpot.host.validation.parts import SlideError
 from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import Validation, validate
+from springpot.host.wings.export.exporting import export_recording
 from springpot.host.wings.report.findings import slide_findings
 from springpot.host.wings.report.relaxation import recorded_hold
 from springpot.trainer.kinds import fit_model
@@ -29,7 +30,6 @@ from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.recording import Recording
 
 pytestmark = pytest.mark.slow
-HEADER = "time_s,position_m,force_N,place_x_mm,place_y_mm,lateral_x_N,lateral_y_N"
 
 
 @pytest.fixture(scope="module")
@@ -139,18 +139,11 @@ def test_columns_of_places_that_change_are_a_slide(
     folders: dict[str, Path], tmp_path: Path
 ) -> None:
     slide = rendered(folders["lateral"], 0)
-    x_m, y_m, x_n, y_n = (slide.channels[name] for name in ("x_m", "y_m", "x_n", "y_n"))
-    time_s = DT_S * np.arange(len(x_m))
-    table = np.column_stack([
-        time_s, slide.position_m, slide.force_n, 1e3 * x_m, 1e3 * y_m, x_n, y_n
-    ])  # fmt: skip
-    np.savetxt(tmp_path / "slid.csv", table, "%.9g", ",", header=HEADER, comments="")
-    read = import_file(tmp_path / "slid.csv", None, "none", None)
+    read = import_file(export_recording(tmp_path, slide, "csv"), None, "none", None)
     assert "slides: x " in read.guess
     (found,) = read.recordings
     for name, samples in slide.channels.items():
         np.testing.assert_allclose(found.channels[name], samples, atol=1e-9)
-    assert found.place_m is None
     row = validation_rows(compared(folders["lateral"], [found]))["slides"]
     assert row.startswith("1 slide: along the depth") and "correlation 1.00" in row
 
