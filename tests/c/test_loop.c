@@ -71,14 +71,6 @@ static int out_of_place(void)
     return count;
 }
 
-TEST(each_period_gets_its_sample)
-{
-    samples_each(PERIOD_US);
-    run_loop();
-    CHECK(n >= TICKS - 1 && end.reason == SP_STOP_TIME);
-    CHECK(out_of_place() == 0 && end.unused == 0 && end.stale == 0);
-}
-
 /* By half a period to two and more: every sample is stepped once, in order, in its period's row,
  * and a force goes out in each period. */
 TEST(a_late_sample_is_that_of_its_period)
@@ -97,22 +89,6 @@ TEST(a_late_sample_is_that_of_its_period)
                                                    : sim.written_n[100]));
         CHECK(rows[100].sent_n == (open ? 100.0 : 101.0));
         CHECK(rows[100].returned_n == 101.0);
-    }
-}
-
-TEST(a_lost_sample_is_one_idle_period)
-{
-    for (int lost = 1; lost <= 6; lost++) {
-        samples_each(PERIOD_US);
-        for (int k = 0; k < lost; k++) {
-            arrival_us[100 + k] = LOST;
-        }
-        run_loop();
-        CHECK(out_of_place() == lost && sim.idles == lost && end.unused == 0);
-        for (int k = 0; k < lost; k++) {
-            CHECK(is_idle((uint32_t)(100 + k)));
-        }
-        CHECK(rows[100 + lost].position_m == 100.0 + lost);
     }
 }
 
