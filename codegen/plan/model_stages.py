@@ -1,9 +1,4 @@
-"""The model's part of a plan: which stages it needs, and the orders that no split uses."""
-
-from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+"""The model's part of a plan: which stages it needs."""
 
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import UsageError
@@ -19,20 +14,12 @@ from springpot.codegen.stages import (
     recursive,
 )
 from springpot.codegen.stages.model_force import Stages
-from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.codegen.stages.stage import SceneTicks, feature_stage, padded, regressor_stage
+from springpot.codegen.stages.passive.from_model import hammerstein_stage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage
+from springpot.codegen.stages.stage import SceneTicks, feature_stage, regressor_stage
 
 # Importing them registers their stages.
 REGISTERED = (fast_fir, fir, forest, lags, position_velocity, rbf, recursive)
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """One thing that the scene does not need; bytes: tables and state saved, code apart."""
-
-    what: str
-    why: str
-    bytes: int
 
 
 def model_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
@@ -56,19 +43,3 @@ def model_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
     with blaming("the stage of the regressor", type(model.regressor), UsageError):
         regressor = regressor_stage(model.regressor, kept, scene.runtime, ticks.dtype)
     return Stages(features, regressor, passive, excess)
-
-
-def unused_orders(model: Model, dtype: type[Any]) -> list[LeftOut]:
-    """Fractional orders that no split uses."""
-    if model.features is None or model.regressor is None:
-        return []
-    features = model.features
-    kept = model.regressor.used_columns(features.n_features)
-    orders = features.fractional_orders
-    unused = [order for i, order in enumerate(orders) if i not in set(kept.tolist())]
-    if not unused:
-        return []
-    vector_width = padded(len(orders)) - padded(max(len(kept), 1))
-    names = ", ".join(f"{order:g}" for order in unused)
-    saved = vector_width * features.table_rows * np.dtype(dtype).itemsize
-    return [LeftOut(f"orders {names}", "no split uses them", saved)]

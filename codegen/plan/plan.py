@@ -1,4 +1,4 @@
-"""Plan: model and scene resolved into exactly what will be emitted, and what is left out."""
+"""Plan: exactly what will be emitted of a model and a scene, and what is left out."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -6,42 +6,20 @@ from typing import Any, Literal
 import numpy as np
 
 from springpot.codegen.arrays import Real
-from springpot.codegen.coupling.auto import (
-    CouplingChoice,
-    choose_coupling,
-    series,
-    spring_limit_npm,
-)
-from springpot.codegen.coupling.gains import CoupleConfig, couple_config, require_plausible_damping
+from springpot.codegen.coupling.auto import CouplingChoice
+from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
-from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.energy import EnergyConfig, StorageBounds, energy_config
-from springpot.codegen.plan.limits import (
-    GuardConfig,
-    OutputConfig,
-    SilenceConfig,
-    guard_config,
-    max_mps,
-    output_config,
-    silence_config,
-    watchdog_s_of,
-)
-from springpot.codegen.plan.model_stages import LeftOut, model_stages, unused_orders
-from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
+from springpot.codegen.plan.energy import EnergyConfig
+from springpot.codegen.plan.left_out import LeftOut
+from springpot.codegen.plan.limits import GuardConfig, OutputConfig, SilenceConfig
 from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.model_force import RangeConfig, Stages
-from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
-from springpot.codegen.stages.passive.lateral import LateralStage, lateral_stage
-from springpot.codegen.stages.stage import SceneTicks, vector_width_of
-from springpot.codegen.stages.tool_velocity import ToolVelocityStage, tool_velocity_stage
+from springpot.codegen.stages.passive.lateral import LateralStage
+from springpot.codegen.stages.tool_velocity import ToolVelocityStage
 
-RATES_HZ = (10.0, 8000.0)
-SERVED_HZ = (1000.0, 2000.0, 4000.0, 8000.0)  # force-feedback devices: commonly the first
-FELT_SHARE = 0.8  # less is another object to a hand: the difference that it notices is 15 to 22 %
 MAX_RECOVERY_S = 2.0
-FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,184 +121,3 @@ class Plan(Stages):
     def contact(self) -> bool:
         """Whether positions at or below 0 are free air."""
         return self.per_onset is not None
-
-
-def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
-    """Resolve `scene` for `model`. Raises UsageError for what the two cannot do together.
-
-    Without a rate, a scene ticks at the recordings'; if that is below 1000 Hz and holds no coupling
-    that leaves the object's stiffness, and the model is exact at any rate, at 1000 Hz. Raises
-    UnsafeError for gains that are a unit error, unless accepted.
-    """
-    runtime = scene.runtime
-    slow = runtime.rate_hz is None and model.dt_s * SERVED_HZ[0] > 1.001
-    if not (slow and model.exact_at_any_rate and scene.coupling.mode == "auto"):
-        return _plan(model, scene, accept_unsafe)
-    if 1.0 / model.dt_s >= RATES_HZ[0] * 0.999:
-        plan = _plan(model, scene, accept_unsafe)
-        if plan.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm:
-            return plan
-    served = replace(scene, runtime=replace(runtime, rate_hz=SERVED_HZ[0]))
-    return replace(_plan(model, served, accept_unsafe), chose_rate=True)
-
-
-def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
-    ticks = _ticks(model, scene)
-    dt_s, dtype, contact = ticks.dt_s, ticks.dtype, ticks.surface
-    watchdog_s = watchdog_s_of(scene, dt_s)
-    stages, outside = _stages(model, scene, ticks)
-    trained = RangeConfig(
-        min_m=dtype(0.0 if contact else model.trained.min_m),
-        max_m=dtype(model.trained.max_m),
-    )
-    placed = stages.passive.placed if stages.passive is not None else None
-    limit_npm = spring_limit_npm(dt_s, loop_device(scene.device, dt_s)) if ticks.slides else 0.0
-    fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
-    stiffness_npm = max_stiffness_npm(stages, model, trained, ticks)
-    choice = _coupling(scene, stiffness_npm, dt_s)
-    couple = None
-    if choice.coupling.mode != "off":
-        if not accept_unsafe:
-            require_plausible_damping(choice.coupling)
-        couple = couple_config(choice.coupling, dt_s, dtype)
-    estimates = couple is not None and scene.device.velocity == "estimate"
-    alpha = _smooth_alpha(scene, dt_s)
-    output = output_config(model, scene, ticks)
-    energy = None
-    if scene.guard.energy != "off":
-        bounds = StorageBounds(trained, output, choice.coupling)
-        resolution_m = 1e-6 * scene.device.resolution_um
-        energy = energy_config(stages, bounds, resolution_m, ticks)
-    return Plan(
-        **vars(stages),
-        scene=scene,
-        model=model,
-        real="float" if dtype is np.float32 else "double",
-        dt_s=dt_s,
-        guard=guard_config(model, watchdog_s, ticks),
-        range=trained,
-        per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
-        per_fade=dtype(1.0 / fade_m) if scene.guard.outside == "zero" else None,
-        velocity=tool_velocity_stage(ticks) if estimates else None,
-        couple=couple,
-        at_proxy=choice.coupling.mode == "proxy",
-        max_mps=dtype(max_mps(model)),
-        smooth_alpha=None if alpha is None else dtype(alpha),
-        output=output,
-        energy=energy,
-        viscous_npm=_viscous_npm(scene, ticks),
-        silence=silence_config(watchdog_s, ticks),
-        watchdog_s=float(dtype(watchdog_s)),
-        lateral=lateral_stage(model, placed, scene, ticks, limit_npm, dt_s * max_mps(model)),
-        left_out=(
-            *unused_orders(model, dtype),
-            *_units_left_out(scene, ticks, couple is not None, estimates, alpha),
-        ),
-        accept_unsafe=accept_unsafe,
-        stiffness_npm=stiffness_npm,
-        coupling=choice,
-        outside=outside,
-    )
-
-
-def _ticks(model: Model, scene: Scene) -> SceneTicks:
-    return SceneTicks(
-        dt_s=_time_step(model, scene),
-        dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
-        vector_width=vector_width_of(scene.runtime),
-        surface=(scene.guard.contact or model.contact) == "surface",
-        slides=scene.places.mode == "lateral",
-        worn=scene.runtime.start == "conditioned",
-    )
-
-
-def _stages(model: Model, scene: Scene, ticks: SceneTicks) -> tuple[Stages, str]:
-    """The model's stages, and what pushes back beyond the trained depth."""
-    stages = model_stages(model, scene, ticks)
-    if scene.guard.outside != "fallback" or model.hammerstein is not None:
-        return stages, _outside_note(model, scene)
-    tangent = tangent_fallback(stages, model, ticks)
-    return replace(stages, passive=hammerstein_stage(tangent, ticks, "penetration")), (
-        "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
-        f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
-    )
-
-
-def _time_step(model: Model, scene: Scene) -> float:
-    trained_hz, rate_hz = 1.0 / model.dt_s, scene.runtime.rate_hz
-    if rate_hz is not None and model.exact_at_any_rate:
-        return 1.0 / rate_hz  # poles are exact at any rate
-    if not RATES_HZ[0] * 0.999 <= trained_hz <= RATES_HZ[1] * 1.001:
-        way = "import the recordings with --resample-hz"
-        if model.exact_at_any_rate:
-            way = "give [runtime] rate_hz = 1000, at which it is as exact"
-        raise UsageError(
-            f"the model was recorded at {trained_hz:g} Hz: a loop runs at {RATES_HZ[0]:g} to "
-            f"{RATES_HZ[1]:g} Hz: {way}"
-        )
-    if rate_hz is not None and abs(rate_hz * model.dt_s - 1.0) > 1e-3:
-        raise UsageError(
-            f"runtime.rate_hz = {rate_hz:g}: the model's features were fitted at {trained_hz:g} Hz "
-            f"and are not exact at another rate: remove the key, or train on recordings of "
-            f"{rate_hz:g} Hz"
-        )
-    return model.dt_s
-
-
-def _onset_m(model: Model, scene: Scene) -> float:
-    if scene.guard.onset_mm is not None:
-        return scene.guard.onset_mm * 1e-3
-    return 0.01 * model.trained.max_m
-
-
-def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice:
-    stated = scene.coupling
-    if stated.mode == "auto":
-        smoothing = _smooth_alpha(scene, dt_s) or 1.0
-        device = loop_device(scene.device, dt_s)
-        return choose_coupling(stiffness_npm, dt_s, device, smoothing, stated)
-    felt_npm = stiffness_npm
-    if stated.mode == "proxy":
-        felt_npm = series(stated.stiffness_npm, stiffness_npm)
-    return CouplingChoice(stated, f"{stated.mode}: stated in the scene", felt_npm)
-
-
-def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
-    time_constant_s = scene.smoothing.time_constant_s
-    return None if time_constant_s == 0.0 else float(-np.expm1(-dt_s / time_constant_s))
-
-
-def _units_left_out(
-    scene: Scene, ticks: SceneTicks, coupled: bool, estimates: bool, alpha: float | None
-) -> list[LeftOut]:
-    size = np.dtype(ticks.dtype).itemsize
-    needless = "the device gives it" if coupled else "nothing in this scene needs a velocity"
-    found = (
-        (ticks.surface, "contact and onset", "the recordings never leave the object", size),
-        # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
-        (coupled, "coupling", "coupling.mode is off", 8 * size + 2 * size + 4),
-        (estimates, "velocity estimate", needless, 4 * size),
-        (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
-        # constants, state
-        (scene.guard.energy != "off", "account of energy", "guard.energy is off", (7 + 7) * size),
-    )
-    return [LeftOut(what, why, saved) for kept, what, why, saved in found if not kept]
-
-
-def _viscous_npm(scene: Scene, ticks: SceneTicks) -> Real | None:
-    """Damping of the device over a tick, b/dt, for the account; None if it is not known, or 0."""
-    if scene.guard.energy == "off" or not scene.device.viscous_nspm:
-        return None
-    viscous_npm: Real = ticks.dtype(scene.device.viscous_nspm / ticks.dt_s)
-    return viscous_npm
-
-
-def _outside_note(model: Model, scene: Scene) -> str:
-    if scene.guard.outside == "zero":
-        return (
-            "zero: stated in the scene; the force ends over the first "
-            f"{100 * FADE:g} % of the depth beyond the trained one"
-        )
-    if scene.guard.outside == "hold":
-        return "hold: stated in the scene; the force stays that of the maximum trained depth"
-    return "fallback: the passive model adds its share of the depth beyond the trained one"

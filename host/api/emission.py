@@ -37,7 +37,8 @@ if TYPE_CHECKING:
         selftest as selftest,
     )
     from springpot.codegen.literals import literal as literal
-    from springpot.codegen.plan.plan import Plan as Plan, make_plan as make_plan
+    from springpot.codegen.plan.make_plan import make_plan as make_plan
+    from springpot.codegen.plan.plan import Plan as Plan
     from springpot.codegen.plan.units import (
         instruction_bound as instruction_bound,
         planned_headers as planned_headers,

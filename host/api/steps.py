@@ -236,7 +236,7 @@ def stability(
     >>> "stable" in stability(model=model).recommendation
     True
     """
-    from springpot.codegen.plan.plan import make_plan
+    from springpot.codegen.plan.make_plan import make_plan
     from springpot.host.stability.check import stability as check
 
     stated, chosen = _resolved(scene, model)

@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.plan.plan import FELT_SHARE, SERVED_HZ, Plan, make_plan
+from springpot.codegen.plan.make_plan import FELT_SHARE, SERVED_HZ, make_plan
+from springpot.codegen.plan.plan import Plan
 
 
 def felt_notices(plan: Plan) -> list[str]:

@@ -7,7 +7,8 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.progress import at_step
 from springpot.codegen.scene import ScenePlaces
 from springpot.codegen.short_repr import short_repr

@@ -12,7 +12,8 @@ from springpot.codegen.coupling.gains import (
 )
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.plan.plan import SERVED_HZ, Plan, make_plan
+from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
+from springpot.codegen.plan.plan import Plan
 
 
 def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:

@@ -26,7 +26,7 @@ import numpy as np
 from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorded
 from spring_dashpot import spring_dashpot_percent
 
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.native.machine import machine_metadata
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Number
 from springpot.host.native.machine import machine_metadata
 from springpot.host.wings.evidence.benchmark.isolated import NODE_TICKS, node_and_portable_ns

@@ -9,7 +9,8 @@ from codegen.stages.test_lateral import plan_of
 from support.c import golden_forces
 from support.small import press
 
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset, state_members
 from springpot.codegen.stages.stage import DOUBLE, REAL, U32, padded
 from springpot.host.native.scene_library import SceneLibrary

@@ -15,7 +15,7 @@ import springpot
 from springpot.codegen import scene
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.plan.force_facts import force_facts
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.cli import springpot as command_line
 from springpot.host.emission.scene_file import scene_to_json
 from springpot.host.wings.study import definition

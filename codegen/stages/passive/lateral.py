@@ -13,7 +13,8 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import Places
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.passive.from_model import hammerstein_stage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 from springpot.codegen.stages.passive.placed import PlacedCurves
 from springpot.codegen.stages.passive.stored import RENEWED, stored_areas
 from springpot.codegen.stages.stage import DOUBLE, REAL, U32, Member, SceneTicks

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.formats.importing import ImportResult
     from springpot.trainer.recordings.formats.specimen import Specimen
     from springpot.trainer.recordings.quality.report import QualityReport
-    from springpot.trainer.recordings.recording import Recording, Zero
+    from springpot.trainer.recordings.recording import Zero
 
 
 class _AutoOrNumber(click.ParamType[Any]):
@@ -42,12 +42,6 @@ class _AutoOrNumber(click.ParamType[Any]):
 
 
 AUTO_OR_N = _AutoOrNumber()
-# Files of a folder that may be recordings; others are named one by one.
-_OF_RECORDINGS = {
-    ".csv", ".tsv", ".tab", ".txt", ".dat", ".asc", ".tra", ".lvm", ".xlsx", ".tdms", ".mat",
-    ".h5", ".hdf5", ".blf", ".log", ".journal",
-}  # fmt: skip
-_MAX_NAMED = 12  # files in a message
 _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  # of a recording
 
 
@@ -124,6 +118,7 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
+    from springpot.host.commands.recordings.import_files import listed, write_all
     from springpot.host.console.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
     from springpot.trainer.recordings.formats.importing import (
@@ -140,19 +135,19 @@ def import_(
     )  # fmt: skip
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
-    listed = _listed(files)
+    sources = listed(files)
     read = partial(
         import_file, mapping=mapping, zero=zero, resample_hz=resample_hz, options=options
     )
     with progress_bar("import"):
-        results = _read(listed, set(files), read)
+        results = _read(sources, set(files), read)
     recordings = [recording for result in results.values() for recording in result.recordings]
     if rest_s is not None:
         recordings = one_session(recordings, rest_s)
     guesses = [result.guess for result in results.values()]
     _say_guesses(list(results), guesses)
     report = report_quality(recordings)
-    rows = _rows(_write(out, recordings), report)
+    rows = _rows(write_all(out, recordings), report)
     if not as_json:
         _show(rows)
         return
@@ -231,63 +226,3 @@ def _show(rows: Sequence[dict[str, Any]]) -> None:
             f"  {row['glance']}" + ("" if words in said else f"\n  {words}")
         )
         said.add(words)
-
-
-def _listed(paths: Sequence[Path]) -> list[Path]:
-    """The files, in order, with those of a folder in place of it: the left out are named.
-
-    Raises UsageError for a folder without recordings.
-    """
-    found: list[Path] = []
-    for path in paths:
-        if not path.is_dir():
-            found.append(path)
-            continue
-        there = sorted(f for f in path.iterdir() if f.is_file() and not f.name.startswith("."))
-        inside = [file for file in there if _may_be_recording(file)]
-        if not inside:
-            kinds = ", ".join(sorted(_OF_RECORDINGS))
-            raise UsageError(f"{path}: no file in this folder ends in {kinds}: name the files")
-        others = [file.name for file in there if file not in inside]
-        if others:
-            more = f" and {len(others) - _MAX_NAMED} more" if others[_MAX_NAMED:] else ""
-            say(f"{path}: left out, no recordings: {', '.join(others[:_MAX_NAMED])}{more}")
-        found += inside
-    return found
-
-
-def _may_be_recording(file: Path) -> bool:
-    """Tell a file of a folder by its ending; a .txt without a row of numbers is prose."""
-    from springpot.trainer.recordings.formats.csv.csv_text import has_numbers
-
-    ending = file.suffix.casefold()
-    return ending in _OF_RECORDINGS and (ending != ".txt" or has_numbers(file))
-
-
-def _write(out: Path, recordings: list[Recording]) -> list[Path]:
-    """Write all recordings, or none of them where one file exists already."""
-    from springpot.trainer.recordings.recording import RECORDING_SUFFIX
-    from springpot.trainer.recordings.recording_file import write_recording
-
-    files: dict[Path, Recording] = {}
-    for recording in recordings:
-        path = out / f"{recording.name}{RECORDING_SUFFIX}"
-        if path in files:
-            raise UsageError(
-                f"{path}: both {files[path].source} and {recording.source} would be written there: "
-                "import them into two folders"
-            )
-        if path.exists():
-            raise UsageError(f"{path}: exists already: remove it or choose another --out")
-        files[path] = recording
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        for path, recording in files.items():
-            write_recording(path, recording, overwrite=False)
-    except FileExistsError as error:
-        raise UsageError(
-            f"{error.filename2 or out}: came into being meanwhile: choose another --out"
-        ) from None
-    except OSError as error:
-        raise UsageError(f"{out}: cannot write here ({error}): choose another --out") from None
-    return list(files)

@@ -31,7 +31,7 @@ def stability_(
 ) -> None:
     """Spectral radius, small-signal maps, and a closed loop with three hands."""
     from springpot.codegen.model.model_file import read_model
-    from springpot.codegen.plan.plan import make_plan
+    from springpot.codegen.plan.make_plan import make_plan
     from springpot.host.emission.scene_file import default_scene, model_path, read_scene
     from springpot.host.stability.check import stability
 

@@ -25,6 +25,7 @@ from springpot.modelling import Zero, extrapolation, fit_model, limited_n, zero_
 from springpot.validation import rms
 
 Sequences = Sequence[ArrayLike | Recording]
+_ARRAYS_S = 1e-3  # between samples of arrays, if nothing says how long
 
 
 class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
@@ -35,24 +36,26 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     are lists of `Recording`. So a cross-validation holds out whole recordings. Score it by default
     or with scoring=`neg_rmse_n`: scikit-learn's own take samples for outputs, and are refused.
 
-    kind: a name of `springpot train --model`. dt_s: time between samples, s, which
-    arrays do not say: another one is another material.
+    kind: a name of `springpot train --model`. dt_s: time between samples, s, which arrays do not
+    say: another one is another material. By default that of given recordings; arrays alone are
+    taken at 1 ms, and a UserWarning says so.
     zero: "none" or None where position 0 is the object's surface, else "first" or "min".
     Other parameters as in FitOptions. After fit: model_ is a Model, for `springpot.write_model` and
     `springpot.emit`, fit_ what it took.
 
     >>> X, y = [r.position_m for r in recordings], [r.force_n for r in recordings]
-    >>> PositionRegressor("hammerstein").fit(X, y).score(X, y) > 0.99
+    >>> PositionRegressor("hammerstein", dt_s=1e-3).fit(X, y).score(X, y) > 0.99
     True
     """
 
     model_: Model
     fit_: Fit
+    dt_s_: float
 
     def __init__(
         self,
         kind: str = "auto",
-        dt_s: float = 1e-3,
+        dt_s: float | None = None,
         *,
         zero: Zero | None = "none",
         random_state: int = 0,
@@ -87,11 +90,14 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         """
         if self.kind not in kind_names():
             raise UsageError(f"kind {self.kind!r}: use one of {', '.join(kind_names())}")
+        _require_list(X, "X")
+        _require_list(y, "y")
+        self.dt_s_ = self._step_s([*X, *y])
         positions, forces = self._sequences(X, "X"), self._sequences(y, "y")
         if len(positions) != len(forces):
             raise DataError(f"{len(positions)} position and {len(forces)} force sequences: pair")
         recordings = [
-            Recording(f"recording {i}", position_m, force_n, self.dt_s, zero=zero_word(self.zero))
+            Recording(f"recording {i}", position_m, force_n, self.dt_s_, zero=zero_word(self.zero))
             for i, (position_m, force_n) in enumerate(zip(positions, forces, strict=True))
         ]
         quality = check_recordings(recordings)
@@ -122,10 +128,11 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         Raises DataError for positions as in millimetres.
         """
         check_is_fitted(self)
+        _require_list(X, "X")
         found = _Forces()
         for i, position_m in enumerate(self._sequences(X, "X")):
             still_n = np.zeros_like(position_m)
-            recording = Recording(f"X[{i}]", position_m, still_n, self.dt_s, zero_word(self.zero))
+            recording = Recording(f"X[{i}]", position_m, still_n, self.dt_s_, zero_word(self.zero))
             found.append(limited_n(self.model_, recording))
             if doubt := extrapolation(self.model_, recording):
                 warnings.warn(doubt, UserWarning, stacklevel=2)
@@ -143,17 +150,27 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             r2_score(np.concatenate(measured), np.concatenate(predicted), sample_weight=weight)
         )
 
+    def _step_s(self, values: Sequences) -> float:
+        """Time between samples, s: as given, or that of the first recording."""
+        if self.dt_s is not None:
+            return self.dt_s
+        known = [value.dt_s for value in values if isinstance(value, Recording)]
+        if not known:
+            warnings.warn(
+                f"dt_s is not given: arrays are taken at {1e3 * _ARRAYS_S:g} ms a sample; give "
+                "dt_s, the seconds between samples: another time is another material",
+                UserWarning,
+                stacklevel=3,
+            )
+        return (known or [_ARRAYS_S])[0]
+
     def _sequences(self, values: Sequences, name: str) -> list[Samples]:
         """Positions, for X, or forces, for y, of each recording, (n,)."""
-        if isinstance(values, Recording):
-            raise DataError(f"{name} is one recording: give a list of them")
-        if hasattr(values, "columns"):  # of a DataFrame, which gives their names
-            raise DataError(f"{name} is a table: make it one by Recording.from_frame, in a list")
         return [self._sequence(value, f"{name}[{i}]") for i, value in enumerate(values)]
 
     def _sequence(self, value: ArrayLike | Recording, name: str) -> Samples:
         if isinstance(value, Recording):
-            if not np.isclose(value.dt_s, self.dt_s, rtol=1e-3) or value.zero != zero_word(
+            if not np.isclose(value.dt_s, self.dt_s_, rtol=1e-3) or value.zero != zero_word(
                 self.zero
             ):
                 raise DataError(
@@ -168,6 +185,14 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
                 "recording, each of shape (n,)"
             )
         return found
+
+
+def _require_list(values: Sequences, name: str) -> None:
+    """Raise DataError for one recording, and for a table, which gives its columns' names."""
+    if isinstance(values, Recording):
+        raise DataError(f"{name} is one recording: give a list of them")
+    if hasattr(values, "columns"):
+        raise DataError(f"{name} is a table: make it one by Recording.from_frame, in a list")
 
 
 class _Forces(list[Samples]):

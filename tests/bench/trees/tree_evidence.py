@@ -16,7 +16,7 @@ from sklearn.ensemble import (
 )
 
 from springpot.codegen.model.regressors import Forest
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Scene
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built

@@ -11,7 +11,7 @@ from springpot.codegen.emit.files import manifest_text
 from springpot.codegen.model.forest_extremes import forest_extremes, forest_step
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.plan.force_facts import force_facts
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 
 GRID = 8  # thresholds lie between its lines
 SPLITS = 5

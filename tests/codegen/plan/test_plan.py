@@ -6,7 +6,7 @@ from support.small import DEPTH_M, scene, small_model, training
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import UnsafeError, UsageError
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

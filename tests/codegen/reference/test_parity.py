@@ -9,7 +9,8 @@ from codegen.same_bits import require_same_bits
 from support.small import DT_S, press, scene, small_model, training, wandering
 
 from springpot.codegen.emit.golden import golden_positions
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference import run as codegen_reference
 from springpot.codegen.reference.notes import (
     CLAMPED,

@@ -11,7 +11,8 @@ from support.small import DT_S, scene
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.guarding import SILENCE_WORTH
 from springpot.codegen.reference.notes import HELD, LATCHED
 

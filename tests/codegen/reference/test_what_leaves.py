@@ -10,7 +10,7 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.notes import LATCHED
 from springpot.codegen.scene import Guard
 from springpot.host.native.c_library import CLibrary

@@ -10,7 +10,7 @@ from support.small import DT_S, model_file, press, scene, training
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import FirBank
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.fast_fir import fast_fir_stage
 from springpot.codegen.stages.fir import fir_stage

@@ -28,7 +28,8 @@ from springpot.codegen.literals import literal
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import ScenePlaces
 from springpot.host.native.trial_build import built
 

@@ -15,7 +15,8 @@ from support.small import DEPTH_M, passive_model, press, scene, wandering
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, OUTSIDE, RESYNC

@@ -20,7 +20,7 @@ from support.small import (
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.host.native.trial_build import built
 

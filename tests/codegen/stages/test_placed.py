@@ -14,7 +14,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_bytes
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.run import run_reference
 from springpot.host.native.scene_library import SceneLibrary

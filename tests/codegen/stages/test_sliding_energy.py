@@ -17,7 +17,8 @@ from support.small import DT_S, passive_model, scene
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import ScenePlaces
 
 BOUND = 1e-5

@@ -13,7 +13,8 @@ from support.c.sliding import SlidingC, sliding
 from support.small import DT_S
 
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 
 LONGEST = 19  # ticks, below the watchdog's
 SHARE = 0.01  # of the energy that a press stores

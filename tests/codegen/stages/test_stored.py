@@ -7,7 +7,8 @@ import pytest
 from support.small import passive_model
 
 from springpot.codegen.model.formulas import curve_place, curve_values
-from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
+from springpot.codegen.stages.passive.from_model import hammerstein_stage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 from springpot.codegen.stages.passive.stored import RENEWED, stored, stored_areas
 from springpot.codegen.stages.stage import SceneTicks
 

@@ -13,7 +13,7 @@ from support.small import model_file, passive_model, scene, small_model
 
 from springpot.codegen.errors import BudgetError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Budget
 from springpot.host.emission.emission import Emission, emit

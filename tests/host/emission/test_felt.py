@@ -11,7 +11,7 @@ from support.small import model_file, scene
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.commands.scenes.emit import emission_rows
 from springpot.host.emission.emission import emit

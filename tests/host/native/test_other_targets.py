@@ -11,7 +11,7 @@ from support.c import golden_forces
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Runtime, Scene
 from springpot.runtime_c.paths import flags
 

@@ -8,7 +8,7 @@ import pytest
 from support.peer import wait_until
 from support.small import DEPTH_M, passive_model, press, recording, scene
 
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,

@@ -9,7 +9,7 @@ from support.paths import ROOT
 from support.small import passive_model
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Scene
 from springpot.host.simulation.scenarios import Case
 

@@ -10,7 +10,7 @@ from support.small import DEPTH_M, DT_S, press, scene, training
 
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.host.native.trial_build import built

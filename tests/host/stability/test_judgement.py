@@ -12,7 +12,7 @@ from support.small import model_file
 
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE
 from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.notes import ENERGY
 from springpot.codegen.scene import Coupling, Device, Guard, Scene
 from springpot.host.commands.scenes.stability import stability_rows

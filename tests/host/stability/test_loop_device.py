@@ -10,7 +10,8 @@ from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, loop_device
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.bench import SimulatedHand

@@ -9,7 +9,8 @@ from support.small import passive_model, scene
 
 from springpot.codegen.coupling.auto import spring_limit_npm
 from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Coupling, ScenePlaces
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.slide_cases import slide_cases

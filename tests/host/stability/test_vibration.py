@@ -12,7 +12,8 @@ from support.small import scene
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Device, Scene
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.cases import (

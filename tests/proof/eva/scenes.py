@@ -13,7 +13,7 @@ from support.small import damage, flow, scene, training
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import ScenePlaces
 from springpot.trainer.kinds import KINDS, fit_model
 from springpot.trainer.models import hybrid

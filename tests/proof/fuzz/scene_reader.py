@@ -9,7 +9,7 @@ from proof.fuzz.reader import Reader
 from support.small import scene, small_model
 
 from springpot.codegen.errors import SpringpotError, UsageError
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Budget, Coupling, Device, Guard, Runtime, Smoothing
 from springpot.host.emission.scene_file import read_scene, write_scene
 

@@ -14,7 +14,8 @@ from support.small import damage, flow
 from springpot.codegen import stages
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene, Smoothing
 from springpot.host.wings.boards.boards import BOARDS
 

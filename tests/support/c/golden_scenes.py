@@ -10,7 +10,8 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.regressors import Forest
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Coupling, Guard, Scene
 from support.c import golden_forces
 from support.paths import TESTS

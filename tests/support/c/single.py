@@ -12,7 +12,8 @@ import numpy as np
 from springpot.codegen import stages
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, ScenePlaces, Smoothing
 from springpot.host.wings.packaging.single import emit_single
 from support.c import golden_forces

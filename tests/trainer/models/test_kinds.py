@@ -10,7 +10,7 @@ from codegen.same_bits import require_same_bits
 from support.small import press, recording, scene, training, wandering
 
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Guard
 from springpot.host.metrics import accuracy, rms
 from springpot.host.native.trial_build import built

@@ -12,7 +12,7 @@ from support.small import DT_S, passive_model, press, scene
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import ScenePlaces
 from springpot.host.emission.emission import emit
 from springpot.host.native.trial_build import built

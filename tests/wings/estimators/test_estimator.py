@@ -2,6 +2,7 @@
 
 import pickle
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -23,7 +24,7 @@ from support.small import recording, scene, training, wandering
 
 import springpot
 from springpot.codegen.errors import DataError, SpringpotError, UsageError
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.native.trial_build import built
 from springpot.host.wings.estimators.ensemble import ensemble_data, from_ensemble
 from springpot.host.wings.estimators.estimator import PositionRegressor
@@ -38,7 +39,8 @@ Y = [item.force_n for item in training()]
 
 
 def small(kind: str = "rf-fd") -> PositionRegressor:
-    return PositionRegressor(kind, trees=5, leaf=20) if kind == "rf-fd" else PositionRegressor(kind)
+    sizes = {"trees": 5, "leaf": 20} if kind == "rf-fd" else {}
+    return PositionRegressor(kind, 1e-3, **sizes)
 
 
 @pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein", "springpot"])
@@ -85,6 +87,15 @@ def test_weights_count_recordings() -> None:
     only = np.zeros(len(X))
     only[3] = 1.0
     assert fitted.score(X, Y, only) == pytest.approx(fitted.score(X[3:4], Y[3:4]))
+
+
+def test_time_between_samples_is_asked_for_or_the_recordings() -> None:
+    with pytest.warns(UserWarning, match="dt_s is not given: arrays are taken at 1 ms a sample"):
+        assert PositionRegressor("springpot").fit(X[:2], Y[:2]).dt_s_ == 1e-3
+    slow = [replace(item, dt_s=2e-3) for item in training()[:2]]
+    assert PositionRegressor("springpot").fit(slow, Y[:2]).dt_s_ == 2e-3
+    with pytest.raises(DataError, match="has dt_s="):
+        small("springpot").fit(slow, Y[:2])
 
 
 def test_what_is_no_recording_is_refused() -> None:

@@ -11,7 +11,7 @@ from support.paths import ROOT
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.plan.force_facts import force_facts
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.wings.page.hands import hands_entry
 from springpot.host.wings.page.page_module import port_hash
 from springpot.host.wings.page.press_page import press_page

@@ -8,7 +8,7 @@ import pytest
 from support.browser import A4_PIXELS, CHROMIUM, as_printed, layout_faults
 from support.small import DT_S, model_file, press, recording, scene, small_model
 
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.commands.scenes.validate import validation_rows
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay

@@ -15,7 +15,7 @@ from support.small import press, recording
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.errors import BudgetError, MismatchError
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Budget, Scene, Target
 from springpot.host.emission.emission import emit, read_emission

@@ -13,7 +13,8 @@ from support.paths import TESTS
 from support.small import press, scene, wandering
 
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.plan.plan import Plan, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Scene

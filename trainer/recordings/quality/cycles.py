@@ -7,10 +7,15 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.quality.motion import turning_points
+from springpot.trainer.recordings.quality.tone import (
+    TONE_SHARE,
+    even_drift,
+    find_frequency,
+    fundamental,
+    tone_residual,
+)
 from springpot.trainer.recordings.recording import Recording
 
-_MIN_SHARE = 0.5  # of the position's variance that one tone must explain
-_HARMONICS = 5
 _CUT_TOLERANCE = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
 _OFF_CENTRE = 0.1  # of the amplitude: a cycle about another mean is on the way in
 _MIN_CYCLES = 3  # that are left without it
@@ -52,10 +57,10 @@ def find_cycles(recording: Recording) -> Cycles | None:
     if not 16 <= len(recording.position_m) <= _MAX_SAMPLES or not np.ptp(recording.position_m):
         return None
     position_m, force_n = _moving(recording.position_m, recording.force_n)
-    frequency = _frequency(position_m)
+    frequency = find_frequency(position_m)
     if frequency is None or frequency * len(position_m) < 1.5:
         among = _even_strokes(position_m)
-        if among is not None and (tone := _frequency(position_m[among])) is not None:
+        if among is not None and (tone := find_frequency(position_m[among])) is not None:
             position_m, force_n, frequency = position_m[among], force_n[among], tone
     # Fewer than 1.5 cycles: one closed press counts as a cycle of its own length.
     if frequency is None or frequency * len(position_m) < 1.5:
@@ -65,7 +70,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
         frequency = 1.0 / len(position_m)
     elif (way_in := _way_in(position_m, 1.0 / frequency)) > 0:
         position_m, force_n = position_m[way_in:], force_n[way_in:]
-        frequency = _frequency(position_m) or frequency
+        frequency = find_frequency(position_m) or frequency
     period = 1.0 / frequency  # samples
     count = int(len(position_m) / period + _CUT_TOLERANCE)
     if count < 1 or period < 8:
@@ -75,12 +80,12 @@ def find_cycles(recording: Recording) -> Cycles | None:
     first = used - round((count - 1) * period) if count > 3 else 0
     x, f = position_m[first:used], force_n[first:used]
     phase: Samples = 2.0 * np.pi * frequency * np.arange(len(x), dtype=np.float64)
-    x1, f1 = _tone(x, phase), _tone(f, phase)
+    x1, f1 = fundamental(x, phase), fundamental(f, phase)
     # A sine of amplitude X has the variance X^2 / 2.
-    if abs(x1) ** 2 / 2 < _MIN_SHARE * np.var(x) or not abs(f1):
+    if abs(x1) ** 2 / 2 < TONE_SHARE * np.var(x) or not abs(f1):
         return None  # a ramp, or several tones
     cycles = max(1, round(len(x) / period))
-    energy_j = _loop(f - _drift(f, phase), x) / cycles
+    energy_j = _loop(f - even_drift(f, phase), x) / cycles
     # Linear force F cos(wt + lead) on X cos(wt) loses pi F X sin(lead) a cycle.
     reference_j = np.pi * abs(x1) * abs(f1)
     # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
@@ -96,7 +101,7 @@ def find_cycles(recording: Recording) -> Cycles | None:
         noise_n=noise_n,
         drift_n=drift_n,
         count=count,
-        tone_share=1.0 - _residual(x, phase) / (len(x) * float(np.var(x))),
+        tone_share=1.0 - tone_residual(x, phase) / (len(x) * float(np.var(x))),
     )
 
 
@@ -167,59 +172,8 @@ def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
     if open_m > _CLOSED * span_m and end_n > _CLOSED * peak_n:
         return False
     phase = 2.0 * np.pi * np.arange(len(position_m)) / len(position_m)
-    left = _residual(position_m, phase)
-    return left < (1.0 - _MIN_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
-
-
-def _frequency(position_m: Samples) -> float | None:
-    """Frequency of the one tone, cycles a sample, by least squares around the spectrum's peak."""
-    n = len(position_m)
-    centred = position_m - position_m.mean()
-    # A Hann window, so that drift and harmonics do not leak into the peak; four times as many
-    # points as samples, so that the true frequency is within an eighth of a cycle a recording.
-    spectrum = np.abs(np.fft.rfft(centred * np.hanning(n), 4 * n))
-    peak = int(np.argmax(spectrum[2:])) + 2  # from half a cycle a recording on
-    low, high = (peak - 4) / (4 * n), (peak + 4) / (4 * n)
-    # At least 2000 samples, or 16 a cycle, are plenty for one tone; it is fitted 33 times.
-    step = max(1, min(n // 2000, int(4 * n / peak) // 16))
-    thin, time = centred[::step], np.arange(n)[::step]
-    tried = np.linspace(max(low, 0.2 / n), high, 11)
-    for _ in range(3):  # each grid is five times finer than the one before
-        left = [_residual(thin, 2.0 * np.pi * t * time) for t in tried]
-        best = float(tried[int(np.argmin(left))])
-        width = float(tried[1] - tried[0])
-        tried = np.linspace(best - width, best + width, 11)
-    explained = 1.0 - min(left) / float(thin @ thin)
-    return best if explained > _MIN_SHARE and best * n >= 0.5 else None
-
-
-def _basis(phase: Samples, harmonics: int) -> NDArray[np.float64]:
-    """Mean, drift, and cosine and sine of each harmonic, (n, 2 + 2 harmonics)."""
-    drift = np.linspace(-1.0, 1.0, len(phase))
-    tones = [g(k * phase) for k in range(1, harmonics + 1) for g in (np.cos, np.sin)]
-    return np.stack([np.ones(len(phase)), drift, *tones], axis=1)
-
-
-def _residual(samples: Samples, phase: Samples) -> float:
-    """Sum of squares that one tone and a drift leave."""
-    basis = _basis(phase, 1)
-    # Normal equations: these columns are nearly orthogonal, and this is called often.
-    found = np.linalg.lstsq(basis.T @ basis, basis.T @ samples, rcond=None)[0]
-    return float(np.sum((samples - basis @ found) ** 2))
-
-
-def _tone(samples: Samples, phase: Samples) -> complex:
-    """Complex amplitude A of the fundamental, Re(A e^(j phase)), harmonics and drift beside it."""
-    found = np.linalg.lstsq(_basis(phase, _HARMONICS), samples, rcond=None)[0]
-    return complex(found[2], -found[3])
-
-
-def _drift(samples: Samples, phase: Samples) -> Samples:
-    """Even change beside the tones: an object that relaxes loses no more energy for it."""
-    basis = _basis(phase, _HARMONICS)
-    found = np.linalg.lstsq(basis, samples, rcond=None)[0]
-    drift: Samples = found[1] * basis[:, 1]
-    return drift
+    left = tone_residual(position_m, phase)
+    return left < (1.0 - TONE_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
 
 
 def _loop(f: Samples, x: Samples) -> float:

@@ -18,7 +18,7 @@ from springpot.trainer.recordings.quality.alignment import (
     filter_findings,
     skew_findings,
 )
-from springpot.trainer.recordings.quality.contact import contact_findings
+from springpot.trainer.recordings.quality.contact.surface import contact_findings
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.motion import (

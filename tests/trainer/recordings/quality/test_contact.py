@@ -11,7 +11,7 @@ from support.files.recording_files import PressedObject
 import springpot
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.contact import contact_findings
+from springpot.trainer.recordings.quality.contact.surface import contact_findings
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.recording import Recording
 

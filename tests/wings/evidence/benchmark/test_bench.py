@@ -12,7 +12,7 @@ from support.small import training
 
 from springpot.codegen.errors import BudgetError, DataError, UsageError
 from springpot.codegen.model.model_file import model_hash, read_model
-from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.units import instruction_bound
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.evidence.benchmark.choice import choose_within

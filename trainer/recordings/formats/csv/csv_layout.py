@@ -156,13 +156,7 @@ def _layout(
 ) -> Layout:
     if len(set(chosen.values())) < len(chosen):
         raise DataError(f"{path}: two channels would come from one column: correct --map")
-    header = cells(head[header_index], delimiter) if header_index >= 0 else []
-    first = header_index + 1
-    while first < len(head) - 1 and not head[first].strip():
-        first += 1
-    below = cells(head[first], delimiter) if first < len(head) else []
-    if header and header[-1].casefold() in ("", _COMMENT) and len(below) == len(header) - 1:
-        header = header[:-1]  # a column without cells, or a delimiter at the header's end, is none
+    header, below, first = _header_and_below(head, delimiter, header_index)
     units_below = unit_row(below, chosen)
     if units_below:
         first += 1
@@ -208,6 +202,20 @@ def _layout(
         place=place,
         lateral=lateral,
     )
+
+
+def _header_and_below(
+    head: Sequence[str], delimiter: str, header_index: int
+) -> tuple[Cells, Cells, int]:
+    """Return the header, the first row below it that has cells, and the index of its line."""
+    header = cells(head[header_index], delimiter) if header_index >= 0 else []
+    first = header_index + 1
+    while first < len(head) - 1 and not head[first].strip():
+        first += 1
+    below = cells(head[first], delimiter) if first < len(head) else []
+    if header and header[-1].casefold() in ("", _COMMENT) and len(below) == len(header) - 1:
+        header = header[:-1]  # a column without cells, or a delimiter at the header's end, is none
+    return header, below, first
 
 
 def _understood(

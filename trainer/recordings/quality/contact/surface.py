@@ -1,4 +1,4 @@
-"""Checks of the contact: where position 0 should be the surface, and is not."""
+"""Whether force begins at position 0, where the surface should be."""
 
 from collections.abc import Iterator, Sequence
 
@@ -6,15 +6,18 @@ import numpy as np
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
+from springpot.trainer.recordings.quality.contact.preload import (
+    Loaded,
+    other_zero_findings,
+    preload_findings,
+)
 from springpot.trainer.recordings.quality.finding import Finding, warning
-from springpot.trainer.recordings.quality.motion import where_of
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
 _PRELOAD = 0.05  # of the peak force, at the lowest position
 _LOWEST = 0.005  # of the travel: where a motion seldom comes, the force there is the least
-_NEAR, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
-_AS_MUCH = 1.25  # times the force of other presses, which may have been slower
+_NEAR = 0.02  # of the travel, about position 0
 _SURFACE_OFF = 0.05  # of the travel
 _FIRST, _NOISES = 5, 8.0  # samples; of the force's noise
 
@@ -24,7 +27,7 @@ Met = tuple[Recording, ContactPoint]
 def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield findings where position 0 should be the surface and is not, of all together."""
     met: list[Met] = []
-    loaded: list[tuple[Recording, float]] = []
+    loaded: list[Loaded] = []
     for recording in recordings:
         if recording.zero != "none" or np.ptp(recording.force_n) == 0.0:
             continue
@@ -41,9 +44,9 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
                 met.append((recording, ContactPoint(lowest_m, doubt_m, rest_n, np.inf)))
     shown = [item for item, contact in met if not _is_off(item, contact)]
     if shown:
-        yield from _other_zero_findings(loaded, shown)
+        yield from other_zero_findings(loaded, shown)
     else:
-        yield from _loaded_findings(loaded)
+        yield from preload_findings(loaded)
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
     for recording, contact in met:
@@ -145,69 +148,3 @@ def _at_rest(recording: Recording) -> tuple[float, float]:
     lowest_m = float(recording.position_m.min())
     near = recording.position_m <= lowest_m + _LOWEST * float(np.ptp(recording.position_m))
     return lowest_m, float(np.median(recording.force_n[near]))
-
-
-def _loaded_findings(loaded: Sequence[tuple[Recording, float]]) -> Iterator[Finding]:
-    """Yield a finding for recordings that are pulled too, and one for those under preload."""
-    pulled = [item for item in loaded if _pulls_too(*item)]
-    pressed = [item for item in loaded if item not in pulled]
-    if pulled:
-        yield warning(
-            "contact", where_of([recording for recording, _ in pulled]),
-            f"is pulled too, {_forces(pulled)} at its lowest position",
-            "the model pulls there as well, and has no surface",
-            "leave --zero out: force is 0 where position is",
-        )  # fmt: skip
-    if pressed:
-        yield warning(
-            "contact", where_of([recording for recording, _ in pressed]),
-            f"never leaves the object, {_forces(pressed)} at its lowest position",
-            "the model pushes there too, and has no surface",
-            "record from above the object, or, if position 0 means nothing, import with --zero "
-            "first or min",
-        )  # fmt: skip
-
-
-def _other_zero_findings(
-    loaded: Sequence[tuple[Recording, float]], shown: Sequence[Recording]
-) -> Iterator[Finding]:
-    """Yield a finding for what pushes more than others do at its depth, or pulls there.
-
-    shown: those that meet the surface at position 0. An object that is kept pressed relaxes, so
-    that it pushes no more than one that is pressed from its surface. Nor does it pull, if another
-    one was off it: what is pulled and pressed has no air.
-    """
-    in_air = any(each.position_m.min() < -_NEAR * np.ptp(each.position_m) for each in shown)
-    for recording, rest_n in loaded:
-        if rest_n < 0.0 and not in_air:
-            yield from _loaded_findings([(recording, rest_n)])
-            continue
-        lowest_m = float(recording.position_m.min())
-        near_m = lowest_m + _NEAR * float(np.ptp(recording.position_m))
-        there_n = max(
-            float(each.force_n[each.position_m <= near_m].max(initial=0.0)) for each in shown
-        )
-        if rest_n < 0.0 or rest_n > _AS_MUCH * there_n + _NOISES * noise_n(recording.force_n):
-            yield warning(
-                "contact", recording.name,
-                f"never leaves the object, {rest_n:.3g} N at its lowest position, "
-                f"{1e3 * lowest_m:.3g} mm, where the others have {there_n:.3g} N",
-                "its position 0 is not their surface", "give it their zero, or leave it out",
-            )  # fmt: skip
-
-
-def _forces(loaded: Sequence[tuple[Recording, float]]) -> str:
-    low_n, high_n = min(force_n for _, force_n in loaded), max(force_n for _, force_n in loaded)
-    low, high = f"{low_n:.3g}", f"{high_n:.3g}"
-    return f"{low} N" if low == high else f"{low} to {high} N"
-
-
-def _pulls_too(recording: Recording, rest_n: float) -> bool:
-    """Whether an object is pulled below position 0 and pressed above it."""
-    position_m, force_n = recording.position_m, recording.force_n
-    near = np.abs(position_m) <= _NEAR * float(np.ptp(position_m))
-    if not near.any() or position_m.min() >= 0.0 or rest_n >= 0.0:
-        return False
-    peak_n = float(force_n.max())
-    at_zero_n = float(np.mean(force_n[near]))  # of a damper, the way in and the way out
-    return -rest_n > _PULLED * peak_n and abs(at_zero_n) < _PULLED * (peak_n - rest_n)
