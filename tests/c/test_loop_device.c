@@ -2,6 +2,22 @@
  * must not get, and each reset once. */
 #include "simulated_session.h"
 
+TEST(a_reset_comes_before_one_call)
+{
+    for (int fresh = 0; fresh <= 1; fresh++) {
+        const sp_period period = {.begin_ns = START_NS};
+        between_ticks();
+        self.waiting_count = 1;
+        self.reset_next = 1;
+        call_of(&self, &period, START_NS, fresh);
+        CHECK(sim.resets == 1 && self.resets == 1 && self.reset_next == 0);
+        CHECK((int)self.row.call == (SP_CALL_RESET | (fresh ? 0 : SP_CALL_IDLE)));
+        self.waiting_count = 1;
+        call_of(&self, &period, START_NS, fresh);
+        CHECK(sim.resets == 1 && (int)self.row.call == (fresh ? 0 : SP_CALL_IDLE));
+    }
+}
+
 TEST(a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second)
 {
     between_ticks();
@@ -132,6 +148,22 @@ TEST(a_device_that_comes_back_is_taken_anew)
     CHECK(!sp_loop_at_work(&self) && !self.tripped);
     sim_now_ns += 1;
     CHECK(!sp_loop_at_work(&self) && self.tripped && self.trips == 1);
+}
+
+TEST(a_reset_reaches_scene_and_device_once)
+{
+    between_ticks();
+    self.tripped = 1;
+    sp_loop_reset(&self);
+    accept_requests(&self);
+    CHECK(self.reset_next == 1 && self.tripped == 0 && sim.device_resets == 1);
+    accept_requests(&self);
+    CHECK(sim.device_resets == 1);
+    between_ticks();
+    self.link = NULL;
+    sp_loop_reset(&self);
+    accept_requests(&self);
+    CHECK(self.reset_next == 1 && sim.device_resets == 0);
 }
 
 TEST(a_pause_ends_with_a_reset)

@@ -175,3 +175,76 @@ TEST(idle_takes_the_last_force_where_the_scene_gives_none)
     CHECK(self.row.returned_n == 3.0 && self.reason == SP_STOP_MISUSE);
     CHECK(isnan(self.row.age_s));
 }
+
+/* A period that was open when its limit was met: zero goes out at once. */
+TEST(an_open_period_that_meets_a_limit_ends_it)
+{
+    const int gives[] = {0, 1};
+    for (int i = 0; i < 4; i++) {
+        const int fresh = i / 2, unsent = gives[i % 2];
+        between_ticks();
+        const sp_period open = {.begin_ns = START_NS, .deadline_ns = START_NS, .sent_n = 1.0};
+        sim.force_n = 99.0;
+        sim.write_gives = unsent;
+        self.sent_n = 7.0;
+        self.waiting_count = 1;
+        settle_owed(&self, &open, START_NS, fresh);
+        CHECK(self.reason == SP_STOP_FORCE && sim.writes == 1 && sim.written_n[0] == 0.0);
+        CHECK(sp_loop_drain(&self, rows, 9) == 1 && rows[0].sent_n == (unsent ? 7.0 : 0.0));
+        CHECK(call_of_row(0) ==
+              (SP_CALL_SILENT | (fresh ? 0 : SP_CALL_IDLE) | (unsent ? SP_CALL_UNSENT : 0)));
+    }
+    between_ticks();
+    const sp_period open = {.begin_ns = START_NS, .deadline_ns = START_NS, .sent_n = 1.0};
+    settle_owed(&self, &open, START_NS, 0);
+    CHECK(self.reason == 0 && sim.writes == 0);
+    CHECK(sp_loop_drain(&self, rows, 9) == 1 && rows[0].sent_n == 1.0);
+    CHECK(call_of_row(0) == (SP_CALL_IDLE | SP_CALL_UNSENT));
+}
+
+/* A late tick leaves its force to the next one, but a zero goes out. */
+TEST(a_late_tick_that_meets_a_limit_sends_zero)
+{
+    for (int late = 0; late < 2; late++) {
+        for (int limit = 0; limit < 2; limit++) {
+            between_ticks();
+            sim.force_n = limit ? 99.0 : 0.5;
+            self.waiting_count = 1;
+            CHECK(sp_loop_tick(&self, late) == 1);
+            CHECK(self.reason == (limit ? SP_STOP_FORCE : 0));
+            CHECK(sim.writes == (limit || !late ? 1 : 0));
+            CHECK(limit == 0 || (sim.written_n[0] == 0.0 && self.row.sent_n == 0.0));
+        }
+    }
+}
+
+TEST(the_status_is_that_of_the_loop)
+{
+    sp_loop_state state;
+    between_ticks();
+    self.ticks = 1;
+    self.late = 2;
+    self.stale = 3;
+    self.unused = 4;
+    self.ring.dropped = 5;
+    self.trips = 6;
+    self.disconnects = 7;
+    self.resets = 8;
+    self.ring.head = 9;
+    self.elapsed_ns = 1500000000;
+    self.latched = 11;
+    self.tripped = 12;
+    self.tripped_before_disconnect = 13;
+    self.connected = 14;
+    self.paused = 15;
+    self.reason = 16;
+    self.over = 17;
+    self.got = 18;
+    sp_loop_get_status(&self, &state);
+    CHECK(state.ticks == 1 && state.late == 2 && state.stale == 3 && state.unused == 4);
+    CHECK(state.ring_dropped == 5 && state.watchdog_trips == 6 && state.disconnects == 7);
+    CHECK(state.resets == 8 && state.newest_row == 9 && is_near(state.elapsed_s, 1.5));
+    CHECK(state.latched == 11 && state.tripped == 12 && state.tripped_before_disconnect == 13);
+    CHECK(state.connected == 14 && state.paused == 15 && state.reason == 16);
+    CHECK(state.over == 17 && state.got == 18);
+}

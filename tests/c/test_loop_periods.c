@@ -35,6 +35,66 @@ TEST(a_period_stays_open_only_where_its_sample_may_come)
     CHECK(!may_owe(&self));
 }
 
+/* Twenty without a sample among the last hundred; of a silence, six. */
+TEST(too_few_samples_are_counted_in_the_last_hundred)
+{
+    between_ticks();
+    for (int i = 0; i < 1000; i++) { /* 19 in any hundred */
+        self.row.call = i % 100 < 38 && i % 2 == 0 ? SP_CALL_IDLE : 0;
+        check_rate(&self);
+        CHECK(self.reason == 0);
+    }
+    CHECK(self.idle_count == 19);
+    self.row.call = SP_CALL_IDLE; /* in the place of one of them */
+    check_rate(&self);
+    CHECK(self.reason == 0 && self.idle_count == 19);
+    self.row.call = 0;
+    check_rate(&self);
+    self.row.call = SP_CALL_IDLE;
+    check_rate(&self);
+    self.row.call = 0;
+    check_rate(&self);
+    CHECK(self.reason == 0);
+    for (int i = 0; i < 2; i++) { /* the place of one that had its sample */
+        self.row.call = i ? SP_CALL_IDLE | SP_CALL_RESET : 0;
+        for (int k = 0; k < 40; k++) {
+            check_rate(&self);
+        }
+    }
+    CHECK(self.idle_run == 40);
+
+    between_ticks();
+    for (int i = 0; i < 90; i++) {
+        self.row.call = SP_CALL_IDLE;
+        check_rate(&self);
+        CHECK(self.idle_count == (i < 6 ? i + 1 : 6) && self.idle_run == i + 1);
+    }
+    self.row.call = 0;
+    check_rate(&self);
+    CHECK(self.idle_run == 0 && self.idle_count == 6);
+
+    between_ticks();
+    for (int i = 0; i < 20; i++) {
+        CHECK(self.reason == 0);
+        self.row.call = SP_CALL_IDLE;
+        check_rate(&self);
+        CHECK(self.reason == (i == 19 ? SP_STOP_RATE : 0));
+        self.row.call = 0;
+        check_rate(&self);
+    }
+    CHECK(self.idle_count == 20 && self.watched_at == 39); /* the last was not looked at */
+
+    for (int why = 0; why < 3; why++) { /* nothing is counted */
+        between_ticks();
+        self.link = why == 0 ? NULL : &device;
+        self.paused = why == 1;
+        self.reason = why == 2 ? SP_STOP_DEPTH : 0;
+        self.row.call = SP_CALL_IDLE;
+        check_rate(&self);
+        CHECK(self.idle_count == 0 && self.idle_run == 0 && self.watched_at == 0);
+    }
+}
+
 TEST(samples_that_came_too_late_forgive_the_newest_calls)
 {
     for (int at = 0; at < WATCHED; at += 33) {
@@ -202,4 +262,64 @@ TEST(all_that_waits_is_read_and_kept_in_order)
     CHECK(time.tv_sec == 5 && time.tv_nsec == 250000000);
     time = as_timespec(4999999999u);
     CHECK(time.tv_sec == 4 && time.tv_nsec == 999999999);
+}
+
+TEST(samples_are_looked_for_where_and_as_long_as_they_help)
+{
+    const struct {
+        int fd, waiting, owed;
+        uint64_t late_ns;
+        int reads, polls, left;
+    } cases[] = {{-1, 0, 0, 0, 1, 0, 1},         {-1, 1, 0, 0, 0, 0, 1},
+                 {-1, 1, 1, 0, 1, 0, 2},         {FD, 1, 0, 0, 0, 0, 1},
+                 {FD, 2, 0, 0, 0, 0, 1},         {FD, 2, 1, 0, 0, 0, 2},
+                 {FD, 2, 0, 250000, 0, 0, 2},    {FD, 2, 0, 249999, 0, 0, 1},
+                 {FD, 3, 0, PERIOD_NS, 0, 0, 2}, {FD, 3, 0, PERIOD_NS + 250000, 0, 0, 3},
+                 {0, 4, 0, 0, 0, 0, 1}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        between_ticks();
+        device.fd = cases[i].fd;
+        self.waiting_count = cases[i].waiting;
+        self.owed_count = cases[i].owed;
+        self.idle_count = 5;
+        memset(self.was_idle, 1, 5);
+        self.watched_at = 5;
+        sp_loop_look_for_samples(&self, cases[i].late_ns);
+        const int surplus = cases[i].waiting + cases[i].reads - cases[i].left;
+        CHECK(sim.reads == cases[i].reads && sim.polls == cases[i].polls);
+        CHECK(self.waiting_count == cases[i].left && (int)self.unused == surplus);
+        CHECK(self.idle_count == 5 - surplus);
+    }
+    for (int late = 0; late <= 1; late++) { /* a quarter of a period; not where the tick is late */
+        between_ticks();
+        device.fd = late ? FD : 0;
+        sim.read_gives = 0;
+        sim.poll_ns = PERIOD_NS;
+        sim_now_ns = self.deadline_ns;
+        sp_loop_look_for_samples(&self, late ? PERIOD_NS : PERIOD_NS - 1);
+        CHECK(sim.polls == !late && sim.reads == 1);
+        CHECK(sim_now_ns == self.deadline_ns + (late ? 0 : PERIOD_NS / 4));
+    }
+    between_ticks();
+    self.link = NULL;
+    sp_loop_look_for_samples(&self, 0);
+    CHECK(sim.reads == 0 && sim.sleeps == 0);
+}
+
+TEST(a_device_without_a_descriptor_is_not_waited_for)
+{
+    for (int gone = 0; gone <= 1; gone++) {
+        between_ticks();
+        self.link = gone ? NULL : &device;
+        sp_loop_listen(&self, START_NS + 300000, 0);
+        CHECK(sim.sleeps == 1 && sim.polls == 0 && sim_now_ns == START_NS + 300000);
+    }
+    between_ticks();
+    device.fd = 0;
+    sim.poll_ns = 100000;
+    sp_loop_listen(&self, START_NS + 300000, 2);
+    CHECK(sim.sleeps == 0 && sim.polls == 2 && self.waiting_count == 2);
+    sim.poll_ns = 400000;
+    sp_loop_listen(&self, START_NS + 300000, 0);
+    CHECK(sim.polls == 3 && self.waiting_count == 2 && sim_now_ns == START_NS + 300000);
 }
