@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, scene, small_model, training
 
+from springpot import Coupling, FitOptions, Guard, Runtime, Scene, UnsafeError, UsageError
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.errors import UnsafeError, UsageError
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.emission import make_plan
+from springpot.modelling import fit_model
 
 SCENE = Scene(schema=1, name="x", model="x")
 

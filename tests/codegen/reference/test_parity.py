@@ -8,9 +8,7 @@ import pytest
 from codegen.same_bits import require_same_bits
 from support.small import DT_S, press, scene, small_model, training, wandering
 
-from springpot.codegen.emit.golden import golden_positions
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot import Coupling, FitOptions, Recording
 from springpot.codegen.reference import run as codegen_reference
 from springpot.codegen.reference.notes import (
     CLAMPED,
@@ -22,14 +20,11 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
-from springpot.codegen.reference.run import run_reference
-from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import Stages, model_force
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, golden_positions, make_plan, run_reference
 from springpot.host.validation.compared import proxy_positions
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.recording import Recording
+from springpot.modelling import fit_model
+from springpot.native import built
 
 NUMBERS = ["float32", "float64"]
 SHAPES = {

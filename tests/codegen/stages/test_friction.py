@@ -23,15 +23,11 @@ from codegen.stages.test_sliding_silence import SHARE, accounted, most_returned
 from support.c.sliding import Fault, sliding
 from support.small import DEPTH_M, DT_S
 
-from springpot.codegen.errors import UsageError
-from springpot.codegen.literals import literal
-from springpot.codegen.model.model import Model
-from springpot.codegen.model.passive import Hammerstein
+from springpot import Model, ScenePlaces, UsageError
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.scene import ScenePlaces
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, literal, make_plan
+from springpot.modelling import Hammerstein
+from springpot.native import built
 
 MU = 0.4
 FRICTIONS = (0.0, 0.3, 1.0)

@@ -12,17 +12,12 @@ import pytest
 from codegen.stages.test_placed import placed, with_places
 from support.small import DEPTH_M, passive_model, press, scene, wandering
 
+from springpot import Coupling, Guard, Model, ScenePlaces, Smoothing, UsageError
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, OUTSIDE, RESYNC
-from springpot.codegen.scene import Coupling, Guard, ScenePlaces, Smoothing
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, make_plan, state_bytes
+from springpot.native import SceneLibrary, built
 
 SLIDING = replace(scene(number="float64"), places=ScenePlaces("lateral", 8.0))
 MIDDLE_M = (0.005, 0.0)

@@ -14,11 +14,10 @@ from codegen.stages.test_sliding_energy import SPAN_M, placed, plan_of, random_m
 
 from springpot.codegen.model.formulas import curve_place
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.anchor import Anchor
 from springpot.codegen.reference.lateral_motion import LateralMotion
 from springpot.codegen.stages.passive.stored import stored
+from springpot.emission import Plan, make_plan
 
 CELLS, TICKS = 4, 400
 ROUNDING = 1e-14  # of peak force times depth

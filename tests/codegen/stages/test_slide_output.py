@@ -13,12 +13,11 @@ from codegen.stages.test_lateral import slid
 from codegen.stages.test_sliding_energy import SPAN_M, placed, random_model
 from support.small import scene
 
+from springpot import ScenePlaces
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.lateral import run_lateral
-from springpot.codegen.scene import ScenePlaces
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, make_plan
+from springpot.native import built
 
 CELLS = 8
 LONGEST = 25  # ticks of a silence: some latch

@@ -14,12 +14,10 @@ import pytest
 from support.c.sliding import Fault, SlidingC, sliding
 from support.small import DT_S, passive_model, scene
 
-from springpot.codegen.model.model import Model
-from springpot.codegen.model.passive import Hammerstein
+from springpot import Model, ScenePlaces
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.scene import ScenePlaces
+from springpot.emission import Plan, make_plan
+from springpot.modelling import Hammerstein
 
 BOUND = 1e-5
 SPAN_M, STEP_M, CELLS = 0.012, 0.01, 3

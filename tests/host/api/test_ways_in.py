@@ -8,8 +8,7 @@ from support.messages import refusing, require_line
 from support.small import DT_S, press, recording
 
 import springpot
-from springpot import PositionRegressor, Recording
-from springpot.codegen.errors import DataError, UsageError
+from springpot import DataError, PositionRegressor, Recording, UsageError
 
 WORDS = ("none", "first", "min")
 NO_WORDS = ("max", "Min", "none ", "", 5, 0.0, True, b"min", ("min",), [])

@@ -11,15 +11,11 @@ from pathlib import Path
 import pytest
 from support.small import model_file, passive_model, scene, small_model
 
-from springpot.codegen.errors import BudgetError, MismatchError, UsageError
-from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.scene import Budget
+from springpot import Budget, BudgetError, MismatchError, Model, UsageError
+from springpot.emission import make_plan, state_bytes
 from springpot.host.emission.emission import Emission, emit
 from springpot.host.native.footprint import deepest_stack
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.runtime_c.paths import flags
+from springpot.native import SceneLibrary, flags
 
 SHAPES = {
     "plain": scene(),

@@ -7,17 +7,15 @@ import numpy as np
 import pytest
 from support.small import passive_model, scene
 
+from springpot import Coupling, ScenePlaces
+from springpot.checks import QUIET_MPS, stability
 from springpot.codegen.coupling.auto import spring_limit_npm
 from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.scene import Coupling, ScenePlaces
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, make_plan
 from springpot.host.simulation.slide_cases import slide_cases
-from springpot.host.stability.check import stability
-from springpot.host.stability.judgement import QUIET_MPS
 from springpot.host.stability.slides import SlideOutcome, run_slides
 from springpot.host.stability.verdict import slide_words, why_unbounded
+from springpot.native import built
 
 LUMP = Path(__file__).parents[2] / "golden" / "press" / "lump.spm"
 

@@ -9,25 +9,19 @@ import pytest
 from codegen.stages.test_lateral import at_depth, slow
 from support.small import DT_S, press, scene
 
-from springpot.codegen.errors import DataError
+from springpot import DataError, FitOptions, Recording, ScenePlaces, check_recordings
+from springpot.checks import Grade
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.scene import ScenePlaces
-from springpot.host.commands.scenes.validate import validation_rows
+from springpot.console import validation_rows
 from springpot.host.emission.emission import emit
-from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.stability.judgement import Grade
-from springpot.host.validation.parts import SlideError
-from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import Validation, validate
 from springpot.host.wings.export.exporting import export_recording
 from springpot.host.wings.report.findings import slide_findings
 from springpot.host.wings.report.relaxation import recorded_hold
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.modelling import fit_model
+from springpot.native import Replay, SceneLibrary
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
+from springpot.validation import SlideError, read_validation, store_validation
 
 pytestmark = pytest.mark.slow
 

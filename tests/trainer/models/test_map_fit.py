@@ -9,22 +9,16 @@ import numpy as np
 import pytest
 from support.small import DT_S, passive_model, press, scene
 
-from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.model import Model
+from springpot import DataError, FitOptions, Model, Recording, ScenePlaces, UsageError
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.scene import ScenePlaces
+from springpot.emission import make_plan
 from springpot.host.emission.emission import emit
-from springpot.host.native.trial_build import built
-from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
-from springpot.host.simulation.bench import ObjectMotion
-from springpot.host.simulation.objects import parse_url
 from springpot.host.validation.validation import validate
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.modelling import fit_model
+from springpot.native import built
+from springpot.simulation import ObjectMotion, load_protocol, parse_url
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
 
 Site = tuple[float, float]

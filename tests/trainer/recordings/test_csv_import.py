@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from springpot.codegen.errors import DataError
+from springpot import DataError, Recording
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-from springpot.trainer.recordings.recording import Recording
 
 GOOD = "time_s,position_m,force_N\n0.000,0,0\n0.001,0.1,1\n0.002,0.2,2\n0.003,0.3,3\n0.004,0.4,4\n"
 COMMA, HEAD = GOOD.replace(",", ";").replace(".", ","), "time_s;position_m;force_N\n"

@@ -17,12 +17,11 @@ import numpy as np
 import pytest
 from support.files.malformed import DBC, can_frames, malformed
 
-from springpot.codegen.errors import DataError, SpringpotError
+from springpot import DataError, Recording, SpringpotError
+from springpot.modelling import split_unit
 from springpot.trainer.recordings import recording_file
-from springpot.trainer.recordings.formats.column_map import split_unit
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 from springpot.trainer.recordings.journal_blocks import LAST_METADATA, SAMPLES, encode
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 COUNT = int(os.environ.get("SPRINGPOT_FUZZ", "100"))

@@ -13,14 +13,11 @@ from support.in_process import spring
 from support.small import training
 
 import springpot
-from springpot.codegen.errors import DataError
+from springpot import DataError, Recording, check_recordings
+from springpot.modelling import find_cycles, find_strokes
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import Finding, three_digits
-from springpot.trainer.recordings.quality.motion import find_strokes
 from springpot.trainer.recordings.quality.plausible import glance
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import write_recording
 
 TIME_S = np.arange(4000) * 1e-3

@@ -8,17 +8,11 @@ import pytest
 from support.messages import refusing
 from support.small import press, soft_force, training
 
-from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.formats.column_map import (
-    guess_column,
-    parse_map,
-    split_unit,
-)
+from springpot import DataError, FitOptions, Recording, UsageError
+from springpot.modelling import fit_model
+from springpot.trainer.recordings.formats.column_map import guess_column, parse_map, split_unit
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 from springpot.trainer.recordings.formats.specimen import Specimen, size_in_si
-from springpot.trainer.recordings.recording import Recording
 
 POSITION_M = press(1.0)
 FORCE_N = soft_force(POSITION_M)

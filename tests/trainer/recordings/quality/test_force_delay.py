@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot import Recording, check_recordings
+from springpot.modelling import Finding, find_cycles
 from springpot.trainer.recordings.quality.alignment import estimate_skew, low_pass_delay_s
-from springpot.trainer.recordings.quality.cycles import find_cycles
-from springpot.trainer.recordings.quality.finding import Finding
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
 
 TIME_S = np.arange(4000) * 1e-3
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from springpot.codegen.errors import DataError, UsageError
+from springpot import DataError, Recording, UsageError, check_recordings
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.trainer.recordings.formats.importing import (
@@ -17,8 +17,6 @@ from springpot.trainer.recordings.formats.importing import (
 )
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.journal_reader import journal_of, read_journal
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
 
 
 def press(name: str, place_m: tuple[float, float] | None, stiffness: float = 400.0) -> Recording:
