@@ -175,11 +175,10 @@ def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: boo
 
 
 def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
-    model = model_file(tmp_path)
-    emit(SHAPES["paper"], model, tmp_path / "c")
-    emit(SHAPES["plain"], model, tmp_path / "c")
+    model, mine = model_file(tmp_path), tmp_path / "mine"
+    for shape in ("paper", "plain"):
+        emit(SHAPES[shape], model, tmp_path / "c")
     assert not (tmp_path / "c" / "sp_couple.h").exists()
-    mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "thesis.txt").write_text("mine")
     with pytest.raises(UsageError, match="did not emit"):
