@@ -218,7 +218,8 @@ def test_an_existing_file_is_kept_where_that_is_asked(tmp_path: Path) -> None:
         *(({"force_n": wrong}, "force_n: ") for wrong in ([True] * 3, [0j] * 3, ["0"] * 3)),
         ({"position_m": np.ma.masked_less([0.0, 1.0, 2.0], 1.0)}, "position_m: "),
         ({"position_m": [[0.0], [0.0, 1.0]]}, "position_m: "),
-        *(({"name": name}, "a recording named|name") for name in ("a/b", 5, None)),
+        ({"name": "a/b"}, "a recording named"),
+        *(({"name": name}, "name") for name in (5, None)),
     ],
 )  # fmt: skip
 def test_what_is_no_recording_is_refused(changes: dict[str, object], told: str) -> None:
